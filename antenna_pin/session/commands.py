@@ -90,6 +90,10 @@ class Commands(MutableMapping[str, float]):
         """Refuse: what is commanded stays."""
         raise InvalidParameterError("session", "command", "set, not removed", name)
 
+    def __contains__(self, name: object) -> bool:
+        """Whether something of this name can be commanded."""
+        return name in self._places
+
     def __iter__(self) -> Iterator[str]:
         """Name what can be commanded."""
         return iter(self._places)

@@ -18,7 +18,7 @@ from typing import Any
 
 import xarray as xr
 
-from antenna_pin.analysis import quantities, quantity
+from antenna_pin.analysis import Quantity, quantities, quantity
 from antenna_pin.dynamics import acting_in
 from antenna_pin.elements import Element
 from antenna_pin.errors import AntennaPinError, UnknownNameError
@@ -48,7 +48,10 @@ class Numbers:
     def __init__(self, run: Run) -> None:
         """Find what there is."""
         self._quick: dict[str, Callable[[Moment], float]] = {}
+        #: Of those of the first kinds, by name.
         self.units: dict[str, str] = {}
+        #: Those that are an element's, which may be set.
+        self.settable: list[str] = []
         self.use(run)
         self._find_joints()
         for contact in run.system.contact_names:
@@ -63,6 +66,9 @@ class Numbers:
                     self._add(f"{one.place}.{key}", unit, self._of_element(one.place, key))
             if hasattr(one.element, "on"):
                 self._add(f"{one.place}.on", "1", self._of_element(one.place, "on"))
+        self.settable = [
+            name for name in self.units if name.rpartition(".")[0] in run.actions.adjustments.elements
+        ]
 
     def use(self, run: Run) -> None:
         """Have the numbers of a run; what was known of another is forgotten."""
@@ -100,9 +106,20 @@ class Numbers:
         """Return all names, each with its unit."""
         return {**self.units, **quantities(self.data)}
 
+    def unit(self, name: str) -> str:
+        """Return the unit of a number; "1" of one that has none.
+
+        Raises:
+            AntennaPinError: There is none of that name.
+        """
+        return self.units[name] if name in self.units else self._found(name).units
+
     def _quantity(self, name: str) -> float:
+        return float(self._found(name).values[-1])
+
+    def _found(self, name: str) -> Quantity:
         try:
-            return float(quantity(self.data, name).values[-1])
+            return quantity(self.data, name)
         except UnknownNameError as error:
             raise UnknownNameError("session", "number", name, self._near(name)) from error
 

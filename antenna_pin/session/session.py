@@ -218,6 +218,15 @@ class Session:
         """Return what can be read by name, each with its unit."""
         return self._numbers.names()
 
+    def unit(self, name: str) -> str:
+        """Return the unit of a number that can be read."""
+        return self._numbers.unit(name)
+
+    @property
+    def settable(self) -> list[str]:
+        """Places of the elements' numbers."""
+        return self._numbers.settable
+
     def _ipython_key_completions_(self) -> list[str]:
         return list(self.names())
 
