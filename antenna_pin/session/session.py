@@ -257,11 +257,10 @@ class Session:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What was commanded so far, as events of a run with the same numbers; none at time zero."""
+        """What was commanded so far, as events of a run from its beginning, with the same numbers."""
         return tuple(
             Event(name=f"command {k}: {action.place}", when=Time(t), action=action)
             for k, (t, action) in enumerate(self._commanded, 1)
-            if t > 0.0
         )
 
     def trajectory(self) -> Trajectory:

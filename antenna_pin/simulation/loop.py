@@ -114,7 +114,8 @@ class Run:
         self.actions.begin()
         self.stepper.refresh()
         self.watch.renew()
-        self.samples.add(0.0, y.copy())
+        self._act(self.watch.due())
+        self.samples.add(0.0, self.here.copy())
         self.following = self.control.first
 
     # --- what there is at the end ---------------------------------------------------------------------------

@@ -197,6 +197,32 @@ def test_energy_that_commands_bring_in_is_in_the_ledger(short):
     assert abs(run.data["energy_error"].values[-1]) < 1e-6 * run.data["kinetic_energy"].values.max()
 
 
+def test_commands_at_time_zero_hold_from_the_start(short):
+    session = start(short)
+    session.command["elevation"] = 2.0
+    session.step(0.01)
+    run = session.trajectory()
+    same = simulate(short, duration=0.01, events=session.events)
+    assert set(differences(run, same)) <= {"event_time", "event_energy"}  # of none at zero
+    other = simulate(short.with_overrides({MOTOR: 2.0}), duration=0.01)
+    for name in ("q", "v", "a", "drive_torque", "drive_work", "energy_error"):
+        assert np.array_equal(run.data[name].values, other.data[name].values), name
+
+
+def test_an_instant_is_met_exactly_where_the_way_to_it_is_rounded(short):
+    """The sum of a time and a long way may be off by the last digit: no step is made of that."""
+    first = 1e-3
+    instant = next(t for t in np.linspace(0.005, 0.0065, 999) if first + (t - first) != t)
+    scenario = short.with_overrides({"integrator.first_step": first})
+    goes = [Event(name="x", when=Time(float(instant)))]
+    run = simulate(scenario, duration=0.02, events=goes)
+    assert run.data["event_time"].values.tolist() == [instant]
+    plain = simulate(scenario, duration=float(instant))
+    assert run.counts.accepted == plain.counts.accepted + 2  # the way from there to the end, in two steps
+    commands = [(float(instant), MOTOR, 1.0)]
+    assert differences(told(scenario, commands, 0.02).trajectory(), at_once(scenario, commands, 0.02)) == []
+
+
 # --- conditions ---------------------------------------------------------------------------------------------
 
 
