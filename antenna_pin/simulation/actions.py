@@ -91,7 +91,7 @@ class Actions:
         self._samples.add(self._stepper.t, self._here.copy())
         return event.name if new and count >= event.after and isinstance(action, Stop) else None
 
-    def command(self, name: str, action: Set) -> None:
+    def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""
         energy = self._carry_out(name, action)
         if self._stepper.t > self._begin:

@@ -209,10 +209,10 @@ class Run:
             self.message += self.singular.words()
         self.message += self.oversight.words(self.outcome)
 
-    def command(self, name: str, action: Set) -> None:
+    def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""
         with self.oversight.listening(self._stop), self._settling():
-            self.actions.command(name, action)
+            self.actions.obey(name, action)
 
     def look_for(self, events: Sequence[Event], singly: bool) -> None:
         """Look from now on for these events beside those that the system has; what is known of them stays."""

@@ -106,7 +106,7 @@ class OpenRun:
         Raises:
             AntennaPinError: There is no such number, or it cannot have this value; nothing is changed.
         """
-        self.run.command(name, action)
+        self.run.obey(name, action)
         self._mark = self._again = self.run.left = None
 
     def may_go_on(self) -> None:

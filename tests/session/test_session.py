@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import signal
 import time
 
 import numpy as np
@@ -339,6 +340,25 @@ def test_a_system_built_in_python(short):
         events=[Event(name="x", when=Time(0.02), action=Set(MOTOR, 1.0))],
     )
     assert differences(session.trajectory(), whole) == []
+
+
+def test_ctrl_c_leaves_it_between_two_steps_and_it_may_go_on():
+    scenario = antenna()
+    pressed = []
+
+    def presses(moment):
+        if moment.time > 0.012 and not pressed:
+            pressed.append(moment.time)
+            signal.raise_signal(signal.SIGINT)
+        return 1.0
+
+    watched = [Event(name="x", when=presses)]
+    session = start(scenario, events=watched)
+    with pytest.raises(KeyboardInterrupt):
+        session.run_until(0.02)
+    assert 0.0 < session.time < 0.02 and session.outcome is Outcome.COMPLETED
+    assert session.run_until(0.02)
+    assert differences(session.trajectory(), simulate(scenario, duration=0.02, events=watched)) == []
 
 
 # --- the end, the past, what it costs -----------------------------------------------------------------------
