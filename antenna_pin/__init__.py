@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from antenna_pin.linear import Modes, modes
     from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism
     from antenna_pin.scenario import Scenario, list_scenarios, load_scenario, models_path
+    from antenna_pin.session import Session, start
     from antenna_pin.settings import ErrorScales, RunSettings
     from antenna_pin.simulation import Progress, simulate
     from antenna_pin.sweep import Study, load_study, open_study, run_study
@@ -42,6 +43,7 @@ _HOMES = {
     "Progress": "simulation",
     "RunSettings": "settings",
     "Scenario": "scenario",
+    "Session": "session",
     "Study": "sweep",
     "System": "dynamics",
     "Trajectory": "trajectory",
@@ -58,6 +60,7 @@ _HOMES = {
     "open_study": "sweep",
     "run_study": "sweep",
     "simulate": "simulation",
+    "start": "session",
     "urdf_variant": "assemble",
 }
 
@@ -75,6 +78,7 @@ __all__ = [
     "Progress",
     "RunSettings",
     "Scenario",
+    "Session",
     "Study",
     "System",
     "Trajectory",
@@ -91,6 +95,7 @@ __all__ = [
     "open_study",
     "run_study",
     "simulate",
+    "start",
     "urdf_variant",
 ]
 

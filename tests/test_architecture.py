@@ -59,6 +59,8 @@ def graph():
         ("pint", {"units"}),
         ("jinja2", {"report"}),
         ("markupsafe", {"report"}),
+        ("pythonfmu3", {"fmu"}),
+        ("fmpy", set()),
     ],
 )
 def test_a_library_is_known_to_its_rooms_only(graph, package, rooms):

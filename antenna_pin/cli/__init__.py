@@ -21,6 +21,7 @@ from antenna_pin.cli import (
     analyse,
     bifurcation,
     contact,
+    export,
     figures,
     impacts,
     info,
@@ -140,7 +141,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
 for _name, _command in _COMMANDS.items():
     app.command(_name)(one_line_errors(with_plain_numbers(_command)))
 
-for _group in (contact.app, study.app, vibration.app):
+for _group in (contact.app, study.app, vibration.app, export.app):
     for _registered in _group.registered_commands:
         assert _registered.callback is not None
         _registered.callback = one_line_errors(with_plain_numbers(_registered.callback))

@@ -84,6 +84,15 @@ class Adjustments:
             raise UnknownNameError("Set", f"number of {element}", key, keys)
         self.values[place] = float(value)
 
+    def kept(self) -> tuple[Array, dict[str, float], dict[str, ForceElement]]:
+        """Return what is needed to go back to these numbers."""
+        return self._program.copy(), dict(self.values), dict(self.elements)
+
+    def go_back(self, kept: tuple[Array, dict[str, float], dict[str, ForceElement]]) -> None:
+        """Have the numbers that there were when this was kept."""
+        self._program[:] = kept[0]
+        self.values, self.elements = dict(kept[1]), dict(kept[2])
+
     def change(self, element: str, change: Change) -> None:
         """Bring an element, by its place, into another mode."""
         source = self.elements[element]

@@ -43,7 +43,8 @@ class Pace:
     ) -> None:
         """Begin without instants."""
         self.numbers = np.zeros(1, kernels.PACE)
-        self.breaks = self._given = np.zeros(0)
+        self.breaks = self._instants = np.zeros(0)
+        self._series = 0.0, np.inf
         given: dict[str, Any] = {"adaptive": adaptive, "power": power, "step": step, "least": least}
         given |= {"end": end, "integral": control[0], "proportional": control[1]}
         for name, value in given.items():
@@ -52,10 +53,13 @@ class Pace:
 
     def end_at(self, instants: Iterable[float]) -> None:
         """Let steps end at further instants [s]."""
-        end = float(self.numbers["end"][0])
-        self.breaks = np.array(sorted({*self._given.tolist(), *(t for t in instants if 0.0 < t < end)}))
-        self.numbers["next"] = 0
-        self._given = self.breaks
+        self._instants = np.array(sorted({*self._instants.tolist(), *(t for t in instants if t > 0.0)}))
+        self._renew()
+
+    def move_end(self, end: float) -> None:
+        """Let the run end at another time [s]."""
+        self.numbers["end"] = end
+        self._renew()
 
     def end_next_at(self, here: float, instant: float) -> None:
         """Let a step end at an instant of a series, beside those given, in place of the last one named so.
@@ -64,12 +68,18 @@ class Pace:
             here: Where steps begin [s].
             instant: When; infinity for none any more [s].
         """
-        if instant < float(self.numbers["end"][0]):
-            first, last = np.searchsorted(self._given, [here, instant], side="right")
-            self.breaks = np.append(self._given[first:last], instant)
-        else:
-            self.breaks = self._given
+        self._series = here, instant
+        self._renew()
+
+    def _renew(self) -> None:
+        """Write the instants ahead: up to the next of the series, which names another when it is there."""
+        end, (here, instant) = float(self.numbers["end"][0]), self._series
         self.numbers["next"] = 0
+        if instant < end:
+            first, last = np.searchsorted(self._instants, [here, instant], side="right")
+            self.breaks = np.append(self._instants[first:last], instant)
+        else:
+            self.breaks = self._instants[: np.searchsorted(self._instants, end)]
 
 
 class Sizes:
@@ -109,6 +119,7 @@ class Sizes:
 
     def take_up(self, sizes: Iterable[tuple[str, float]]) -> None:
         """Go on with what another run has left."""
+        self.table.count[0] = 0
         for name, size in sizes:
             self.make_room()
             count = int(self.table.count[0])

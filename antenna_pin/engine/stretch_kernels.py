@@ -278,8 +278,10 @@ def accept(loop: Loop) -> None:
     loop.numbers.outside.asked[0].new = 1
     if loop.search.turns.shape[0] > 0:
         loop.pace[0].spin = turn_on(loop.numbers.program, loop.search.turns, work[stages + START])
-    if s.t > s.end - 1e-15 * s.end:
-        s.t = s.end
+    last = loop.pace[0].next >= loop.breaks.shape[0]
+    aim = s.end if last else loop.breaks[loop.pace[0].next]
+    if s.t >= s.end or abs(s.t - aim) <= 1e-15 * aim:  # by the round-off of a sum: a step ends where it is to
+        s.t = min(aim, s.end)
     s.accepted += 1
     s.phase = FRESH
 
@@ -301,7 +303,7 @@ def sample(loop: Loop, moment: float, tried: float) -> None:
     if loop.numbers.plan.shape[0] > 0:
         close(moment, buffers.states, s.samples, loop.space, loop.numbers)
     remember(loop, loop.book.memory)
-    buffers.times[s.samples] = min(moment, s.end)
+    buffers.times[s.samples] = moment
     buffers.early[s.samples] = 0
     s.samples += 1
 

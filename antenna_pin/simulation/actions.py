@@ -101,20 +101,7 @@ class Actions:
         new = self._stepper.t > self._begin  # the others were the run's that was before
         energy = 0.0
         if count >= event.after and isinstance(action, Set | Jump):
-            energy = -self._energy()
-            if isinstance(action, Set):
-                self.set(action.place, action.value)
-                element, _, key = action.place.rpartition(".")
-                if key == "on" and action.value:
-                    self.modes.arm(element, self._stepper.t, self._here)
-                    self._renew()
-            else:
-                self._jump(event.name, action)
-            energy += self._energy()
-            self._stepper.refresh()
-            self._watch.renew()
-            if self.modes and (due := self.modes.due(self._stepper.t, self._here)) is not None:
-                self._switch(due)
+            energy = self._carry_out(event.name, action)
         self._keep(event, count >= event.after)
         if new:
             self.happened.append(Happening(event.name, self._stepper.t, energy))
@@ -126,6 +113,35 @@ class Actions:
         if self.passages is not None:
             done = tuple(self.modes.done)
             self.passages.append(Passage(event, acts, done, self._workspace.program.copy()))
+
+    def obey(self, name: str, action: Set) -> None:
+        """Do at the present state what an event of this name would that happened here."""
+        energy = self._carry_out(name, action)
+        if self._stepper.t > self._begin:
+            self.happened.append(Happening(name, self._stepper.t, energy))
+        self._samples.add(self._stepper.t, self._here.copy())
+
+    def _carry_out(self, name: str, action: Set | Jump) -> float:
+        """Change what an event changes, and what changes by that; return the energy brought in [J]."""
+        energy = -self._energy()
+        if isinstance(action, Set):
+            self.set(action.place, action.value)
+            element, _, key = action.place.rpartition(".")
+            if key == "on" and action.value:
+                self.modes.arm(element, self._stepper.t, self._here)
+                self._renew()
+        else:
+            self._jump(name, action)
+        energy += self._energy()
+        self._stepper.refresh()
+        self._watch.renew()
+        if self.modes and (due := self.modes.due(self._stepper.t, self._here)) is not None:
+            self._switch(due)
+        return energy
+
+    def look_by(self, watch: Watch) -> None:
+        """Do from now on what the events of another watch ask for."""
+        self._watch = watch
 
     def begin(self) -> None:
         """Bring elements into the modes that they have at the start of a run."""

@@ -63,6 +63,11 @@ class StepControl:
         """Let a step end at the next instant of the run's controllers, for steps that begin here [s]."""
         self.pace.end_next_at(here, instant)
 
+    def move_end(self, end: float) -> None:
+        """Let the run end at another time [s]."""
+        self.end = end
+        self.pace.move_end(end)
+
     def renew(self, elements: Iterable[ForceElement]) -> None:
         """Look how long a step may be with elements that have changed."""
         longest = self.settings.max_step

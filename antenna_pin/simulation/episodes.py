@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +17,29 @@ from antenna_pin.records import MEMORY, memory_numbers, memory_records
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.state import OpenContact, State
 
-__all__ = ["Episodes"]
+__all__ = ["Episodes", "Kept"]
 
 Array = NDArray[np.float64]
 
 _KEPT = ("memory", "peaks", "open", "moments", "states", "memories")  # of the book, of each contact
 _ROOM = 64  # episodes, to begin with
 _TOLERANCE = 1e-9  # of the play, that a gap must come to at an event
+
+
+class Kept(NamedTuple):
+    """What the record of contacts can go back to.
+
+    Attributes:
+        arrays: What is there once for each contact, by name.
+        touching: Numbers of the episodes that lasted.
+        episodes: These, EPISODE.
+        number: How many episodes there were.
+    """
+
+    arrays: Mapping[str, NDArray[Any]]
+    touching: NDArray[np.int64]
+    episodes: NDArray[Any]
+    number: int
 
 
 class Episodes:
@@ -107,6 +123,33 @@ class Episodes:
             if book.moments[c] >= self.begin:
                 self.samples.insert(float(book.moments[c]), book.states[c], book.memories[c].copy())
             book.moments[c] = math.nan
+
+    # --- to go back -----------------------------------------------------------------------------------------
+
+    def kept(self) -> Kept:
+        """Return what is needed to go back to this record, whatever comes to it."""
+        book = self.book
+        touching = book.open[book.open >= 0]
+        arrays = {name: getattr(book, name).copy() for name in _KEPT}
+        return Kept(arrays, touching, book.episodes[touching], int(book.count[0]))
+
+    def go_back(self, kept: Kept) -> None:
+        """Hold the record that was held when this was kept."""
+        for name, array in kept.arrays.items():
+            getattr(self.book, name)[:] = array
+        self.book.episodes[kept.touching] = kept.episodes
+        self.book.count[0] = kept.number
+
+    def forget_before(self, t: float) -> None:
+        """Record from a time on [s]; what was kept before is of no use any more."""
+        self.begin = t
+        book, count = self.book, int(self.book.count[0])
+        mine = ~(book.episodes["release"][:count] < t)
+        numbers = np.cumsum(mine) - 1
+        left = int(mine.sum())
+        book.episodes[:left] = book.episodes[:count][mine]
+        book.open[book.open >= 0] = numbers[book.open[book.open >= 0]]
+        book.count[0] = left
 
     # --- as a value -----------------------------------------------------------------------------------------
 

@@ -133,15 +133,16 @@ class Time:
     """Instants are reached; steps end on them exactly.
 
     Args:
-        instants: When, later than zero [s], or as text with a unit.
+        instants: When, zero or later [s], or as text with a unit. At zero nothing is recorded: what is set
+            there holds from the start.
     """
 
     __slots__ = ("instants",)
 
     def __init__(self, *instants: float | str) -> None:
         """Check and sort them."""
-        if not instants or not all(holds(t, "positive") for t in instants):
-            raise InvalidParameterError("Time", "instants", "one or more positive times [s]", instants)
+        if not instants or not all(holds(t, "zero or more") for t in instants):
+            raise InvalidParameterError("Time", "instants", "one or more times of zero or more [s]", instants)
         self.instants = tuple(sorted({float(t) for t in instants}))
 
     def __call__(self, moment: Moment) -> float:

@@ -59,7 +59,7 @@ class Expected:
 
     def look(self, t: float, made: Made) -> bool:
         """Look at a run that has come to t [s], if it is time to; return whether it is to be told of."""
-        if not made.wall >= self._next:
+        if not made.wall >= self._next or self._end == math.inf:
             return False
         then, way = self._mark[1], self.measure(t, made)
         self._mark = t, made

@@ -1,13 +1,15 @@
-"""Events of a run from a scenario's tables."""
+"""What of a run stands in a scenario: its settings and events; and a scenario as it was run."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 from antenna_pin.control import Controller
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import Scenario
+from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import (
     Action,
     Angle,
@@ -22,9 +24,36 @@ from antenna_pin.simulation.events import (
     Time,
 )
 
-__all__ = ["both", "check_without_controllers", "controllers_of", "events_of"]
+__all__ = ["as_run", "both", "check_without_controllers", "controllers_of", "events_of", "settings_of"]
 
 _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"both": 0, "rising": 1, "falling": -1}
+
+
+def settings_of(scenario: Scenario) -> RunSettings:
+    """Return how a scenario is to be integrated and sampled."""
+    output = scenario.output
+    settings: RunSettings = scenario.integrator.build(
+        output_rate=output.rate, output_times=output.times, output_form=output.form
+    )
+    return settings
+
+
+def as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scenario:
+    """Return the scenario with what was given beside it, so that the result tells how to repeat it."""
+    changes: dict[str, Any] = {}
+    planned = settings_of(scenario)
+    for name, place in (("", "integrator"), ("scales", "integrator.scales")):
+        used, told = (getattr(one, name) if name else one for one in (settings, planned))
+        for field in dataclasses.fields(used):
+            value = getattr(used, field.name)
+            if field.name != "scales" and value is not None and value != getattr(told, field.name):
+                output = field.name.startswith("output_")
+                changes[field.name.replace("_", ".") if output else f"{place}.{field.name}"] = value
+    if duration != scenario.duration and not changes:
+        return scenario.lasting(duration)
+    if duration != scenario.duration:
+        changes = {"duration": duration, **changes}
+    return scenario.with_overrides(changes) if changes else scenario
 
 
 def events_of(scenario: Scenario) -> tuple[Event, ...]:

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any
 
@@ -26,11 +27,10 @@ from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episodes
-from antenna_pin.simulation.events import Event
-from antenna_pin.simulation.kinks import edges_of, ends_of, kinks_of
-from antenna_pin.simulation.modes import NeverSettlesError, switches_of
+from antenna_pin.simulation.events import Event, Set
+from antenna_pin.simulation.modes import NeverSettlesError, own_events
 from antenna_pin.simulation.oversight import Oversight
-from antenna_pin.simulation.progress import Keeping, Progress, Reporter
+from antenna_pin.simulation.progress import Foreseeing, Keeping, Progress, Reporter
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.search import ContactSearch
@@ -77,6 +77,8 @@ class Run:
         self.system, self.settings = system, settings
         self.workspace = Workspace(system)
         self.duration = end
+        #: Told of the first step that the run's end cuts, before it is made, and of events that are foreseen.
+        self.foreseen: Foreseeing | None = None
         #: From when on it records [s].
         self.begin = since if since is not None else start.reached if isinstance(start, State) else 0.0
         method = method_named(settings.method)
@@ -87,11 +89,7 @@ class Run:
         self.contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
         self.search = ContactSearch(self.workspace, self.stepper, self.contacts)
         self.events = tuple(events)
-        self.watch = Watch(
-            (*self.events, *ends_of(system), *kinks_of(system), *edges_of(system), *switches_of(system)),
-            self.workspace,
-            self.stepper,
-        )
+        self.watch = Watch((*self.events, *own_events(system)), self.workspace, self.stepper)
         self.control.end_at(self.watch.instants)
         worked_on = self.workspace, self.stepper, self.control, self.samples
         self.actions = Actions(self.watch, *worked_on, self.begin)
@@ -99,8 +97,7 @@ class Run:
         self.watch.tick = self.ticks.next
         self.oversight = Oversight(self.workspace, self.control, self.events)
         self.singular = None if system.plan is None else Singularities(Workspace(system))
-        parts = Parts(self.control, self.samples, self.contacts, self.search, self.watch, self.singular)
-        self.steps = Stretches(self.stepper, parts, singly)
+        self.steps = Stretches(self.stepper, self._parts(), singly)
         self._ahead: list[list[Crossing]] = []
         self.outcome, self.message = Outcome.COMPLETED, Outcome.COMPLETED.value
         self.wall = 0.0
@@ -109,6 +106,9 @@ class Run:
             take_up(self, start)
         else:
             self._start(start)
+
+    def _parts(self) -> Parts:
+        return Parts(self.control, self.samples, self.contacts, self.search, self.watch, self.singular)
 
     def _start(self, y: Array) -> None:
         self.stepper.restart(0.0, y)
@@ -121,7 +121,8 @@ class Run:
         self.actions.begin()
         self.stepper.refresh()
         self.watch.renew()
-        self.samples.add(0.0, y.copy())
+        self._act(self.watch.due())
+        self.samples.add(0.0, self.here.copy())
         self.following = self.control.first
 
     # --- what there is at the end ---------------------------------------------------------------------------
@@ -178,25 +179,72 @@ class Run:
         with self.oversight.listening(self._stop):
             self.oversight.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))
             self.tick()
-            while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
-                self._step()
-                self.wall = report.wall
-                if self.outcome is not Outcome.COMPLETED or not self._may_go_on(interrupted()):
-                    break
+            for _ in self._way(lambda: report.wall, interrupted):
                 report(self.stepper.t, self.steps.following, self.steps.accepted)
                 if keep is not None:
                     keep.look(self)
-            self._stop(*self.oversight.end(self.outcome))
+        self.judge()
         if keep is not None:
             keep.end(self)
+        self.complete()
+        self.wall = report.wall
+        report(self.stepper.t, self.steps.following, self.steps.accepted, last=True)
+
+    def go_to(self, end: float, interrupted: Callable[[], bool] = lambda: False) -> None:
+        """Run up to a time [s], from which it may go on to another, or to what ends it earlier."""
+        clock = Reporter(None, end, self.wall)
+        self.duration = end
+        self.control.move_end(end)
+        self.steps.move_end(end)
+        with self.oversight.listening(self._stop):
+            if not self.steps.made:
+                self.oversight.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))
+            self.tick()
+            for _ in self._way(lambda: clock.wall, interrupted):
+                if self.foreseen is not None:
+                    self.foreseen.step()
+
+    def judge(self) -> None:
+        """Look whether what the run has come to means nothing after all."""
+        with self.oversight.listening(self._stop):
+            self._stop(*self.oversight.end(self.outcome))
+
+    def complete(self) -> None:
+        """Complete the record of a run that has come to its end."""
         self.left = dataclasses.replace(self.state, reached=self.stepper.t)
         self.contacts.close()
         self.samples.finish(self.stepper.t, self.here.copy())
         if self.singular is not None:
             self.message += self.singular.words()
         self.message += self.oversight.words(self.outcome)
-        self.wall = report.wall
-        report(self.stepper.t, self.steps.following, self.steps.accepted, last=True)
+
+    def obey(self, name: str, action: Set) -> None:
+        """Do at the present state what an event of this name would that happened here."""
+        with self.oversight.listening(self._stop), self._settling():
+            self.actions.obey(name, action)
+
+    def look_for(self, events: Sequence[Event], singly: bool) -> None:
+        """Look from now on for these events beside those that the system has; what is known of them stays."""
+        known = self.watch.value()
+        self.events = tuple(events)
+        self.watch = Watch((*self.events, *own_events(self.system)), self.workspace, self.stepper)
+        self.watch.take_up(known, self.stepper.t)
+        self.watch.tick = self.ticks.next
+        self.control.end_at(self.watch.instants)
+        self.actions.look_by(self.watch)
+        steps = self.steps
+        self.steps = Stretches(self.stepper, self._parts(), singly)
+        self.steps.take_up(steps)
+        self.watch.renew()
+
+    def _way(self, wall: Callable[[], float], interrupted: Callable[[], bool]) -> Iterator[None]:
+        """Make steps to the end, or to what ends the run earlier; yield between them."""
+        while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
+            self._step()
+            self.wall = wall()
+            if self.outcome is not Outcome.COMPLETED or not self._may_go_on(interrupted()):
+                return
+            yield
 
     def _may_go_on(self, interrupted: bool) -> bool:
         made = self.steps.so_far(self.wall)
@@ -213,9 +261,12 @@ class Run:
         if self.watch and (reason == kernels.MOVED_ON or self.steps.has_moved):
             self.watch.renew()
         if reason == kernels.CUT_BY_END:
-            self.left = self.present() if self.left is None else self.left
+            if self.left is None:
+                self.left = self.present() if self.foreseen is None else self.foreseen.end()
         elif reason == kernels.TRIAL_STANDS:
             self._ahead = self.watch.ahead()
+            if self.foreseen is not None:
+                self.foreseen.events(self._ahead)
             self.steps.search_until(self._ahead[0][0].theta if self._ahead else 2.0)
         elif reason == kernels.EVENT:
             self._happen(self._ahead)
@@ -294,13 +345,21 @@ class Run:
 
     def _act(self, crossings: list[Crossing]) -> None:
         for crossing in crossings:
-            try:
+            last = None
+            with self._settling():
                 last = self.actions.take(crossing)
-            except NeverSettlesError as error:
-                self._stop(Outcome.NO_PROGRESS, f", {error} comes to no mode in which it stays")
-                return
             if last is not None:
                 self._stop(Outcome.STOPPED, f", event {last!r}")
+            elif self.outcome is Outcome.NO_PROGRESS:
+                return
+
+    @contextmanager
+    def _settling(self) -> Iterator[None]:
+        """End the run where modes of elements come to no end."""
+        try:
+            yield
+        except NeverSettlesError as error:
+            self._stop(Outcome.NO_PROGRESS, f", {error} comes to no mode in which it stays")
 
     def _stop(self, outcome: Outcome | None, what: str = "") -> bool:
         """End the run for a reason; return whether there is none."""

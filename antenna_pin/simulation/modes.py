@@ -21,12 +21,13 @@ from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import FAMILIES, LOSS, Change, Met, Modal, StickingFriction
 from antenna_pin.errors import MechanismError
 from antenna_pin.simulation.events import Event
+from antenna_pin.simulation.kinks import edges_of, ends_of, kinks_of
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.own_actions import STILL, Switch
 from antenna_pin.simulation.passages import Blow, Turned
 from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 
-__all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "switches_of"]
+__all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "own_events", "switches_of"]
 
 Array = NDArray[np.float64]
 
@@ -104,6 +105,11 @@ def switches_of(system: System) -> tuple[Event, ...]:
         if isinstance(one.element, Modal) and one.element.ever_changes
         for k in range(one.element.switches)
     )
+
+
+def own_events(system: System) -> tuple[Event, ...]:
+    """Return what every run of a system looks for itself."""
+    return (*ends_of(system), *kinks_of(system), *edges_of(system), *switches_of(system))
 
 
 class Modes:

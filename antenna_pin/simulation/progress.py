@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-__all__ = ["Keeping", "Progress", "Reporter"]
+from antenna_pin.state import State
+
+__all__ = ["Foreseeing", "Keeping", "Progress", "Reporter"]
 
 _INTERVAL = 0.1  # [s] of wall time between reports
 
@@ -39,6 +41,19 @@ class Keeping(Protocol):
 
     def end(self, run: Any) -> None:
         """See it after its last step, before its record is completed."""
+
+
+class Foreseeing(Protocol):
+    """What is told of things to come in a run, before it comes to them."""
+
+    def step(self) -> None:
+        """Hear that a step is made, and more are to come."""
+
+    def end(self) -> State:
+        """Hear that the next step is the first that the run's end cuts; return the state there."""
+
+    def events(self, ahead: Sequence[Sequence[Any]]) -> None:
+        """Hear which events are in the step that was tried: as they come, those at one instant together."""
 
 
 class Reporter:

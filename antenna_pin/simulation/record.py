@@ -18,6 +18,7 @@ from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.motors import motors_of
 from antenna_pin.simulation.parts import Parts
+from antenna_pin.simulation.samples import Chunk, Samples
 from antenna_pin.simulation.seen import Seen
 from antenna_pin.simulation.sources import SERIES, TOTALS, episodes_of, sizes_of
 from antenna_pin.simulation.tick_record import labels_of_ticks, values_of_ticks
@@ -26,7 +27,7 @@ from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
 from antenna_pin.trajectory.labelled import labelled
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = ["Recording", "dataset"]
+__all__ = ["Recording", "at_present", "dataset"]
 
 Values = Mapping[str, Any]
 
@@ -61,22 +62,38 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
     return recording.labelled(whole, about, lean=lean)
 
 
+def at_present(run: Run) -> xr.Dataset:
+    """Return the series of a run at its first sample and at its present state, as a result has them."""
+    held, outcome = run.samples.held, (run.outcome, run.message)
+    t, memory = run.stepper.t, run.workspace.memory
+    here = Chunk(np.array([t]), run.here[np.newaxis], memory[np.newaxis], [run.samples.program])
+    samples = Samples(run.workspace, 1.0, (), run.begin, t)
+    before = held.times[:1] < t
+    samples.take_up(Chunk.joined([held.part(0, 1), here]) if before.any() else here)
+    recording = Recording(run, samples=samples)
+    ((_, values),) = recording.blocks()
+    run.outcome, run.message = outcome  # what is recorded of an instant is no judgement of the run
+    return recording.labelled(values, {})
+
+
 class Recording:
     """What the samples of a finished run imply, found block by block; totals and peaks as they come.
 
     Args:
         run: The run.
         parts: Its samples before those that it has in memory.
+        samples: Others than its own, that are to be recorded.
 
     Attributes:
         count: Samples in all.
     """
 
-    def __init__(self, run: Run, parts: Parts | None = None) -> None:
+    def __init__(self, run: Run, parts: Parts | None = None, samples: Samples | None = None) -> None:
         """Count the samples."""
         self.run = run
         self._parts = parts
-        self.count = count_of(run.samples, parts)
+        self._samples = run.samples if samples is None else samples
+        self.count = count_of(self._samples, parts)
         self._labels: dict[str, Any] = {}
         self._last: Seen | None = None
         self._totals: dict[str, Any] = {}
@@ -87,7 +104,7 @@ class Recording:
     def blocks(self) -> Iterator[tuple[int, Values]]:
         """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""
         first = 0
-        for chunk in blocks_of(self.run.samples, self._parts):
+        for chunk in blocks_of(self._samples, self._parts):
             system = self.run.system
             found = observed(system, chunk.times, chunk.states, chunk.memories, chunk.programs)
             seen = Seen(self.run, *chunk, found, None if self._last is None else self._last.end)
@@ -226,6 +243,6 @@ def _labels(seen: Seen) -> dict[str, Any]:
     modes = seen.run.actions.modes
     if modes:
         labels["change"] = [one.name for one in modes.changed if one.time > seen.run.begin]
-    if seen.run.events or modes:
+    if seen.run.events or modes or seen.run.actions.happened:
         labels["event"] = [one.name for one in seen.run.actions.happened]
     return labels

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import math
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,7 +39,7 @@ from antenna_pin.simulation.check_controllers import check_controllers
 from antenna_pin.simulation.checkpoint import Checkpoint, about_run, check_same
 from antenna_pin.simulation.events import Event, check_events
 from antenna_pin.simulation.finish import finished
-from antenna_pin.simulation.from_scenario import both, controllers_of, events_of
+from antenna_pin.simulation.from_scenario import as_run, both, controllers_of, events_of, settings_of
 from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.progress import Progress
@@ -52,13 +51,110 @@ from antenna_pin.units import shown
 __all__ = ["check_scenario", "settings_of", "simulate"]
 
 
-def settings_of(scenario: Scenario) -> RunSettings:
-    """Return how a scenario is to be integrated and sampled."""
-    output = scenario.output
-    settings: RunSettings = scenario.integrator.build(
-        output_rate=output.rate, output_times=output.times, output_form=output.form
-    )
-    return settings
+class First(NamedTuple):
+    """Where a run starts, as its user gives it (:func:`simulate`)."""
+
+    q: ArrayLike | None = None
+    v: ArrayLike | None = None
+    angles: Mapping[str, float] | None = None
+    start: State | None = None
+
+    def told(self, scenario: Scenario | None) -> str:
+        """Return where from, in words; empty if from where the scenario starts, or without one."""
+        if self.start is not None:
+            return f"another run's state at {self.start.reached:.12g} s: the first sample"
+        own = scenario is None or (self.q is None and self.v is None)
+        return "" if own else "given in Python: the first sample"
+
+
+class Ready(NamedTuple):
+    """What a run is made of, all of it looked at.
+
+    Attributes:
+        system: What is run.
+        scenario: What it came from; None for a system built in Python.
+        settings: How it is integrated and sampled.
+        events: What is looked for.
+        begin: From when on it records [s].
+        span: How long it is to be [s]; None where nobody has said.
+        first: A state that a run left, or the first one as [q, v, x].
+    """
+
+    system: System
+    scenario: Scenario | None
+    settings: RunSettings
+    events: tuple[Event, ...]
+    begin: float
+    span: float | None
+    first: State | np.ndarray
+
+
+def prepared(
+    place: str,
+    model: Scenario | System,
+    given: First,
+    settings: RunSettings | None,
+    events: Sequence[Event],
+    duration: float | None,
+    begin: float | None = None,
+) -> Ready:
+    """Return what a run is made of, or refuse it before any work.
+
+    Args:
+        place: Who asks, for messages.
+        model: What to run.
+        given: Where it starts.
+        settings: Integration and sampling; the scenario's, or the defaults.
+        events: What to look for beside the scenario's own.
+        duration: Time span [s]; the scenario's if not given.
+        begin: From when on it records, if not from where it starts [s].
+
+    Raises:
+        AntennaPinError: The input is not valid.
+    """
+    q, v, angles, start = given
+    for name, one in (("q", q), ("v", v), ("angles", angles)):
+        if start is not None and one is not None:
+            raise InvalidParameterError(place, name, "left out beside start, which holds it", one)
+    scenario = model if isinstance(model, Scenario) else None
+    if scenario is not None:
+        system = build_system(scenario)
+        first_q, first_v = initial_state(scenario, system)
+        if q is None:
+            angles = {**initial_angles(scenario, system), **(angles or {})}
+        span: float | None = scenario.duration if duration is None else duration
+        used = settings or settings_of(scenario)
+        events = (*events_of(scenario), *events)
+    elif isinstance(model, System):
+        system = model
+        first_q, first_v = system.neutral(), np.zeros(system.model.nv)
+        span, used = duration, settings or RunSettings()
+    else:
+        raise InvalidParameterError(place, "model", "a Scenario or a System", type(model).__name__)
+    if span is not None and not holds(span, "positive"):
+        raise InvalidParameterError(place, "duration", "positive and finite [s]", span)
+    if start is not None:
+        check_sizes(system, start)
+    start_q = first_q if q is None else _numbers(place, "q", q)
+    start_v = first_v if v is None else _numbers(place, "v", v)
+    if begin is None:
+        begin = 0.0 if start is None else start.reached
+    if span is not None:
+        _check_settings(place, used, begin, begin + span, None if settings is not None else scenario)
+        check_spans(system, begin, begin + span)
+    first: State | np.ndarray
+    if start is None:
+        here, y = begin, system.state(start_q, start_v, angles)
+        check_closed(system, y)
+        check_start(system, y)
+        check_lengths(system, y)
+        first = y
+    else:
+        here, y, first = start.reached, start.y, start
+    if span is not None:
+        check_motions(system, y, here, begin + span)
+    check_events(events, system, y)
+    return Ready(system, scenario, used, tuple(events), begin, span, first)
 
 
 @takes(duration="s", checkpoint="s", angles="rad")
@@ -126,57 +222,16 @@ def simulate(
                 rule = "left out beside resume, which goes on from a checkpoint"
                 raise InvalidParameterError("simulate", name, rule, said=type(begun).__name__)
         start, duration = stood.start, stood.about["span"] if duration is None else duration
-    for name, given in (("q", q), ("v", v), ("angles", angles)):
-        if start is not None and given is not None:
-            raise InvalidParameterError("simulate", name, "left out beside start, which holds it", given)
-    scenario = model if isinstance(model, Scenario) else None
-    if scenario is not None:
-        system = build_system(scenario)
-        first_q, first_v = initial_state(scenario, system)
-        if q is None:
-            angles = {**initial_angles(scenario, system), **(angles or {})}
-        span = scenario.duration if duration is None else duration
-        used = settings or settings_of(scenario)
-    elif isinstance(model, System):
-        system = model
-        first_q, first_v = system.neutral(), np.zeros(system.model.nv)
-        if duration is None:
-            raise InvalidParameterError(
-                "simulate", "duration", "given for a system built in Python [s]", None
-            )
-        span = duration
-        used = settings or RunSettings()
-    else:
-        raise InvalidParameterError("simulate", "model", "a Scenario or a System", type(model).__name__)
-    if not holds(span, "positive"):
-        raise InvalidParameterError("simulate", "duration", "positive and finite [s]", span)
-    if start is not None:
-        check_sizes(system, start)
-    start_q = first_q if q is None else _numbers("q", q)
-    start_v = first_v if v is None else _numbers("v", v)
-    begin = stood.begin if stood is not None else 0.0 if start is None else start.reached
-    _check_settings(used, begin, begin + span, None if settings is not None else scenario)
-    check_spans(system, begin, begin + span)
-    if start is None:
-        first = system.state(start_q, start_v, angles)
-        check_closed(system, first)
-        check_start(system, first)
-        check_lengths(system, first)
-    here, y = (begin, first) if start is None else (start.reached, start.y)
-    check_motions(system, y, here, begin + span)
-    if scenario is not None:
-        events = (*events_of(scenario), *events)
-    check_events(events, system, y)
+    given, began = First(q, v, angles, start), None if stood is None else stood.begin
+    ready = prepared("simulate", model, given, settings, events, duration, began)
+    system, scenario, used, events, begin, span, first = ready
+    if span is None:
+        raise InvalidParameterError("simulate", "duration", "given for a system built in Python [s]", None)
     if scenario is not None:
         controllers = both(controllers_of(scenario), controllers)
+        scenario = as_run(scenario, float(span), used)
     check_controllers(controllers, system)
-    if scenario is not None:
-        scenario = _as_run(scenario, float(span), used)
-    told = stood.about["start"] if stood is not None else ""
-    if scenario is not None and (q is not None or v is not None):
-        told = "given in Python: the first sample"
-    if stood is None and start is not None:
-        told = f"another run's state at {begin:.12g} s: the first sample"
+    told = given.told(scenario) if stood is None else stood.about["start"]
     keeper = None
     if out is None:
         check_room(system, float(span) * used.output_rate + len(used.output_times))
@@ -186,8 +241,7 @@ def simulate(
             check_same(stood, about)
         keeper = Keeper(out, system, about, checkpoint, stood)
     with keeper or contextlib.nullcontext():
-        begun = first if start is None else start
-        run = Run(system, begun, begin + float(span), used, events, begin, controllers=controllers)
+        run = Run(system, first, begin + float(span), used, events, begin, controllers=controllers)
         if stood is not None:
             stood.give_to(run)
         with interruptible() as interrupted:
@@ -204,7 +258,7 @@ def check_scenario(scenario: Scenario) -> None:
     system = build_system(scenario)
     q, v = initial_state(scenario, system)
     used, span = settings_of(scenario), scenario.duration
-    _check_settings(used, 0.0, span, scenario)
+    _check_settings("simulate", used, 0.0, span, scenario)
     check_spans(system, 0.0, span)
     y = system.state(q, v, initial_angles(scenario, system))
     check_closed(system, y)
@@ -217,32 +271,16 @@ def check_scenario(scenario: Scenario) -> None:
         check_compiled(system)
 
 
-def _check_settings(used: RunSettings, begin: float, end: float, scenario: Scenario | None) -> None:
+def _check_settings(
+    place: str, used: RunSettings, begin: float, end: float, scenario: Scenario | None
+) -> None:
     """Refuse settings that do not fit a run's times, by the keys of the scenario that they come from."""
     try:
         used.check_span(begin, end)
     except InvalidParameterError as error:
         if scenario is None:
             raise
-        raise ScenarioError(f"simulate: {'.'.join(settings_key(error.parameter))} {error.reason}") from error
-
-
-def _as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scenario:
-    """Return the scenario with what was given beside it, so that the result tells how to repeat it."""
-    changes: dict[str, Any] = {}
-    planned = settings_of(scenario)
-    for name, place in (("", "integrator"), ("scales", "integrator.scales")):
-        used, told = (getattr(one, name) if name else one for one in (settings, planned))
-        for field in dataclasses.fields(used):
-            value = getattr(used, field.name)
-            if field.name != "scales" and value is not None and value != getattr(told, field.name):
-                output = field.name.startswith("output_")
-                changes[field.name.replace("_", ".") if output else f"{place}.{field.name}"] = value
-    if duration != scenario.duration and not changes:
-        return scenario.lasting(duration)
-    if duration != scenario.duration:
-        changes = {"duration": duration, **changes}
-    return scenario.with_overrides(changes) if changes else scenario
+        raise ScenarioError(f"{place}: {'.'.join(settings_key(error.parameter))} {error.reason}") from error
 
 
 def check_sizes(system: System, state: State) -> None:
@@ -291,11 +329,11 @@ def check_start(system: System, y: np.ndarray) -> None:
             )
 
 
-def _numbers(name: str, given: ArrayLike) -> np.ndarray:
+def _numbers(place: str, name: str, given: ArrayLike) -> np.ndarray:
     try:
         return np.asarray(given, dtype=float)
     except (TypeError, ValueError):
-        raise InvalidParameterError("simulate", name, "an array of numbers", said=shown(given)) from None
+        raise InvalidParameterError(place, name, "an array of numbers", said=shown(given)) from None
 
 
 def check_lengths(system: System, y: np.ndarray) -> None:

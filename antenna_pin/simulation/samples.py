@@ -13,7 +13,7 @@ from antenna_pin.capacity import check_fits
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.records import MEMORY
 
-__all__ = ["Chunk", "Late", "Samples", "check_room"]
+__all__ = ["Chunk", "Kept", "Late", "Samples", "check_room"]
 
 # Numbers of a result for each of a state, and the copies of it while it is made; measured on what ships.
 _OF_STATE = 8.0
@@ -81,6 +81,24 @@ class Chunk(NamedTuple):
         )
 
 
+class Kept(NamedTuple):
+    """What samples can go back to.
+
+    Attributes:
+        number: How many there were.
+        inserted: How many of them had been put between others.
+        last: The last of them; None of none.
+        program: That of samples to come.
+        begin: From when on states are kept [s].
+    """
+
+    number: int
+    inserted: int
+    last: Chunk | None
+    program: Array
+    begin: float
+
+
 class Samples:
     """States of a run at its output times, with what held there besides.
 
@@ -117,6 +135,7 @@ class Samples:
         self.late: list[Late] = []
         self._handed = -math.inf
         self._before: Array | None = None
+        self._inserted: list[int] = []  # places of those that were put between others, in their order
 
     @property
     def times(self) -> Array:
@@ -203,6 +222,8 @@ class Samples:
             self.begin = min(self.begin, t)
         if self.last < t:
             self.add(t, y)
+        elif self._count:
+            self._times[self._count - 1] = t  # an output time that is the end but for round-off
 
     def extend(self, times: Array, states: Array, memories: NDArray[Any], early: NDArray[np.int64]) -> None:
         """Take over samples that compiled steps have left.
@@ -253,11 +274,52 @@ class Samples:
         # What held at the sample before holds on to the next event.
         before = self.program if self._before is None else self._before
         program = self.programs[place - 1] if place else before
+        self._inserted.append(place)
         self._open(place, 1)
         self._times[place] = t
         self._put(place, y, memory)
         self.programs[place] = program
         self._hold(t, self._states[place])
+
+    # --- to go back -----------------------------------------------------------------------------------------
+
+    def kept(self) -> Kept:
+        """Return what is needed to go back to what is held now, whatever samples come."""
+        last = self.held.part(-1, None) if self._count else None
+        if last is not None:
+            last = Chunk(last.times.copy(), last.states.copy(), last.memories.copy(), list(last.programs))
+        return Kept(self._count, len(self._inserted), last, self.program, self.begin)
+
+    def leave(self) -> None:
+        """Leave the samples to a result that was made of them: what comes changes copies."""
+        for name in ("_times", "_states", "_memories"):
+            setattr(self, name, getattr(self, name).copy())
+
+    def go_back(self, kept: Kept) -> None:
+        """Hold what was held when this was kept."""
+        for place in reversed(self._inserted[kept.inserted :]):
+            for array in (self._times, self._states, self._memories):
+                array[place : self._count - 1] = array[place + 1 : self._count]
+            del self.programs[place]
+            self._count -= 1
+        del self._inserted[kept.inserted :], self.programs[kept.number :]
+        self._count, self.program, self.begin = kept.number, kept.program, kept.begin
+        if kept.last is not None:
+            place = kept.number - 1
+            self._times[place], self._states[place] = kept.last.times[0], kept.last.states[0]
+            self._memories[place] = kept.last.memories.view(np.uint8).reshape(-1)
+            self.programs[place] = kept.last.programs[0]
+
+    def forget_before(self, t: float) -> float:
+        """Let go of what is not needed to know the samples from a time on [s]; return that of the first left.
+
+        What was kept before is of no use any more.
+        """
+        first = max(int(np.searchsorted(self.times, t, side="right")) - 1, 0)
+        self.take_up(self.held.part(first, None))
+        self._inserted.clear()
+        self.begin = float(self._times[0])
+        return self.begin
 
     def _put(self, place: int, y: Array, memory: NDArray[Any]) -> None:
         self._states[place] = y

@@ -32,10 +32,11 @@ def state_of(run: Any) -> State:
 
 
 def take_up(run: Any, state: State) -> None:
-    """Let a run that has just been made go on where another left it."""
+    """Let a run that has just been made, or has gone back to its numbers, go on from a state."""
     run.contacts.take_up(state)
     for place, value in state.adjusted:
-        run.actions.set(place, value)
+        if run.actions.adjustments.values.get(place) != value:
+            run.actions.set(place, value)
     run.stepper.restart(state.time, state.y)
     run.control.spin = run.system.turn_on(run.stepper.start)
     run.control.sizes.take_up(state.sizes)

@@ -218,6 +218,19 @@ class Stretches:
         found = self._stretch[0]
         return float(found["tried"]), float(found["error"]), bool(found["refused"])
 
+    def take_up(self, other: Stretches) -> None:
+        """Go on between two steps where another stands, which has been made with these parts."""
+        self.accepted, self.rejected, self.relocated = other.accepted, other.rejected, other.relocated
+        self.following = other.following
+
+    def record_from(self, begin: float) -> None:
+        """Leave nothing of before a time to the record [s]."""
+        self._stretch["begin"] = begin
+
+    def move_end(self, end: float) -> None:
+        """Let steps be made up to another time [s]; the first that this cuts is told of."""
+        self._stretch["end"], self._stretch["cut"] = end, 0
+
     # --- to make --------------------------------------------------------------------------------------------
 
     def go_on(self) -> int:

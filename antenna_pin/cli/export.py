@@ -1,0 +1,73 @@
+"""``antenna-pin export``: scenarios as what other tools step and command."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand
+
+from antenna_pin.cli._common import CaseOption, SetOption, load, say, stem, writable_file
+
+app = typer.Typer(
+    name="export",
+    help="Export scenarios: as a functional mock-up unit.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+_LISTS = ("--inputs", "--outputs", "--parameters")
+
+
+class WithLists(TyperCommand):
+    """A command some of whose options take all the words up to the next option."""
+
+    def parse_args(self, context: Any, args: list[str]) -> list[str]:
+        """Read the words, each behind its option."""
+        read: list[str] = []
+        option, words = "", 0
+        for word in args:
+            if word.startswith("-"):
+                option, words = (word, 0) if word in _LISTS else ("", 0)
+                read.append(word)
+            else:
+                read += [option, word] if option and words else [word]
+                words += 1
+        return super().parse_args(context, read)
+
+
+@app.command("fmu", cls=WithLists)
+def fmu(
+    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Name of a shipped one, or a file.")],
+    case: CaseOption = None,
+    outputs: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME...", help="What is read: hinge.angle, hinge.rate, motion_angle[hinge]."),
+    ] = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME...", help="What is commanded: motor, springs.coil.stiffness."),
+    ] = None,
+    parameters: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PLACE...",
+            help="Numbers of the scenario to be set before the start: initial.joints.hinge.position.",
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="File, NAME.fmu; NAME-CASE.fmu here if left out.")] = None,
+    settings: SetOption = None,
+) -> None:
+    """Write a scenario as an FMU for co-simulation (FMI 3.0), with its URDF and meshes in it.
+
+    Options of names take several, up to the next option. The unit runs where the Python that the tool loads
+    has antenna_pin.
+    """
+    chosen = load(scenario, case, settings)
+    path = writable_file(out or Path(f"{stem(chosen)}.fmu"), ".fmu")
+    from antenna_pin.fmu import export_fmu
+
+    made = export_fmu(chosen, path, inputs=inputs or (), outputs=outputs or (), parameters=parameters or ())
+    say(f"saved {made}")

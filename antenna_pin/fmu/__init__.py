@@ -1,0 +1,5 @@
+"""A scenario as a functional mock-up unit (FMI 3.0, co-simulation) that other tools step and command."""
+
+from antenna_pin.fmu.export import export_fmu
+
+__all__ = ["export_fmu"]

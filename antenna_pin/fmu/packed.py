@@ -1,0 +1,148 @@
+"""What an FMU of a scenario holds besides its model description, and what its variables are."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple, Self
+
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.scenario import Scenario
+from antenna_pin.session import Session
+
+__all__ = ["FILE", "Packed", "Variable", "check_names", "number_at", "place_of"]
+
+#: In the FMU's folder of resources.
+FILE = "antenna_pin.json"
+
+
+class Variable(NamedTuple):
+    """A number that an FMU takes or gives.
+
+    Attributes:
+        name: As its user has named it.
+        unit: SI unit; empty or "1" for none.
+        start: Its value at the start.
+        meaning: In words.
+    """
+
+    name: str
+    unit: str
+    start: float
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Packed:
+    """A scenario, and which of its numbers are an FMU's.
+
+    Attributes:
+        scenario: The scenario.
+        inputs: What is commanded: names of :attr:`antenna_pin.Session.command`, or places of numbers.
+        outputs: What is read by name, as a session is.
+        parameters: Places of the scenario's numbers that may be set before the start.
+        token: By which a model description and what it describes know each other.
+    """
+
+    scenario: Scenario
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+    token: str
+
+    def write(self, folder: Path) -> None:
+        """Write it into a folder."""
+        about = {
+            "inputs": self.inputs,
+            "outputs": self.outputs,
+            "parameters": self.parameters,
+            "token": self.token,
+            "scenario": json.loads(self.scenario.model_dump_json()),
+        }
+        (folder / FILE).write_text(json.dumps(about, indent=1), encoding="utf-8")
+
+    @classmethod
+    def read(cls, folder: Path) -> Self:
+        """Read it from a folder."""
+        about = json.loads((folder / FILE).read_text(encoding="utf-8"))
+        scenario = Scenario.model_validate_json(json.dumps(about.pop("scenario")))
+        token = about.pop("token")
+        return cls(scenario=scenario, token=token, **{name: tuple(names) for name, names in about.items()})
+
+    # --- its variables, in a session of the scenario --------------------------------------------------------
+
+    def inputs_of(self, session: Session) -> list[Variable]:
+        """Return the inputs.
+
+        Raises:
+            AntennaPinError: There is nothing to command of one's name.
+        """
+        return [
+            Variable(name, session.unit(place), session[place], f"commanded: {place}, held over a step")
+            for name in self.inputs
+            for place in (place_of(session, name),)
+        ]
+
+    def outputs_of(self, session: Session) -> list[Variable]:
+        """Return the outputs.
+
+        Raises:
+            AntennaPinError: There is no number of one's name.
+        """
+        return [Variable(name, session.unit(name), session[name], "at the present") for name in self.outputs]
+
+    def parameters_of(self, session: Session) -> list[Variable]:
+        """Return the parameters.
+
+        Raises:
+            AntennaPinError: The scenario has no number at one's place.
+        """
+        known = session.settable
+        return [
+            Variable(
+                place,
+                session.unit(place) if place in known else "",
+                number_at(self.scenario, place),
+                "of the scenario, in SI units",
+            )
+            for place in self.parameters
+        ]
+
+
+def place_of(session: Session, name: str) -> str:
+    """Return the place of what an input commands: that of a command, or a place itself.
+
+    Raises:
+        UnknownNameError: Neither is of that name.
+    """
+    if name in session.command:
+        return session.command.place(name)
+    if name not in session.settable:
+        raise UnknownNameError("fmu", "input", name, [*session.command, *session.settable])
+    return name
+
+
+def number_at(scenario: Scenario, place: str) -> float:
+    """Return a number of a scenario in SI units, by its place: ``initial.joints.hinge.position``.
+
+    Raises:
+        InvalidParameterError: There is none, or no single one.
+    """
+    found: Any = scenario.model_dump()
+    for key in place.split("."):
+        found = found.get(key) if isinstance(found, Mapping) else None
+    if isinstance(found, bool) or not isinstance(found, int | float):
+        rule = "the place of one number that the scenario has, such as integrator.rtol"
+        raise InvalidParameterError("fmu", "parameters", rule, place)
+    return float(found)
+
+
+def check_names(kind: str, names: Iterable[str], others: Iterable[str]) -> None:
+    """Refuse names that stand twice."""
+    seen = set(others)
+    for name in names:
+        if name in seen:
+            raise InvalidParameterError("fmu", kind, "named once each, and no two alike", name)
+        seen.add(name)

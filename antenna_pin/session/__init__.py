@@ -1,0 +1,5 @@
+"""A run that is commanded from outside, step by step: in a control loop, an environment, a co-simulation."""
+
+from antenna_pin.session.session import EndedError, Session, start
+
+__all__ = ["EndedError", "Session", "start"]

@@ -1,0 +1,346 @@
+"""The session: one object that steps a run, reads it and commands it."""
+
+from __future__ import annotations
+
+import json
+import math
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import Any, Self
+
+from numpy.typing import ArrayLike
+
+from antenna_pin.arguments import takes
+from antenna_pin.dynamics import System
+from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.interruption import interruptible
+from antenna_pin.readable import readable
+from antenna_pin.scenario import Scenario
+from antenna_pin.session.commands import Commands, in_si
+from antenna_pin.session.goals import looked_to, seconds, sought
+from antenna_pin.session.numbers import Numbers
+from antenna_pin.session.screen import on_screen
+from antenna_pin.settings import RunSettings
+from antenna_pin.simulation import Event, Moment, Set, Time
+from antenna_pin.simulation.events import check_events
+from antenna_pin.simulation.finish import finished
+from antenna_pin.simulation.from_scenario import as_run
+from antenna_pin.simulation.marks import RecordMark
+from antenna_pin.simulation.open_run import OpenRun
+from antenna_pin.simulation.run import First, Ready, check_sizes, prepared
+from antenna_pin.state import State
+from antenna_pin.trajectory import Outcome, Trajectory
+
+__all__ = ["EndedError", "Session", "start"]
+
+
+class EndedError(AntennaPinError, RuntimeError):
+    """A session that has ended is told to go on."""
+
+
+@takes(angles="rad", record="s")
+def start(
+    model: Scenario | System,
+    *,
+    q: ArrayLike | None = None,
+    v: ArrayLike | None = None,
+    angles: Mapping[str, float] | None = None,
+    start: State | None = None,
+    settings: RunSettings | None = None,
+    events: Sequence[Event] = (),
+    record: bool | float = True,
+) -> Session:
+    """Begin a run that is told from outside how far to go, and what to change on its way.
+
+    Args:
+        model: What to run.
+        q: Initial configuration, as :func:`antenna_pin.simulate` takes it.
+        v: Initial velocity.
+        angles: Angles of joints that turn without end.
+        start: What to go on from instead: a session's ``state``, or the ``end`` of a run.
+        settings: Integration and sampling; the scenario's, or the defaults.
+        events: What to look for, and what to do then, beside the scenario's own.
+        record: How much of the past is kept for :meth:`Session.trajectory`: all, nothing, or so much time at
+            least [s], of a session that never ends.
+
+    Raises:
+        AntennaPinError: The input is not valid.
+    """
+    return Session(model, First(q, v, angles, start), settings, tuple(events), record)
+
+
+class Session:
+    """A run that goes as far as it is told.
+
+    Its numbers are those of one :func:`antenna_pin.simulate` in which events set at the same times what was
+    commanded (:attr:`events`), bit for bit, however long the steps between: the integrator's own steps are
+    cut where something was commanded, nowhere else. A state that is read is where such a run would end.
+
+    :func:`start` makes it.
+
+    Args:
+        model: What to run.
+        first: Where it starts.
+        settings: Integration and sampling.
+        events: What to look for.
+        record: How much of the past is kept.
+    """
+
+    def __init__(
+        self,
+        model: Scenario | System,
+        first: First,
+        settings: RunSettings | None,
+        events: tuple[Event, ...],
+        record: bool | float,
+    ) -> None:
+        """Make the run."""
+        if not (isinstance(record, bool) or record >= 0.0):
+            rule = "true, false, or a time of zero or more [s]"
+            raise InvalidParameterError("start", "record", rule, record)
+        self._asked = model, first, settings, events, record
+        self._window = (math.inf if record else 0.0) if isinstance(record, bool) else float(record)
+        self._ready: Ready = prepared("start", model, first, settings, events, None)
+        self._closed = False
+        self._began = first.told(self._ready.scenario)
+        self._open = self._opened(self._ready.first)
+        self._numbers = Numbers(self._open.run)
+        self.command = Commands(self._ready.system, self.__getitem__, self.set)
+
+    def _opened(self, first: Any) -> OpenRun:
+        ready = self._ready
+        self._looked = ready.begin + (ready.span or 0.0)
+        self._commanded: list[tuple[float, Set]] = []
+        return OpenRun(ready.system, first, ready.settings, ready.events, self._window)
+
+    # --- to go on -------------------------------------------------------------------------------------------
+
+    def step(self, duration: float | str) -> bool:
+        """Go on for some time [s]; return whether the session may go on then.
+
+        It may not where an event has stopped it, or the run cannot go on: it stands where it came to then,
+        and ``outcome`` and ``message`` say why.
+
+        Raises:
+            EndedError: It has ended already.
+            KeyboardInterrupt: Ctrl-C; the session stands between two steps, and may go on.
+        """
+        return self._go(self.time + seconds("step", "duration", duration))
+
+    def run_until(
+        self, goal: float | str | Event | Callable[[Moment], float], timeout: float | str | None = None
+    ) -> bool:
+        """Go on to a time [s], or to where a function of the state passes zero next; return whether it did.
+
+        Args:
+            goal: A time; an event, or a condition as events have them (``Angle("hinge", 0.1)``). What it
+                would do is not done, and it leaves no trace in the record.
+            timeout: Of a condition: how long to go at most [s].
+
+        Raises:
+            EndedError: The session has ended already.
+        """
+        if isinstance(goal, int | float | str):
+            end = seconds("run_until", "goal", goal)
+            if not end > self.time:
+                rule = f"a time later than the session's, {readable(self.time, 's')}"
+                raise InvalidParameterError("run_until", "goal", rule, said=readable(end, "s"))
+            self._go(end)
+            return self.time == end
+        if timeout is None:
+            raise InvalidParameterError("run_until", "timeout", "given beside a condition [s]", None)
+        end = self.time + seconds("run_until", "timeout", timeout)
+        event = sought(goal)
+        if isinstance(event.when, Time):
+            left = [t for t in event.when.instants if t > self.time][event.after - 1 :]
+            self._go(min([end, *left[:1]]))
+            return bool(left) and self.time == left[0]
+        check_events((*self._ready.events, event), self._ready.system, self._open.run.here)
+        return self._go(end, event)
+
+    def _go(self, end: float, event: Event | None = None) -> bool:
+        """Go to a time [s] or an event; return whether it may go on, or the event has happened."""
+        self._check_open()
+        if self.outcome is not Outcome.COMPLETED:
+            raise EndedError(f"session: has ended {self.message}; reset() begins anew, state is what it left")
+        if not end > self.time:
+            raise InvalidParameterError("step", "duration", "long enough to move the time on [s]", end)
+        if end > self._looked:
+            self._looked = looked_to(self._ready, self._open.run, end)
+        self._numbers.forget()
+        opened, happened = self._open, False
+        with interruptible() as interrupted:
+            if event is None:
+                opened.go_to(end, interrupted)
+            else:
+                happened = opened.go_until(event, end, interrupted)
+        outcome: Outcome = opened.run.outcome
+        if outcome is Outcome.INTERRUPTED:
+            opened.may_go_on()
+            raise KeyboardInterrupt
+        return happened if event is not None else outcome is Outcome.COMPLETED
+
+    # --- to command -----------------------------------------------------------------------------------------
+
+    def set(self, place: str, value: float | str | bool) -> None:
+        """Change a number of an element now, as an event with :class:`antenna_pin.simulation.Set` would.
+
+        Args:
+            place: ``drives.motor.value``, ``springs.coil.stiffness``; ``drives.motor.on``.
+            value: In SI units or as text with a unit; of ``on`` true or false.
+
+        Raises:
+            AntennaPinError: There is no such number, or it cannot have this value; nothing is changed.
+        """
+        self._check_open()
+        action = Set(place, in_si(self._open.run, place, value))
+        said = action.value if isinstance(action.value, bool) else f"{action.value:.6g}"
+        self._open.command(f"{place} = {said}", action)
+        self._numbers.forget()
+        self._commanded.append((self.time, action))
+
+    def on(self, place: str) -> None:
+        """Switch an element on: ``drives.motor``."""
+        self.set(f"{place}.on", True)
+
+    def off(self, place: str) -> None:
+        """Switch an element off: ``drives.motor``."""
+        self.set(f"{place}.on", False)
+
+    # --- to read --------------------------------------------------------------------------------------------
+
+    def __getitem__(self, name: str) -> float:
+        """Return a number of the present state (:mod:`antenna_pin.session.numbers`)."""
+        return self._numbers[name]
+
+    def names(self) -> dict[str, str]:
+        """Return what can be read by name, each with its unit."""
+        return self._numbers.names()
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a number that can be read."""
+        return self._numbers.unit(name)
+
+    @property
+    def settable(self) -> list[str]:
+        """Places of the elements' numbers."""
+        return self._numbers.settable
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.names())
+
+    @property
+    def time(self) -> float:
+        """Where the session stands [s]."""
+        return self._open.time
+
+    @property
+    def state(self) -> State:
+        """The state to go on from here: of :func:`start`, of ``simulate(start=...)``, of :meth:`restore`."""
+        return self._open.state
+
+    @property
+    def outcome(self) -> Outcome:
+        """``COMPLETED`` as long as it may go on; else why it may not."""
+        return self._open.run.outcome
+
+    @property
+    def message(self) -> str:
+        """The outcome in words."""
+        return self._open.run.message
+
+    @property
+    def system(self) -> System:
+        """What is run."""
+        return self._ready.system
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What was commanded so far, as events of a run from its beginning, with the same numbers."""
+        return tuple(
+            Event(name=f"command {k}: {action.place}", when=Time(t), action=action)
+            for k, (t, action) in enumerate(self._commanded, 1)
+        )
+
+    def trajectory(self) -> Trajectory:
+        """Return what is recorded so far, as a run that ends here has it; the session goes on."""
+        run, ready, began = self._open.run, self._ready, clock.perf_counter()
+        kept, wall = RecordMark(run), run.wall
+        told = self._began
+        if run.begin > ready.begin:
+            told = f"a session's state at {run.begin:.12g} s: the first sample"
+        scenario = ready.scenario
+        if scenario is not None and self.time > ready.begin:
+            scenario = as_run(scenario, self.time - ready.begin, ready.settings)
+        try:
+            run.judge()
+            run.complete()
+            result = finished(run, scenario, told, None, began)
+        finally:
+            run.samples.leave()
+            kept.go_back()
+            run.wall = wall
+        if self._commanded:
+            said = [[t, action.place, float(action.value)] for t, action in self._commanded]
+            result.data.attrs["commands"] = json.dumps(said)
+        return result
+
+    # --- to go elsewhere ------------------------------------------------------------------------------------
+
+    def save(self) -> State:
+        """Return the present state, for :meth:`restore`."""
+        return self.state
+
+    def restore(self, state: State) -> None:
+        """Go to a state of this system's, saved or of any run; the record begins anew there."""
+        check_sizes(self._ready.system, state)
+        self._begin_at(state, f"another run's state at {state.reached:.12g} s: the first sample")
+
+    def copy(self) -> Session:
+        """Return another session that stands here; what is done to one the other does not see."""
+        model, _, settings, events, record = self._asked
+        state = self.state
+        return Session(model, First(start=state), settings, events, record)
+
+    def reset(
+        self,
+        q: ArrayLike | None = None,
+        v: ArrayLike | None = None,
+        angles: Mapping[str, float] | None = None,
+    ) -> None:
+        """Begin anew: where the session began, or at another configuration and velocity."""
+        if q is not None or v is not None or angles is not None:
+            model, _, settings, events, _ = self._asked
+            first = First(q, v, angles)
+            self._ready = prepared("reset", model, first, settings, events, None)
+            self._asked = model, first, settings, events, self._asked[-1]
+        self._begin_at(self._ready.first, self._asked[1].told(self._ready.scenario))
+
+    def _begin_at(self, first: Any, told: str) -> None:
+        self._check_open()
+        self._open = self._opened(first)
+        self._numbers.use(self._open.run)
+        self._began = told
+
+    def close(self) -> None:
+        """End the session; what it has recorded can still be read."""
+        self._closed = True
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise EndedError("session: must be open, is closed; start another, from its state for instance")
+
+    def __enter__(self) -> Self:
+        """Begin."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close it."""
+        self.close()
+
+    def __repr__(self) -> str:
+        """Return what a screen shows: time, outcome, joints, contacts that touch, commands."""
+        return on_screen(self, self._numbers.units)

@@ -1,0 +1,155 @@
+"""A run without an end of its own: it goes as far as it is told, from there as if it had not been told.
+
+A step that a run's end cuts is not the one that a longer run makes. So where the run is told to go on, and
+nothing was changed meanwhile, it first goes back to where its end began to cut steps: however finely it is
+told, its numbers are those of one run. What is commanded at its end stands, with the steps that were cut: one
+run whose steps end there makes them too.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import System
+from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.events import Event, Set, Stop
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.marks import Mark
+from antenna_pin.simulation.watch import Crossing
+from antenna_pin.state import State
+from antenna_pin.trajectory import Outcome
+
+__all__ = ["OpenRun"]
+
+_MANY = 256  # samples from which on it is worth to let go of the old ones
+
+
+class OpenRun:
+    """A run whose end moves.
+
+    Args:
+        system: The system.
+        start: A state that a run left, or a first one as [q, v, x], as a :class:`Run` takes them.
+        settings: How to integrate and sample.
+        events: What to look for besides contacts.
+        window: How much of the past is kept at least [s].
+
+    Attributes:
+        run: The run itself, which stands where it was told to go.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        start: NDArray[np.float64] | State,
+        settings: RunSettings,
+        events: Sequence[Event] = (),
+        window: float = math.inf,
+    ) -> None:
+        """Bring it to where the state was reached that it starts from."""
+        self.run = Run(system, start, math.inf, settings, events)
+        self.run.foreseen = self
+        self._events, self._window = tuple(events), window
+        #: Where its present end began to cut steps, if it has; where it has just gone back to.
+        self._mark: Mark | None = None
+        self._again: Mark | None = None
+        self._sought = -1  # number of the event that it is to end at
+        self._error = 0.0  # scaled, of the last step but one that is tried
+        if isinstance(start, State) and start.time < start.reached:
+            self.run.go_to(start.reached)
+
+    @property
+    def time(self) -> float:
+        """Where it stands [s]."""
+        return self.run.stepper.t
+
+    @property
+    def state(self) -> State:
+        """The state that it leaves: one to go on from."""
+        return self.run.present() if self._mark is None else self._mark.left()
+
+    def go_to(self, end: float, interrupted: Callable[[], bool] = lambda: False) -> None:
+        """Go to a time [s] later than the present one, or to what ends the run earlier."""
+        self._go_back()
+        self.run.go_to(end, interrupted)
+
+    def go_until(self, event: Event, end: float, interrupted: Callable[[], bool] = lambda: False) -> bool:
+        """Go to where an event happens next, to a time [s] or to what ends the run earlier.
+
+        Returns:
+            Whether it has happened. What is done then is nothing, and the event leaves no trace.
+        """
+        run = self.run
+        self._go_back()
+        self._again, self._sought = None, len(self._events)
+        self._error = run.control.error
+        run.look_for((*self._events, dataclasses.replace(event, action=Stop())), singly=True)
+        try:
+            run.go_to(end, interrupted)
+        finally:
+            happened = run.outcome is Outcome.STOPPED and run.actions.happened[-1].name == event.name
+            run.actions.happened[:] = [one for one in run.actions.happened if one.name != event.name]
+            if happened:
+                self.may_go_on()
+            self._sought = -1
+            run.look_for(self._events, singly=False)
+        return happened
+
+    def command(self, name: str, action: Set) -> None:
+        """Change a number at the present state, as an event of this name would that happened here.
+
+        Raises:
+            AntennaPinError: There is no such number, or it cannot have this value; nothing is changed.
+        """
+        self.run.obey(name, action)
+        self._mark = self._again = self.run.left = None
+
+    def may_go_on(self) -> None:
+        """Let it go on that was ended by its user."""
+        self.run.outcome, self.run.message = Outcome.COMPLETED, Outcome.COMPLETED.value
+
+    def _go_back(self) -> None:
+        if self._mark is not None:
+            self._mark.go_back()
+        self._mark, self._again = None, self._mark
+
+    # --- what the run foresees ------------------------------------------------------------------------------
+
+    def step(self) -> None:
+        """Note what the next trial step will change that is its beginning's."""
+        self._error = self.run.control.error
+
+    def end(self) -> State:
+        """Keep the run as it stands: its end cuts the next step."""
+        if self._again is None or not self._again.is_here():
+            if self._window < math.inf:
+                self._forget()
+            self._again = Mark(self.run, self.run.present())
+        self._mark = self._again
+        return self._mark.state
+
+    def events(self, ahead: Sequence[Sequence[Crossing]]) -> None:
+        """Keep the run as it stands, if what it is to end at is in the next step."""
+        sought = any(one.event == self._sought for group in ahead for one in group)
+        if sought and self._mark is None:
+            state = dataclasses.replace(self.run.present(), error=self._error)
+            self._mark = Mark(self.run, state)
+            self.run.left = state
+
+    def _forget(self) -> None:
+        """Let go of a past that is not asked for."""
+        run = self.run
+        begin = self.time - self._window
+        if len(run.samples.times) < _MANY or not 2.0 * begin - self.time >= run.samples.times[0]:
+            return
+        run.begin = begin = run.samples.forget_before(begin)
+        run.contacts.forget_before(begin)
+        run.steps.record_from(begin)
+        actions = run.actions
+        actions.happened[:] = [one for one in actions.happened if one.time > begin]
+        actions.modes.changed[:] = [one for one in actions.modes.changed if one.time > begin]
