@@ -51,7 +51,7 @@ LINK = layout(
 )
 
 #: A joint: its head in programs; angle [rad] ([m]) and rate; the torque on the child [N m] ([N]).
-HEAD_WORDS = 12
+HEAD_WORDS = 13
 JOINT = layout(("head", "f8", (HEAD_WORDS,)), ("angle", "f8"), ("rate", "f8"), ("torque", "f8"))
 
 #: A number that the element integrates, and its rate.

@@ -6,12 +6,13 @@ import json
 import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Self
 
 from numpy.typing import ArrayLike
 
 from antenna_pin.arguments import takes
+from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.interruption import interruptible
@@ -49,6 +50,7 @@ def start(
     start: State | None = None,
     settings: RunSettings | None = None,
     events: Sequence[Event] = (),
+    controllers: Mapping[str, Controller] = MappingProxyType({}),
     record: bool | float = True,
 ) -> Session:
     """Begin a run that is told from outside how far to go, and what to change on its way.
@@ -61,13 +63,14 @@ def start(
         start: What to go on from instead: a session's ``state``, or the ``end`` of a run.
         settings: Integration and sampling; the scenario's, or the defaults.
         events: What to look for, and what to do then, beside the scenario's own.
+        controllers: What commands it at instants of its own, by name, beside the scenario's own.
         record: How much of the past is kept for :meth:`Session.trajectory`: all, nothing, or so much time at
             least [s], of a session that never ends.
 
     Raises:
         AntennaPinError: The input is not valid.
     """
-    return Session(model, First(q, v, angles, start), settings, tuple(events), record)
+    return Session(model, First(q, v, angles, start), settings, tuple(events), record, controllers)
 
 
 class Session:
@@ -85,6 +88,7 @@ class Session:
         settings: Integration and sampling.
         events: What to look for.
         record: How much of the past is kept.
+        controllers: What commands it at instants of its own.
     """
 
     def __init__(
@@ -94,14 +98,15 @@ class Session:
         settings: RunSettings | None,
         events: tuple[Event, ...],
         record: bool | float,
+        controllers: Mapping[str, Controller] = MappingProxyType({}),
     ) -> None:
         """Make the run."""
         if not (isinstance(record, bool) or record >= 0.0):
             rule = "true, false, or a time of zero or more [s]"
             raise InvalidParameterError("start", "record", rule, record)
-        self._asked = model, first, settings, events, record
+        self._asked = model, first, settings, events, record, controllers
         self._window = (math.inf if record else 0.0) if isinstance(record, bool) else float(record)
-        self._ready: Ready = prepared("start", model, first, settings, events, None)
+        self._ready: Ready = prepared("start", model, first, settings, events, None, controllers=controllers)
         self._closed = False
         self._began = first.told(self._ready.scenario)
         self._open = self._opened(self._ready.first)
@@ -112,7 +117,7 @@ class Session:
         ready = self._ready
         self._looked = ready.begin + (ready.span or 0.0)
         self._commanded: list[tuple[float, Set]] = []
-        return OpenRun(ready.system, first, ready.settings, ready.events, self._window)
+        return OpenRun(ready.system, first, ready.settings, ready.events, self._window, ready.controllers)
 
     # --- to go on -------------------------------------------------------------------------------------------
 
@@ -299,9 +304,8 @@ class Session:
 
     def copy(self) -> Session:
         """Return another session that stands here; what is done to one the other does not see."""
-        model, _, settings, events, record = self._asked
-        state = self.state
-        return Session(model, First(start=state), settings, events, record)
+        model, _, *others = self._asked
+        return Session(model, First(start=self.state), *others)
 
     def reset(
         self,
@@ -311,10 +315,10 @@ class Session:
     ) -> None:
         """Begin anew: where the session began, or at another configuration and velocity."""
         if q is not None or v is not None or angles is not None:
-            model, _, settings, events, _ = self._asked
+            model, _, settings, events, record, controllers = self._asked
             first = First(q, v, angles)
-            self._ready = prepared("reset", model, first, settings, events, None)
-            self._asked = model, first, settings, events, self._asked[-1]
+            self._ready = prepared("reset", model, first, settings, events, None, controllers=controllers)
+            self._asked = model, first, settings, events, record, controllers
         self._begin_at(self._ready.first, self._asked[1].told(self._ready.scenario))
 
     def _begin_at(self, first: Any, told: str) -> None:

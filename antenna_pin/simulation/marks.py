@@ -25,6 +25,7 @@ class RecordMark:
         self._samples, self._contacts = run.samples.kept(), run.contacts.kept()
         self._singular: Any = None if run.singular is None else run.singular.value()
         self._happened, self._changed = len(run.actions.happened), len(run.actions.modes.changed)
+        self._ticked = run.ticks.counts()
         self._ended = run.outcome, run.message, run.left
 
     def go_back(self) -> None:
@@ -35,6 +36,7 @@ class RecordMark:
         if run.singular is not None:
             run.singular.take_up(self._singular)
         del run.actions.happened[self._happened :], run.actions.modes.changed[self._changed :]
+        run.ticks.cut(self._ticked)
         run.outcome, run.message, run.left = self._ended
 
 

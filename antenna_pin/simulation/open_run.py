@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import Event, Set, Stop
@@ -38,6 +40,7 @@ class OpenRun:
         settings: How to integrate and sample.
         events: What to look for besides contacts.
         window: How much of the past is kept at least [s].
+        controllers: What commands it at instants of its own, by name.
 
     Attributes:
         run: The run itself, which stands where it was told to go.
@@ -50,9 +53,10 @@ class OpenRun:
         settings: RunSettings,
         events: Sequence[Event] = (),
         window: float = math.inf,
+        controllers: Mapping[str, Controller] = MappingProxyType({}),
     ) -> None:
         """Bring it to where the state was reached that it starts from."""
-        self.run = Run(system, start, math.inf, settings, events)
+        self.run = Run(system, start, math.inf, settings, events, controllers=controllers)
         self.run.foreseen = self
         self._events, self._window = tuple(events), window
         #: Where its present end began to cut steps, if it has; where it has just gone back to.
@@ -150,6 +154,7 @@ class OpenRun:
         run.begin = begin = run.samples.forget_before(begin)
         run.contacts.forget_before(begin)
         run.steps.record_from(begin)
+        run.ticks.forget_before(begin)
         actions = run.actions
         actions.happened[:] = [one for one in actions.happened if one.time > begin]
         actions.modes.changed[:] = [one for one in actions.modes.changed if one.time > begin]

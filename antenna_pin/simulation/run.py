@@ -75,6 +75,7 @@ class Ready(NamedTuple):
         scenario: What it came from; None for a system built in Python.
         settings: How it is integrated and sampled.
         events: What is looked for.
+        controllers: What commands it, by name.
         begin: From when on it records [s].
         span: How long it is to be [s]; None where nobody has said.
         first: A state that a run left, or the first one as [q, v, x].
@@ -84,6 +85,7 @@ class Ready(NamedTuple):
     scenario: Scenario | None
     settings: RunSettings
     events: tuple[Event, ...]
+    controllers: Mapping[str, Controller]
     begin: float
     span: float | None
     first: State | np.ndarray
@@ -97,6 +99,7 @@ def prepared(
     events: Sequence[Event],
     duration: float | None,
     begin: float | None = None,
+    controllers: Mapping[str, Controller] = MappingProxyType({}),
 ) -> Ready:
     """Return what a run is made of, or refuse it before any work.
 
@@ -108,6 +111,7 @@ def prepared(
         events: What to look for beside the scenario's own.
         duration: Time span [s]; the scenario's if not given.
         begin: From when on it records, if not from where it starts [s].
+        controllers: What commands it beside the scenario's own.
 
     Raises:
         AntennaPinError: The input is not valid.
@@ -125,6 +129,7 @@ def prepared(
         span: float | None = scenario.duration if duration is None else duration
         used = settings or settings_of(scenario)
         events = (*events_of(scenario), *events)
+        controllers = both(controllers_of(scenario), controllers)
     elif isinstance(model, System):
         system = model
         first_q, first_v = system.neutral(), np.zeros(system.model.nv)
@@ -154,7 +159,8 @@ def prepared(
     if span is not None:
         check_motions(system, y, here, begin + span)
     check_events(events, system, y)
-    return Ready(system, scenario, used, tuple(events), begin, span, first)
+    check_controllers(controllers, system)
+    return Ready(system, scenario, used, tuple(events), controllers, begin, span, first)
 
 
 @takes(duration="s", checkpoint="s", angles="rad")
@@ -223,14 +229,12 @@ def simulate(
                 raise InvalidParameterError("simulate", name, rule, said=type(begun).__name__)
         start, duration = stood.start, stood.about["span"] if duration is None else duration
     given, began = First(q, v, angles, start), None if stood is None else stood.begin
-    ready = prepared("simulate", model, given, settings, events, duration, began)
-    system, scenario, used, events, begin, span, first = ready
+    ready = prepared("simulate", model, given, settings, events, duration, began, controllers)
+    system, scenario, used, events, controllers, begin, span, first = ready
     if span is None:
         raise InvalidParameterError("simulate", "duration", "given for a system built in Python [s]", None)
     if scenario is not None:
-        controllers = both(controllers_of(scenario), controllers)
         scenario = as_run(scenario, float(span), used)
-    check_controllers(controllers, system)
     told = given.told(scenario) if stood is None else stood.about["start"]
     keeper = None
     if out is None:

@@ -233,6 +233,21 @@ class Ticks:
             for loop in self._loops
         )
 
+    def counts(self) -> tuple[int, ...]:
+        """Return of how many instants of each controller something is kept."""
+        return tuple(len(loop.times) for loop in self._loops)
+
+    def cut(self, counts: tuple[int, ...]) -> None:
+        """Let go of what came after so many."""
+        for loop, count in zip(self._loops, counts, strict=True):
+            del loop.times[count:], loop.values[count * len(loop.columns) :]
+
+    def forget_before(self, begin: float) -> None:
+        """Let go of what came before a time [s]."""
+        for loop in self._loops:
+            first = int(np.searchsorted(np.array(loop.times), begin))
+            del loop.times[:first], loop.values[: first * len(loop.columns)]
+
     def numbers(self) -> dict[str, Array]:
         """Return the record as arrays for a file."""
         return {
