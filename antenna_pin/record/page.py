@@ -58,7 +58,7 @@ def viewer_megabytes() -> float:
     return 1e-6 * len(shared_head().html.encode())
 
 
-def embedded(data: dict[str, Any], identity: str, height: str = "26rem") -> str:
+def embedded(data: dict[str, Any], identity: str, height: str = "30rem") -> str:
     """Return the part of a page that shows one recording; the page's head must have :func:`shared_head`.
 
     Its scene is built when it is scrolled into view, so that a page may have many.

@@ -64,7 +64,7 @@ class Recording:
         """The whole page, self-contained."""
         return page.page(self.data)
 
-    def embedded(self, identity: str, height: str = "26rem") -> str:
+    def embedded(self, identity: str, height: str = "30rem") -> str:
         """Return the part for a page with several recordings; its head needs ``shared_head()`` once.
 
         Args:

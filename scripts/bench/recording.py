@@ -57,7 +57,7 @@ def main() -> int:
             seconds, megabytes, size, frames = json.loads(done.stdout)
             report.add(f"{view}, time to write", seconds, "s", 10.0)
             report.add(f"{view}, memory above imports and run", megabytes, "MB", 300.0)
-            report.add(f"{view}, size of the page", size, "MB", 20.0)
+            report.add(f"{view}, size of the page", size, "MB", 5.0)
             report.add(f"{view}, key frames", frames)
     return report.finish()
 

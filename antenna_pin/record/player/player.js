@@ -203,7 +203,9 @@ class Player {
     controls.addEventListener("change", () => { this.dirty = true; });
     this.bodies = (data.bodies || []).map((body) => new Body(viewer, body));
     this.actors = data.actors.map((actor) => new Actor(viewer, actor));
-    this.contacts = data.contacts ? new Contacts(viewer, data.contacts, this.times) : null;
+    const forces = (one) => (one ? new Contacts(viewer, one, this.times) : null);
+    this.contacts = forces(data.contacts);
+    this.arrows = [this.contacts, forces(data.applied)].filter(Boolean); // those of contacts, and applied ones
     this.trails = data.trails.map((trail) => new Trail(viewer, trail));
     this.eye = new Eye(viewer, data.camera, data.triad ? data.triad.axes : [], this.bodies);
   }
@@ -236,7 +238,7 @@ class Player {
     this.time = this.clamp(t);
     if (this.failed) return;
     this.place();
-    if (this.contacts) this.contacts.seek(this.time);
+    for (const one of this.arrows) one.seek(this.time);
   }
 
   advance(t, wall = 1 / 30) {
@@ -244,9 +246,10 @@ class Player {
     this.time = this.clamp(t);
     if (this.failed) return;
     this.place();
-    if (!this.contacts) return;
-    if (this.time < before) this.contacts.seek(this.time);
-    else this.contacts.advance(before, this.time, wall);
+    for (const one of this.arrows) {
+      if (this.time < before) one.seek(this.time);
+      else one.advance(before, this.time, wall);
+    }
   }
 
   place() {
