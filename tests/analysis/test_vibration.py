@@ -90,6 +90,12 @@ def test_a_half_sine_has_the_spectrum_of_the_books():
         assert float(found["maximum"][k]) == pytest.approx(max(first, left), rel=9e-3)
 
 
+def test_a_slow_oscillator_sees_the_area_alone():
+    """Of a sawtooth of 10 ms, half a metre a second: omega times it, but for (omega 10 ms)^2."""
+    found = shock_spectrum([0.0, 0.01], [0.0, 100.0], [0.1], quality=1e9)
+    assert float(found["maximum"][0]) == pytest.approx(2 * math.pi * 0.1 * 0.5, rel=2.5e-3)  # 48 looks
+
+
 def test_a_polygon_of_uneven_samples_is_answered_exactly():
     """Against SciPy's DOP853 from sample to sample, of damped oscillators slow and fast for the steps."""
     t = np.unique(np.concatenate([np.linspace(0, 0.05, 51), [0.00123, 0.00777]]))
