@@ -47,6 +47,7 @@ def test_every_kind_runs_without_the_compiler():
     """A new element, joint with play or closure takes its place among them."""
     parts = [*every_kind.DRIVES.values(), *every_kind.IN_PYTHON.values(), *every_kind.SPRINGS.values()]
     parts += [*every_kind.GEARS.values(), *every_kind.FORCES.values(), *every_kind.FORCES_IN_PYTHON.values()]
+    parts += every_kind.SHAKES.values()
     parts += [part for family in every_kind.WITH_MODES.values() for part in family.values()]
     assert {type(part) for part in parts} == {*ELEMENTS, PointSpring}
     models = {

@@ -304,8 +304,8 @@ class Session:
 
     def copy(self) -> Session:
         """Return another session that stands here; what is done to one the other does not see."""
-        model, _, *others = self._asked
-        return Session(model, First(start=self.state), *others)
+        model, _, settings, events, record, controllers = self._asked
+        return Session(model, First(start=self.state), settings, events, record, controllers)
 
     def reset(
         self,
