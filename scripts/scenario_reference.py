@@ -270,8 +270,7 @@ _SPRINGS = {
     "maxwell-slip": (
         " with hysteresis (Maxwell)",
         "Springs side by side, each of which slips at a torque of its own: of a cycle of amplitude X the "
-        "heat is the sum of 4 s (X - s/k) of those that slip. It holds at rest, without creep. `orbit` "
-        "and `lyapunov` refuse it, as all that changes its mode.",
+        "heat is the sum of 4 s (X - s/k) of those that slip. It holds at rest, without creep.",
     ),
     "constant-torque": (
         " of constant torque",

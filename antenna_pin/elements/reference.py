@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from antenna_pin.elements import term_kernels as kernels
 from antenna_pin.parameters import check, parameters_of
 from antenna_pin.readable import GIVEN, readable
 
-__all__ = ["Reference", "pieces", "term"]
+__all__ = ["OverTime", "Reference", "pieces", "term"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,10 +52,9 @@ class Reference:
         """Return value, rate and acceleration at time t [s]."""
         return self.over_time()(t)
 
-    def over_time(self) -> Callable[[float], tuple[float, float, float]]:
+    def over_time(self) -> OverTime:
         """Return value, rate and acceleration as a function of time [s], for many times."""
-        words = np.array(self.terms())
-        return lambda t: kernels.course(words, 0, words.size, float(t))
+        return OverTime(self)
 
     def words(self, slides: bool = False) -> str:
         """Return what it is in words, numbers with units; of what slides or turns."""
@@ -64,6 +65,26 @@ class Reference:
         found = parameters_of(type(self))[name]
         unit = found.sliding if slides and found.sliding else found.unit
         return readable(getattr(self, name), unit.replace("*", " "), GIVEN)
+
+
+@dataclass(frozen=True)
+class OverTime:
+    """A reference as a function of time [s]: value, rate and acceleration.
+
+    Attributes:
+        reference: The reference.
+    """
+
+    reference: Reference
+
+    @cached_property
+    def _words(self) -> Any:
+        return np.array(self.reference.terms())
+
+    def __call__(self, t: float) -> tuple[float, float, float]:
+        """Return value, rate and acceleration at a time [s]."""
+        found: tuple[float, float, float] = kernels.course(self._words, 0, self._words.size, float(t))
+        return found
 
 
 def term(kind: int, more: Sequence[float] = (), **numbers: float) -> tuple[float, ...]:

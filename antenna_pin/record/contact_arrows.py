@@ -1,7 +1,8 @@
-"""Contact forces as arrows: what the player takes of them, and how far they reach."""
+"""Forces as arrows, of contacts and on links: what the player takes of them, and how far they reach."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,11 +16,11 @@ from antenna_pin.record.key_frames import Impacts
 from antenna_pin.record.scene import packed_counts, packed_floats
 from antenna_pin.trajectory import contact_joints
 
-__all__ = ["FORCE", "contact_arrows", "force_scale", "placement_of", "sparse"]
+__all__ = ["applied_arrows", "contact_arrows", "force_scale", "placement_of", "sparse"]
 
 Array = NDArray[np.float64]
 
-FORCE = "#D55E00"
+FORCE, APPLIED = "#D55E00", "#009E73"
 _FRAMED = 300  # arrows that are framed, of each contact
 
 
@@ -57,8 +58,7 @@ def contact_arrows(
     largest = max(float(np.linalg.norm(force, axis=2).max()), float(impacts.peaks.max(initial=0.0)))
     if largest == 0.0:
         return None, nothing
-    reference = nice(largest)
-    length = nice(0.3 * size * np.sqrt(reference / largest))
+    reference, length = _scale(largest, size)
     items, tips = [], []
     for k, (name, joint) in enumerate(contact_joints(data).items()):
         place = places[joint]
@@ -68,16 +68,55 @@ def contact_arrows(
         marking.scene.place(path, bearing)
         tips.append(_tips(force[:, k], point[:, k], reference, length, bearing, marking, body))
         items.append({"name": name, "path": path, **sparse(force[:, k], point[:, k])})
-    contacts = {
+    return _arrows(items, FORCE, (reference, length), size), np.concatenate(tips)
+
+
+def applied_arrows(marking: Marking) -> tuple[dict[str, Any] | None, Array]:
+    """Return the forces on links as the player takes them, and tips of their arrows, (n, 3) [m].
+
+    Args:
+        marking: The scene, the links and their motion.
+    """
+    data, size = marking.run.data, marking.size
+    about, names = json.loads(data.attrs.get("force_places", "{}")), list(marking.paths)
+    if not about or "applied_force" not in data:
+        return None, np.zeros((0, 3))
+    force = np.asarray(data["applied_force"].isel(time=marking.samples).values, dtype=float)
+    largest = float(np.linalg.norm(force, axis=2).max(initial=0.0))
+    drawn = [(k, name, one) for k, (name, one) in enumerate(about.items()) if one["link"] in names]
+    if largest == 0.0 or not drawn:
+        return None, np.zeros((0, 3))
+    reference, length = _scale(largest, size)
+    items, tips = [], []
+    for k, name, one in drawn:
+        link = one["link"]
+        path = f"{marking.paths[link]}/force {name}"
+        marking.scene.place(path, np.eye(4))
+        own = Rotation.from_quat(marking.attitude[:, names.index(link)]).inv().apply(force[:, k])
+        point = np.tile(np.array(one["point"], dtype=float), (len(own), 1))
+        tips.append(_tips(own, point, reference, length, np.eye(4), marking, link))
+        items.append({"name": name, "path": path, **sparse(own, point)})
+    return _arrows(items, APPLIED, (reference, length), size), np.concatenate(tips)
+
+
+def _scale(largest: float, size: float) -> tuple[float, float]:
+    """Return a force [N] and the length that it is drawn with [m]."""
+    reference = nice(largest)
+    return reference, nice(0.3 * size * np.sqrt(reference / largest))
+
+
+def _arrows(
+    items: list[dict[str, Any]], colour: str, scale: tuple[float, float], size: float
+) -> dict[str, Any]:
+    return {
         "items": items,
-        "colour": FORCE,
+        "colour": colour,
         "above": True,
         "map": None,
         "size": 0.004 * size,
         "power": 0.5,
-        "reference": [reference, length],
+        "reference": list(scale),
     }
-    return contacts, np.concatenate(tips)
 
 
 def _tips(
@@ -93,11 +132,11 @@ def _tips(
     return np.asarray(turn.apply(tips @ bearing[:3, :3].T + bearing[:3, 3]) + marking.position[some, k])
 
 
-def force_scale(contacts: Mapping[str, Any]) -> str:
-    """Return in words how long arrows are."""
-    force, length = contacts["reference"]
+def force_scale(arrows: Mapping[str, Any], what: str) -> str:
+    """Return in words how long arrows of something are."""
+    force, length = arrows["reference"]
     hundredth = f"{0.01 * force:g} N {0.1 * length:g} m"
-    return f"contact force on the journal: {force:g} N drawn {length:g} m, {hundredth} (square root)"
+    return f"{what}: {force:g} N drawn {length:g} m, {hundredth} (square root)"
 
 
 def placement_of(seven: ArrayLike) -> Array:

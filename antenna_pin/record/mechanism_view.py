@@ -14,7 +14,7 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, Urdf, frame_aligning_z
 from antenna_pin.record._marking import Marking, rgb
 from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bending
-from antenna_pin.record.contact_arrows import FORCE, contact_arrows, force_scale
+from antenna_pin.record.contact_arrows import applied_arrows, contact_arrows, force_scale
 from antenna_pin.record.framing import camera, clearest
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.marks import marks_of
@@ -120,16 +120,22 @@ def mechanism_view(
         facts.append(mark.listed())
         actors[0]["tracks"] += mark.tracks
     contacts, arrow_tips = contact_arrows(marking, impacts, places)
-    if contacts is not None:
-        extent.append(arrow_tips)
-        paths = sorted({item["path"] for item in contacts["items"]})
-        facts.insert(0, {"text": force_scale(contacts), "colour": FORCE, "paths": paths})
+    applied, applied_tips = applied_arrows(marking)
+    for arrows, tips, what in (
+        (applied, applied_tips, "force on a link"),
+        (contacts, arrow_tips, "contact force on the journal"),
+    ):
+        if arrows is not None:
+            extent.append(tips)
+            paths = sorted({item["path"] for item in arrows["items"]})
+            facts.insert(0, {"text": force_scale(arrows, what), "colour": arrows["colour"], "paths": paths})
     upright = _upright(marking.mechanism)
     way = clearest(motion.surfaces(), _DIRECTION, upright)
     return {
         "commands": scene.packed(),
         "actors": actors,
         "contacts": contacts,
+        "applied": applied,
         "trails": trails,
         "camera": camera(np.concatenate(extent), way, upright),
         "triad": triad("axes of the world", np.eye(3), marking.mechanism.model.gravity.linear),

@@ -328,7 +328,8 @@ def _moving_bytes(data: dict[str, Any]) -> int:
     texts = [data["times"], data["impacts"]["times"], data["impacts"]["peaks"]]
     for actor in data["actors"]:
         texts += [actor["times"], *(track["data"] for track in actor["tracks"])]
-    for item in data["contacts"]["items"] if data["contacts"] else ():
-        texts += [item["frames"], item["force"], item["point"]]
+    for arrows in filter(None, (data["contacts"], data.get("applied"))):
+        for item in arrows["items"]:
+            texts += [item["frames"], item["force"], item["point"]]
     texts += [trail[name] for trail in data["trails"] for name in ("times", "points")]
     return sum(map(len, texts))

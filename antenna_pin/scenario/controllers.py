@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
@@ -62,6 +62,14 @@ class _ControllerSpec(MadeSpec):
 
 class _Pid(_ControllerSpec):
     kind: Literal["pid"]
+    follows: str | None = None
+
+    @model_validator(mode="after")
+    def _check_one_reference(self) -> Self:
+        """Refuse a number to be held beside a course to be followed."""
+        if self.follows is not None and "reference" in self.model_fields_set:
+            refuse("must be left out beside follows, which gives the reference", "reference")
+        return self
 
     @model_validator(mode="before")
     @classmethod

@@ -248,7 +248,7 @@ class Scenario(FamilyTables):
         self._check_pace()
         followed: dict[tuple[str, ...], str] = {
             (table, name, "follows"): spec.follows
-            for table, named in self.families.items()
+            for table, named in {**self.families, "controllers": self.controllers}.items()
             for name, spec in named.items()
             if getattr(spec, "follows", None) is not None
         }

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
+from antenna_pin.assemble import reference_for
 from antenna_pin.control import Controller
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import Scenario
@@ -72,7 +73,12 @@ def events_of(scenario: Scenario) -> tuple[Event, ...]:
 
 def controllers_of(scenario: Scenario) -> dict[str, Controller]:
     """Return the controllers of a scenario, by name."""
-    return {name: table.build() for name, table in scenario.controllers.items()}
+    found = {}
+    for name, table in scenario.controllers.items():
+        follows = getattr(table, "follows", None)
+        more = {} if follows is None else {"reference": reference_for(scenario, follows, None).over_time()}
+        found[name] = table.build(**more)
+    return found
 
 
 def both(own: Mapping[str, Controller], given: Mapping[str, Controller]) -> dict[str, Controller]:
