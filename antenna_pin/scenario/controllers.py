@@ -61,6 +61,12 @@ class _ControllerSpec(MadeSpec):
 
 
 class _Pid(_ControllerSpec):
+    """A table of a PID controller.
+
+    Attributes:
+        follows: A table of ``[references]``, by name, instead of a number as reference; none if left out.
+    """
+
     kind: Literal["pid"]
     follows: str | None = None
 

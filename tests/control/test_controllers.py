@@ -314,7 +314,7 @@ def test_one_that_fails_ends_the_run_which_keeps_what_it_has(answer, said):
         ({"c": Counter(period=-1.0)}, "controller 'c': period must be positive and finite [s], got -1.0"),
         ({"c": Counter(state={1, 2})}, "controller 'c': state must be numbers, texts, arrays"),
         ({"c": Counter(), "d": Counter()}, "of another actuator than controller 'c'"),
-        ({"c": object()}, "controllers must be"),
+        ({"c": "nothing"}, "controllers must be"),
     ],
     ids=str,
 )

@@ -327,7 +327,6 @@ def systems():
     yield "elements", (elements(DRIVES, FORCES), "compiled")
     yield "modes", (with_modes(), "compiled")
     yield "shaken", (shaken(), "compiled")
-    yield "in Python", (elements(IN_PYTHON), "pinocchio")
     yield "in Python", (elements(IN_PYTHON, FORCES_IN_PYTHON), "pinocchio")
     for kind in CLOSURES:
         yield f"{kind} closure", (closed(kind), "compiled")
