@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol
 
 from antenna_pin.answers import asked, check_takes
+from antenna_pin.arguments import unknown_type
 from antenna_pin.elements.desk_kernels import clear
 from antenna_pin.elements.element import ForceElement, Integral
 from antenna_pin.elements.on_links import BOOKED, AtPoint, OnLinks
@@ -17,6 +18,13 @@ from antenna_pin.errors import FunctionError, InvalidParameterError
 __all__ = ["Acts", "CallableElement", "CallableForce", "InPythonOnLinks"]
 
 _ASKED = ("t", "p", "links", "joints", "states", "whole")
+# What is looked at before it is taken apart.
+_GIVEN_AS: tuple[tuple[str, tuple[type, ...], str], ...] = (
+    ("links", (list, tuple), "links, each with a point on it, in a tuple"),
+    ("joints", (list, tuple), "names of joints in a tuple"),
+    ("integrates", (list, tuple), "names in a tuple"),
+    ("parameters", (Mapping,), "numbers by name"),
+)
 _GIVES = "forces and rates that are finite numbers"
 
 
@@ -84,6 +92,10 @@ class CallableElement(OnLinks):
 
     def __post_init__(self) -> None:
         """Check the parameters, and that its function can be asked."""
+        for name, kind, rule in _GIVEN_AS:
+            given: Any = getattr(self, name)
+            if not isinstance(given, kind):
+                raise InvalidParameterError(self, name, rule, said=unknown_type(given))
         points = tuple(checked_point(self, f"links[{k}]", one) for k, one in enumerate(self.links))
         object.__setattr__(self, "links", points)
         for name in ("joints", "integrates"):
