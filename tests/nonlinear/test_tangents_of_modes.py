@@ -24,6 +24,7 @@ SLIPS = MaxwellSlip(joint="way", stiffness=(10.0, 20.0), slip=(0.5, 2.0))
 SOFT = EndStop(joint="way", upper=0.1, restitution=0.5, stiffness=1e3)
 RESTS = RigidStop(joint="way", upper=0.1, restitution=0.2, rest_rate=0.02)
 STICKS = StickingFriction(joint="way", coulomb=1.5, static=1.8, stribeck_rate=0.1)
+HOLDS = StickingFriction(joint="way", coulomb=2.0, static=4.5)
 CATCHES = {"joint": "way", "angle": 0.05, "width": 0.04}
 
 #: Element, its family, span [s], modes at the end.
@@ -34,9 +35,10 @@ CASES = {
     "off a stop": (SOFT, "stops", 1.0, "free"),
     "rests on a stop and leaves": (RESTS, "stops", 1.5, "free"),
     "slips the other way at once": (StickingFriction(joint="way", coulomb=0.5), "frictions", 1.0, "backward"),
-    "sticks": (StickingFriction(joint="way", coulomb=2.0, static=4.5), "frictions", 0.8, "sticks"),
+    "sticks": (HOLDS, "frictions", 0.8, "sticks"),
     "comes to rest": (RigidStop(joint="way", upper=0.1, restitution=0.0), "stops", 0.38, "upper"),
-    "sticks and slips": (STICKS, "frictions", 2.0, "forward"),
+    "sticks and slips": (HOLDS, "frictions", 1.3, "backward"),
+    "slips by a rate of Stribeck's": (STICKS, "frictions", 2.0, "forward"),
     "springs that slip": (SLIPS, "springs", 0.3, "up"),
     "springs that are dragged back": (SLIPS, "springs", 1.0, "down"),
     "a latch": (Latch(stiffness=50.0, damping=1.0, **CATCHES), "latches", 0.6, "held"),
