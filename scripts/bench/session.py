@@ -46,7 +46,7 @@ def main() -> int:
         commanded.step(STEP)
 
     step = spent(lambda k: told.step(STEP), times)
-    report.add("step that is told", step, "ms", 0.35)
+    report.add("step that is told", step, "ms", 0.5)
     report.add("with a command, to without", spent(command, times) / step, "-", 3.0)
     system = told.system
     state = told.state

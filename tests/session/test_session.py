@@ -151,7 +151,10 @@ def test_a_trajectory_does_not_disturb_and_reading_neither():
 def test_numbers_are_those_of_the_result():
     scenario = antenna()
     session = start(scenario)
+    session.run_until(0.006)
+    before = [session[name] for name in ("elevation.angle", "kinetic_energy")]  # not kept beyond this state
     session.run_until(0.0123)
+    assert session["elevation.angle"] != before[0] and session["kinetic_energy"] != before[1]
     last = session.trajectory().data.isel(time=-1)
     assert session["elevation.angle"] == last["motion_angle"].sel(joint="elevation").item()
     assert session["elevation.rate"] == last["motion_rate"].sel(joint="elevation").item()
