@@ -62,7 +62,16 @@ def test_what_the_table_calls_required_cannot_be_left_out(reference):
 def test_the_tables_miss_no_part_of_a_scenario():
     """Every table of a scenario is in the reference: a new one must be added to it."""
     known = {"mechanism", "materials", "clearance", "drives", "springs", "initial", "integrator", "output"}
-    known |= {"events", "pointing", "closures", "couplings", "flexible", "rotors", "controllers", "references"}
+    known |= {
+        "events",
+        "pointing",
+        "closures",
+        "couplings",
+        "flexible",
+        "rotors",
+        "controllers",
+        "references",
+    }
     known |= set(FAMILIES)
     simple = {"format", "title", "source", "duration"}
     assert set(Scenario.model_fields) - Scenario.carried == known | simple

@@ -3,13 +3,12 @@
 ``program`` is a list of blocks that starts behind its head (:data:`antenna_pin.records.PROGRAM`). A block
 begins with what it is and how long (:data:`antenna_pin.records.BLOCK`): a clearance joint
 (:mod:`antenna_pin.joints.layout_kernels`), or an element at a joint, of one of the kinds of
-:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Behind all of these stand the elements
-on links (:mod:`antenna_pin.dynamics.link_kernels`), which ask where bodies are and have a pass of their own.
+:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Behind stand the elements on links
+(:mod:`antenna_pin.dynamics.link_kernels`), with a pass of their own.
 
 A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
-those with play) have their *turned angle*, with all its turns, in x: the angle at the last accepted state, to
-which every angle of the step from there is the nearest
-(:func:`antenna_pin.mechanism.tree_kernels.unwrapped`).
+those with play) have their *turned angle*, with all its turns, in x: that at the last accepted state, to which
+angles of the step from there are the nearest (:func:`antenna_pin.mechanism.tree_kernels.unwrapped`).
 """
 
 from __future__ import annotations
@@ -50,9 +49,9 @@ ABOUT_MOTION = 2
 ABOUT_POSE = 3
 
 #: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
-#: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about
-#: (its place in ``ABOUTS``), place of the turned angle in x or -1, whether it depends on the joint's motion;
-#: how far behind it the head of the output stands (``partner``), or of another joint seen; whether it is on.
+#: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about,
+#: place of the turned angle in x or -1, whether it depends on the joint's motion; how far behind it the head
+#: of the output stands (``partner``), or of another joint seen; whether it is on.
 ELEMENT = layout(
     ("kind", "i8"),
     ("length", "i8"),

@@ -8,9 +8,10 @@ from antenna_pin.elements.between_joints import BetweenJoints
 from antenna_pin.elements.between_points import BetweenPoints
 from antenna_pin.elements.bouc_wen import BoucWen
 from antenna_pin.elements.capture import Capture
+from antenna_pin.elements.composed_courses import Sum, Table
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.constant_spring import ConstantSpring
-from antenna_pin.elements.courses import Chirp, Constant, Polynomial, Ramp, Sine, Sines, Sum, Table
+from antenna_pin.elements.courses import Chirp, Constant, Polynomial, Ramp, Sine, Sines
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, About, Drive, Element, ForceElement, Integral
 from antenna_pin.elements.given import CallableDrive
 from antenna_pin.elements.given_links import Acts, CallableElement, CallableForce

@@ -1,21 +1,18 @@
-"""References that are no slews: constant, ramp, polynomial, sine, chirp, sum of sines, table, sum."""
+"""References by formulas: constant, ramp, polynomial, sine, chirp, sum of sines."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal
-
-import numpy as np
+from typing import Literal
 
 from antenna_pin.elements import term_kernels as kernels
-from antenna_pin.elements.curve import check_table, cubics, points_and_middles
 from antenna_pin.elements.reference import Reference, pieces, term
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 from antenna_pin.readable import GIVEN, number
 
-__all__ = ["Chirp", "Constant", "Polynomial", "Ramp", "Sine", "Sines", "Sum", "Table"]
+__all__ = ["Chirp", "Constant", "Polynomial", "Ramp", "Sine", "Sines"]
 
 _TURN = 2.0 * math.pi
 
@@ -256,101 +253,3 @@ class Sines(Reference):
         """Return what it is in words."""
         low, high = (number(f(self.frequencies), 4) for f in (min, max))
         return f"a sum of {len(self.amplitudes)} sines from {low} to {high} Hz"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Table(Reference):
-    """Values at times, and what joins them.
-
-    Attributes:
-        file: Where it came from, relative to the scenario's folder; None if it is given as numbers.
-        time: Strictly increasing, at least two [s].
-        values: One for each [rad] ([m]).
-        interpolation: ``linear``; ``cubic``, monotone between points, of continuous slope; ``smooth``, a
-            spline whose second derivative is continuous.
-        periodic: Whether it comes again and again; its first and last values are the same then. A run must
-            lie within the times of one that does not.
-    """
-
-    columns: ClassVar[tuple[str, str]] = ("time", "values")
-
-    file: str | None = None
-    time: tuple[float, ...] = parameter("s", sizes=(0,), repr=False)
-    values: tuple[float, ...] = parameter("rad", sliding="m", sizes=(0,), repr=False)
-    interpolation: Literal["linear", "cubic", "smooth"] = "smooth"
-    periodic: bool = False
-
-    def __post_init__(self) -> None:
-        """Check the points."""
-        check(self)
-        check_table(self, "values")
-        if self.periodic and self.values[0] != self.values[-1]:
-            rule = f"such that the last is the first, {self.values[0]!r}, of a periodic table"
-            raise InvalidParameterError(self, "values", rule, said=repr(self.values[-1]))
-
-    @property
-    def known(self) -> tuple[float, float]:
-        """From its first time to its last [s]; always if it comes again."""
-        return (-math.inf, math.inf) if self.periodic else (self.time[0], self.time[-1])
-
-    @property
-    def instants(self) -> tuple[float, ...]:
-        """Points and the middles between them [s]; none if it comes again (``longest_step``)."""
-        return () if self.periodic else points_and_middles(self.time)
-
-    @property
-    def longest_step(self) -> float:
-        """Of one that comes again, the least distance of its points [s]."""
-        return float(np.diff(self.time).min()) if self.periodic else math.inf
-
-    def terms(self) -> tuple[float, ...]:
-        """Return it for kernels."""
-        n = len(self.time)
-        curve = cubics(self.time, self.values, self.interpolation, self.periodic)
-        rows = [curve[n + 4 * k : n + 4 * k + 4][::-1] for k in range(n - 1)]
-        return pieces(self.time, rows, self.time[-1] - self.time[0] if self.periodic else 0.0)
-
-    def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
-        where = "" if self.file is None else f" of {self.file}"
-        again = ", again and again" if self.periodic else ""
-        return f"a table{where} of {len(self.time)} points{again}"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sum(Reference):
-    """The sum of other references.
-
-    Attributes:
-        parts: The references.
-    """
-
-    parts: tuple[Reference, ...]
-
-    def __post_init__(self) -> None:
-        """Check that there are some."""
-        if not self.parts or not all(isinstance(part, Reference) for part in self.parts):
-            raise InvalidParameterError(self, "parts", "one or more references", said=f"{len(self.parts)}")
-
-    @property
-    def instants(self) -> tuple[float, ...]:
-        """Those of its parts [s]."""
-        return tuple(sorted({t for part in self.parts for t in part.instants}))
-
-    @property
-    def longest_step(self) -> float:
-        """The shortest of its parts [s]."""
-        return min(part.longest_step for part in self.parts)
-
-    @property
-    def known(self) -> tuple[float, float]:
-        """When all of its parts are known [s]."""
-        return max(part.known[0] for part in self.parts), min(part.known[1] for part in self.parts)
-
-    def terms(self) -> tuple[float, ...]:
-        """Return it for kernels."""
-        return tuple(number for part in self.parts for number in part.terms())
-
-    def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
-        return " + ".join(part.words(slides) for part in self.parts)

@@ -27,7 +27,7 @@ SIZE = words_of(LAYOUT)
 WORK = 0
 GROSS_WORK = 1
 ELECTRIC = 2
-HEAT = 3
+WINDING_HEAT = 3
 CURRENT = 4
 
 
@@ -80,7 +80,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
     rates[x + WORK] = put_in
     rates[x + GROSS_WORK] = abs(put_in)
     rates[x + ELECTRIC] = voltage * current
-    rates[x + HEAT] = m.resistance * current * current
+    rates[x + WINDING_HEAT] = m.resistance * current * current
     rates[x + CURRENT] = 0.0
     if m.inductance > 0.0:
         rates[x + CURRENT] = (voltage - back - m.resistance * current) / m.inductance

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from antenna_pin.elements.courses import Chirp, Constant, Polynomial, Ramp, Sine, Sines, Sum, Table
+from antenna_pin.elements.composed_courses import Sum, Table
+from antenna_pin.elements.courses import Chirp, Constant, Polynomial, Ramp, Sine, Sines
 from antenna_pin.elements.reference import Reference
 from antenna_pin.elements.slews import RestToRest, SCurve, Trapezoid
 

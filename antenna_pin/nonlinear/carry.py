@@ -9,8 +9,8 @@ import numpy as np
 from antenna_pin.arguments import takes
 from antenna_pin.dynamics import Adjustments, System, Workspace, modes_in_another, modes_kept
 from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.first import check_sizes
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.run import check_sizes
 from antenna_pin.state import OpenContact, State
 
 __all__ = ["carried"]

@@ -16,7 +16,7 @@ from antenna_pin.nonlinear.frames import MEMORIES, Units, frame_at, way_between
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.modes_of_states import NotAlikeError, check_modes_alike, modes_of, take_up_modes
 from antenna_pin.settings import ErrorScales
-from antenna_pin.simulation.run import check_sizes
+from antenna_pin.simulation.first import check_sizes
 from antenna_pin.state import State
 
 __all__ = ["Chart", "NotAlikeError", "OutOfReachError"]

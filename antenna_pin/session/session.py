@@ -26,10 +26,11 @@ from antenna_pin.settings import RunSettings
 from antenna_pin.simulation import Event, Moment, Set, Time
 from antenna_pin.simulation.events import check_events
 from antenna_pin.simulation.finish import finished
+from antenna_pin.simulation.first import check_sizes
 from antenna_pin.simulation.from_scenario import as_run
 from antenna_pin.simulation.marks import RecordMark
 from antenna_pin.simulation.open_run import OpenRun
-from antenna_pin.simulation.run import First, Ready, check_sizes, prepared
+from antenna_pin.simulation.run import First, Ready, prepared
 from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome, Trajectory
 

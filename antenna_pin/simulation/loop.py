@@ -8,7 +8,6 @@ and what they do, progress, limits, checkpoints, and how a run ends.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
@@ -26,6 +25,7 @@ from antenna_pin.integrate import method_named
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
+from antenna_pin.simulation.ending import message_of, no_step
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event, Set
 from antenna_pin.simulation.modes import NeverSettlesError, own_events
@@ -280,22 +280,7 @@ class Run:
             )
         elif reason in (kernels.STANDS_STILL, kernels.NO_WAY, change_kernels.HOPELESS):
             self.steps.rest()
-            self._give_up(reason)
-
-    def _give_up(self, reason: int) -> None:
-        """End the run at a step that does not come about."""
-        tried, error, refused = self.steps.tried
-        if reason == kernels.NO_WAY:
-            self._stop(Outcome.NO_PROGRESS)
-        elif reason == kernels.STANDS_STILL:
-            self._stop(Outcome.STEP_TOO_SMALL)
-        else:
-            answers = self.stepper.answers
-            failure = answers.refusal if refused else self.oversight.failure_in(self.stepper, tried)
-            if failure is not None:
-                self._stop(Outcome.FUNCTION_FAILED, f", {failure.seen}")
-            else:
-                self._stop(Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE)
+            self._stop(*no_step(self, reason))
 
     def _happen(self, ahead: list[list[Crossing]]) -> None:
         """Let events happen, one instant after the other, where they do.
@@ -365,10 +350,5 @@ class Run:
         """End the run for a reason; return whether there is none."""
         if outcome is None:
             return True
-        self.outcome = outcome
-        if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL) and self.singular and self.singular.near:
-            self.outcome, what = Outcome.NOT_CLOSED, self.singular.near
-        if outcome is Outcome.NOT_FINITE and (jammed := self.actions.modes.jammed(self.stepper.t, self.here)):
-            what = jammed
-        self.message = f"at t = {self.stepper.t:.9g} s{what}: {self.outcome.value}"
+        self.outcome, self.message = message_of(self, outcome, what)
         return False

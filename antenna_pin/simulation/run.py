@@ -19,26 +19,20 @@ from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import (
     System,
-    Workspace,
-    acting_in,
-    check_begins,
     check_closed,
     check_motions,
-    first_modes,
 )
 from antenna_pin.engine import check_compiled
 from antenna_pin.errors import InvalidParameterError, ScenarioError
-from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.interruption import interruptible
-from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.parameters import holds
-from antenna_pin.records import CONTACT, POSE
 from antenna_pin.scenario import Scenario, settings_key
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.check_controllers import check_controllers
 from antenna_pin.simulation.checkpoint import Checkpoint, about_run, check_same
 from antenna_pin.simulation.events import Event, check_events
 from antenna_pin.simulation.finish import finished
+from antenna_pin.simulation.first import check_lengths, check_sizes, check_spans, check_start
 from antenna_pin.simulation.from_scenario import as_run, both, controllers_of, events_of, settings_of
 from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
@@ -287,69 +281,8 @@ def _check_settings(
         raise ScenarioError(f"{place}: {'.'.join(settings_key(error.parameter))} {error.reason}") from error
 
 
-def check_sizes(system: System, state: State) -> None:
-    """Refuse a state that is not one of this system."""
-    sizes = {"q": system.model.nq, "v": system.model.nv, "x": system.manifold.nx}
-    sizes |= {"memory": len(system.contact_names)}
-    for name, size in sizes.items():
-        if len(getattr(state, name)) != size:
-            raise InvalidParameterError(
-                "simulate",
-                f"start.{name}",
-                f"that of a run of this system, {size} long",
-                len(getattr(state, name)),
-            )
-
-
-def check_start(system: System, y: np.ndarray) -> None:
-    """Refuse an initial pose that the parts cannot have, or in which a joint moves without any inertia."""
-    system.mechanism.check_pose(y[: system.model.nq], "initial pose")
-    first_modes(system, y)
-    check_begins(system, y)
-    table = np.zeros(system.rows, CONTACT)
-    Workspace(system).locate(y, table)
-    for joint in system.clearances:
-        if isinstance(joint.geometry, RevoluteClearance):
-            pose = np.zeros(1, POSE)
-            place_journal(system.program, system.clearance_blocks[joint.name], y, system.model.nq, pose)
-            axis = pose["axis"][0]
-            if axis[2] < 0.0:
-                raise InvalidParameterError(
-                    "initial pose",
-                    f"tilt of {joint.name}",
-                    "below 90 deg; for a journal put in the other way round turn the axis in the URDF",
-                    f"{np.degrees(np.arctan2(np.hypot(*axis[:2]), axis[2])):.6g} deg",
-                )
-    limits = [limit for joint in system.clearances for limit in joint.depth_limits]
-    reasons = [reason for joint in system.clearances for reason in joint.limit_reasons]
-    for name, row, limit, reason in zip(system.contact_names, table, limits, reasons, strict=False):
-        if not -row.gap <= limit:
-            rule = f"maximum_depth = {limit:g} m" if reason == "maximum_depth" else f"{limit:g} m ({reason})"
-            raise InvalidParameterError(
-                "initial pose",
-                f"penetration of {name}",
-                f"at most {rule}; start with the journal inside its clearance",
-                float(f"{-row.gap:.6g}"),
-            )
-
-
 def _numbers(place: str, name: str, given: ArrayLike) -> np.ndarray:
     try:
         return np.asarray(given, dtype=float)
     except (TypeError, ValueError):
         raise InvalidParameterError(place, name, "an array of numbers", said=shown(given)) from None
-
-
-def check_lengths(system: System, y: np.ndarray) -> None:
-    """Refuse a start in which a spring between points that coincide has no direction."""
-    if not system.point_springs:
-        return
-    workspace = Workspace(system)
-    for (name, spring), length in zip(system.point_springs.items(), workspace.lengths(y), strict=True):
-        spring.check_length(f"spring {name!r}", length)
-
-
-def check_spans(system: System, begin: float, end: float) -> None:
-    """Refuse a run that goes beyond the times that an element knows of."""
-    for one in acting_in(system):
-        one.element.check_span(one.label, begin, end)

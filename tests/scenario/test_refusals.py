@@ -25,7 +25,7 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
 TOP = (
     "format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, "
     "rotors, references, drives, springs, stops, latches, frictions, gears, bearings, shake, forces, events, "
-    "initial, integrator, output, pointing"
+    "controllers, initial, integrator, output, pointing"
 )
 
 REFUSALS = [
@@ -320,11 +320,11 @@ REFUSALS = [
     ({"drives.motor": 3}, "drives.motor must be a table, got 3"),
     (
         {"drives.motor.kind": DELETED},
-        "drives.motor.kind is missing; give one of constant, sine, table, pd, motion, distance",
+        "drives.motor.kind is missing; give one of constant, sine, table, pd, motion, distance, motor",
     ),
     (
         {"drives.motor.kind": "constat"},
-        "drives.motor.kind must be one of constant, sine, table, pd, motion, distance, got 'constat'; "
+        "drives.motor.kind must be one of constant, sine, table, pd, motion, distance, motor, got 'constat'; "
         "did you mean constant?",
     ),
     ({"drives.motor.value": DELETED}, "drives.motor.value is missing; give a torque [N*m] or a force [N]"),

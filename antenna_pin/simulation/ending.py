@@ -1,0 +1,45 @@
+"""Why a run ends, and what is said of it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin.engine import loop_kernels as kernels
+from antenna_pin.trajectory import Outcome
+
+__all__ = ["message_of", "no_step"]
+
+
+def no_step(run: Any, reason: int) -> tuple[Outcome, str]:
+    """Return how a run ends whose step does not come about, for a reason of the loop's, and what is to be said.
+
+    Args:
+        run: The run (:class:`antenna_pin.simulation.loop.Run`).
+        reason: Why the loop came back.
+    """
+    tried, error, refused = run.steps.tried
+    if reason == kernels.NO_WAY:
+        return Outcome.NO_PROGRESS, ""
+    if reason == kernels.STANDS_STILL:
+        return Outcome.STEP_TOO_SMALL, ""
+    failure = run.stepper.answers.refusal if refused else run.oversight.failure_in(run.stepper, tried)
+    if failure is not None:
+        return Outcome.FUNCTION_FAILED, f", {failure.seen}"
+    return (Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE), ""
+
+
+def message_of(run: Any, outcome: Outcome, what: str) -> tuple[Outcome, str]:
+    """Return an outcome as it is once what a run was near to is known, and the message.
+
+    Args:
+        run: The run.
+        outcome: How it ends.
+        what: What is to be said of that, from a comma on.
+    """
+    found = outcome
+    if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL) and run.singular and run.singular.near:
+        found, what = Outcome.NOT_CLOSED, run.singular.near
+    if outcome is Outcome.NOT_FINITE and (jammed := run.actions.modes.jammed(run.stepper.t, run.here)):
+        what = jammed
+    return found, f"at t = {run.stepper.t:.9g} s{what}: {found.value}"
