@@ -7,7 +7,7 @@ begins with what it is and how long (:data:`antenna_pin.records.BLOCK`): a clear
 (:mod:`antenna_pin.dynamics.link_kernels`), with a pass of their own.
 
 A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
-those with play) have their *turned angle*, with all its turns, in x: that at the last accepted state, to which
+those with play) have their *turned angle*, with all turns, in x: that at the last accepted state, to which
 angles of the step from there are the nearest (:func:`antenna_pin.mechanism.tree_kernels.unwrapped`).
 """
 

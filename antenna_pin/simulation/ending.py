@@ -8,11 +8,11 @@ from typing import Any
 from antenna_pin.engine import loop_kernels as kernels
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["message_of", "no_step"]
+__all__ = ["message_of", "no_step", "too_deep"]
 
 
 def no_step(run: Any, reason: int) -> tuple[Outcome, str]:
-    """Return how a run ends whose step does not come about, for a reason of the loop's, and what is to be said.
+    """Return how a run ends whose step does not come about, and what is to be said of it.
 
     Args:
         run: The run (:class:`antenna_pin.simulation.loop.Run`).
@@ -27,6 +27,13 @@ def no_step(run: Any, reason: int) -> tuple[Outcome, str]:
     if failure is not None:
         return Outcome.FUNCTION_FAILED, f", {failure.seen}"
     return (Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE), ""
+
+
+def too_deep(run: Any) -> tuple[Outcome, str]:
+    """Return how a run ends whose contact has come to a limit of its depth, and what is to be said of it."""
+    c = run.steps.contact
+    of_joint = run.search.reasons[c] == "maximum_depth"
+    return (Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE), f", {run.search.words(c)}"
 
 
 def message_of(run: Any, outcome: Outcome, what: str) -> tuple[Outcome, str]:

@@ -25,7 +25,7 @@ from antenna_pin.integrate import method_named
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.ending import message_of, no_step
+from antenna_pin.simulation.ending import message_of, no_step, too_deep
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event, Set
 from antenna_pin.simulation.modes import NeverSettlesError, own_events
@@ -273,11 +273,7 @@ class Run:
         elif reason == kernels.MOVED_ON:
             self._due()
         elif reason == kernels.TOO_DEEP:
-            c = self.steps.contact
-            of_joint = self.search.reasons[c] == "maximum_depth"
-            self._stop(
-                Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE, f", {self.search.words(c)}"
-            )
+            self._stop(*too_deep(self))
         elif reason in (kernels.STANDS_STILL, kernels.NO_WAY, change_kernels.HOPELESS):
             self.steps.rest()
             self._stop(*no_step(self, reason))
