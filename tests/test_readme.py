@@ -99,8 +99,17 @@ _ROUND_OFF = (
     "step halved",
     "steps",
     "evaluations",
+    "simulated in",
+    "closes to",
 )
-_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+|×10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?(?![\w.])")
+
+
+_PLAIN = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+
+
+def _value(text: str) -> float:
+    return float(text.translate(_PLAIN).replace("×10", "e"))
 
 
 def commands(block: str) -> Iterator[tuple[str, str]]:
@@ -173,7 +182,7 @@ def disagreement(command: str, shown: str, found: str) -> str:
             continue
         for a, b in zip(_NUMBER.findall(one), _NUMBER.findall(other), strict=True):
             # Single impacts are repeated to 1e-6 within 0.2 s; compilers may order sums otherwise.
-            if abs(float(a) - float(b)) > 1e-3 * abs(float(a)):
+            if abs(_value(a) - _value(b)) > 1e-3 * abs(_value(a)):
                 return f"shown: {one}\nfound: {other}"
     return "" if len(left) == len(right) else f"shown: {len(left)} lines\nfound: {len(right)} lines"
 

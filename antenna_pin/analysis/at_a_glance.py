@@ -65,7 +65,7 @@ def answer(run: Trajectory) -> Answer:
     counts, simulated = run.counts, readable(summary["time"], "s")
     ended = (
         f"{summary['outcome'].lower().replace('_', ' ')}, {simulated} simulated in "
-        f"{readable(counts.wall_seconds, 's', 3)}, {counts.accepted:,} steps"
+        f"{number(counts.wall_seconds, 3)}\N{NO-BREAK SPACE}s, {counts.accepted:,} steps"
     )
     lines = (*_joints(data), *_elements(summary), *_held(summary), *_pointing(run), _books(data, summary))
     return Answer(title or "a system built in Python", ended, lines)

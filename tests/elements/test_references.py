@@ -264,6 +264,52 @@ def test_refusals(folder, override, said):
         load_scenario(folder / "scenario.toml", overrides=[override])
 
 
+CONTROLLED = """
+format = 1
+duration = "1 s"
+[mechanism]
+urdf = "r.urdf"
+base = "fixed"
+[references.slew]
+kind = "rest-to-rest"
+end = "1 rad"
+duration = "0.8 s"
+[drives.motor]
+kind = "constant"
+joint = "axle"
+value = 0
+[controllers.pointing]
+kind = "pid"
+acts_on = "motor"
+period = "10 ms"
+kp = 40
+kd = 4
+feedforward_acceleration = 0.4
+follows = "slew"
+"""
+
+
+def test_a_sampled_controller_follows_it_at_its_instants(folder):
+    """Its recorded reference is that of the slew, and of both a number and a name one is refused."""
+    path = folder / "controlled.toml"
+    path.write_text(CONTROLLED)
+    run = simulate(load_scenario(path))
+    assert run.completed
+    at = RestToRest(end=1.0, duration=0.8).over_time()
+    data = run.data
+    column = list(data["signal"].values).index("pointing.reference")
+    times, seen = data["tick_time"].values, data["tick_signal"].values[:, column]
+    assert len(times) >= 99 and seen == pytest.approx([at(t)[0] for t in times], abs=1e-15)
+    half = simulate(load_scenario(path), duration=0.353)
+    assert (
+        simulate(load_scenario(path), duration=0.647, start=half.end).end.q.tobytes() == run.end.q.tobytes()
+    )
+    with pytest.raises(ScenarioError, match="must be left out beside follows"):
+        load_scenario(path, overrides=["controllers.pointing.reference=1"])
+    with pytest.raises(AntennaPinError, match="reference 'slow' is unknown"):
+        load_scenario(path, overrides=["controllers.pointing.follows=slow"])
+
+
 def test_what_does_not_cover_a_run_or_is_of_another_joint_is_refused(folder):
     with pytest.raises(InvalidParameterError, match="a table that covers the run from 0 to 3 s"):
         simulate(load_scenario(folder / "scenario.toml", overrides=["duration=3"]))
