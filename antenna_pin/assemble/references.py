@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from antenna_pin.arguments import takes
 from antenna_pin.assemble.places import check_motion
 from antenna_pin.elements import Reference
 from antenna_pin.errors import InvalidParameterError, ScenarioError
@@ -11,6 +12,7 @@ from antenna_pin.scenario import Scenario
 __all__ = ["reference_for"]
 
 
+@takes()
 def reference_for(scenario: Scenario, name: str, slot: JointSlot | None) -> Reference:
     """Return a reference of a scenario by name.
 

@@ -91,6 +91,9 @@ _NAMED = {
     "bearings": "bearings",
     "stops": "stops",
     "latches": "latches",
+    "gears": "gears",
+    "forces": "forces",
+    "controllers": "controllers",
     "blows": "surfaces",
 }
 # Groups of a summary whose name says nothing that their entries do not say.

@@ -87,6 +87,7 @@ class Sum(Reference):
 
     def __post_init__(self) -> None:
         """Check that there are some."""
+        check(self)
         if not self.parts or not all(isinstance(part, Reference) for part in self.parts):
             raise InvalidParameterError(self, "parts", "one or more references", said=f"{len(self.parts)}")
 

@@ -107,7 +107,7 @@ class Session:
             raise InvalidParameterError("start", "record", rule, record)
         self._asked = model, first, settings, events, record, controllers
         self._window = (math.inf if record else 0.0) if isinstance(record, bool) else float(record)
-        self._ready: Ready = prepared("start", model, first, settings, events, None, controllers=controllers)
+        self._ready: Ready = prepared("start", model, first, settings, events, None, None, controllers)
         self._closed = False
         self._began = first.told(self._ready.scenario)
         self._open = self._opened(self._ready.first)

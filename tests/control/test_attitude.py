@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from wheel import rig
+from controlled_wheel import rig
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.control import AttitudeFeedback, BangBang

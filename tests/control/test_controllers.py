@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from wheel import KINDS, PERIOD, PLAIN, WHEEL, rig, run_of
+from controlled_wheel import KINDS, PERIOD, PLAIN, WHEEL, rig, run_of
 
 from antenna_pin import Outcome, RunSettings, System, Trajectory, simulate
 from antenna_pin.control import Controller, Instants, kept, remembered

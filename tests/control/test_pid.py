@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from wheel import HUB, KINDS, PERIOD, PLAIN, ROUND_OFF, WHEEL, run_of
+from controlled_wheel import HUB, KINDS, PERIOD, PLAIN, ROUND_OFF, WHEEL, run_of
 
 from antenna_pin.control import Sensor
 from antenna_pin.errors import AntennaPinError

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from wheel import PERIOD, ROUND_OFF, WHEEL, rig
+from controlled_wheel import PERIOD, ROUND_OFF, WHEEL, rig
 
 from antenna_pin import RunSettings, simulate
 from antenna_pin.control import Sensor, StateFeedback

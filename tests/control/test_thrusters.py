@@ -9,7 +9,8 @@ from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.control import BangBang
 from antenna_pin.elements import Thruster
 
-INERTIA, ARM, THRUST = 1.5, 0.4, 0.25
+# No angle or rate at an instant is on an edge of the controller's line.
+INERTIA, ARM, THRUST, START = 1.5, 0.4, 0.2537, 0.3123
 BODY = f"""<robot name="body"><link name="body"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1.2" izz="{INERTIA}" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
 
@@ -71,11 +72,11 @@ def test_it_is_the_double_integrator_with_the_pulses_that_it_commands(engine, mi
     """About one axis of inertia the motion is exact for any tolerance; impulses are thrust times time on."""
     own = controller(minimum_on=minimum_on)
     settings = RunSettings(engine=engine, rtol=1e-3, output_rate=50.0)
-    q = [0.0, 0.0, 0.0, 0.0, 0.0, math.sin(0.15), math.cos(0.15)]
+    q = [0.0, 0.0, 0.0, 0.0, 0.0, math.sin(0.5 * START), math.cos(0.5 * START)]
     run = simulate(satellite(), duration=20.0, q=q, controllers={"axis": own}, settings=settings)
     assert run.completed
     least = math.ceil(minimum_on / own.period - 1e-9)
-    expected, on = by_hand(0.3, 0.0, own, 1000, least)
+    expected, on = by_hand(START, 0.0, own, 1000, least)
     data = run.data
     column = list(data["signal"].values).index("axis.measured")
     seen = data["tick_signal"].values[:1000, column]
@@ -89,7 +90,7 @@ def test_it_is_the_double_integrator_with_the_pulses_that_it_commands(engine, mi
 
 
 def test_two_halves_are_one_in_the_middle_of_a_pulse():
-    q = [0.0, 0.0, 0.0, 0.0, 0.0, math.sin(0.15), math.cos(0.15)]
+    q = [0.0, 0.0, 0.0, 0.0, 0.0, math.sin(0.5 * START), math.cos(0.5 * START)]
     given = {"controllers": {"axis": controller()}, "settings": RunSettings(rtol=1e-6)}
     whole = simulate(satellite(), duration=1.0, q=q, **given)
     half = simulate(satellite(), duration=0.371, q=q, **given)

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from controlled_wheel import HUB, WHEEL, rig
 from scipy.linalg import expm
-from wheel import HUB, WHEEL, rig
 
 from antenna_pin import RunSettings, System, simulate
 from antenna_pin.control import Pid

@@ -14,7 +14,6 @@ from antenna_pin.elements import ConstantDrive, JointSpring, RigidLatch, RigidSt
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, ScenarioError
 from antenna_pin.linear import modes
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.nonlinear import Flow
 from antenna_pin.simulation import Event, Set, Time
 from antenna_pin.simulation.checkpoint import Checkpoint
 from antenna_pin.simulation.loop import Run
@@ -287,12 +286,3 @@ def test_bounces_too_many_to_count_come_to_rest() -> None:
     assert float(run.data.change_time[-1]) == pytest.approx(3.0 * np.sqrt(2.0 * height / G), abs=1e-9)
     assert run.data.q.values[:, 0].min() > -1e-9
     assert abs(run.data.q.values[-1, 0]) < 1e-15
-
-
-def test_derivatives_of_flows_refuse_modes_by_name() -> None:
-    """Where no derivative is there, nobody gets one."""
-    system = _ball(RigidStop(joint="j", lower=0.0, restitution=0.5))
-    flow = Flow(system)
-    state = flow.first(np.array([1.0]), np.array([0.0]))
-    with pytest.raises(InvalidParameterError, match="without elements that change their mode.*stop 'j'"):
-        flow.tangent(state, 0.3)

@@ -140,8 +140,8 @@ def test_it_is_in_figure_report_and_recording(run):
     )
     assert [table.key for table in section.items] == ["stops", "latches"]
     tracks = record(run, fps=50).data["actors"][0]["tracks"]
-    assert sum(track["name"].startswith("stops.hinge") for track in tracks) == 4
-    assert sum(track["name"].startswith("latches.hinge") for track in tracks) == 2
+    assert sum("/stops.hinge" in track["path"] for track in tracks) == 4
+    assert sum("/latches.hinge" in track["path"] for track in tracks) == 2
 
 
 def test_rigid_stops_and_latches_in_a_scenario(run, tmp_path):
