@@ -103,8 +103,7 @@ class Session:
     ) -> None:
         """Make the run."""
         if not (isinstance(record, bool) or record >= 0.0):
-            rule = "true, false, or a time of zero or more [s]"
-            raise InvalidParameterError("start", "record", rule, record)
+            raise InvalidParameterError("start", "record", "true, false or a time, zero or more [s]", record)
         self._asked = model, first, settings, events, record, controllers
         self._window = (math.inf if record else 0.0) if isinstance(record, bool) else float(record)
         self._ready: Ready = prepared("start", model, first, settings, events, None, None, controllers)
