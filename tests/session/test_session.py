@@ -463,7 +463,7 @@ def test_what_cannot_be_done_is_refused_in_one_line_and_changes_nothing(short, d
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ({"record": -1.0}, "start: record must be true, false, or a time of zero or more"),
+        ({"record": -1.0}, "start: record must be true, false or a time, zero or more"),
         ({"record": "3 m"}, "start: record must be"),
         ({"q": [0.0], "start": 1}, "start: start must be"),
         ({"model": 3}, "start: model must be"),
