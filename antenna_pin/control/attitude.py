@@ -6,14 +6,18 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.answers import check_takes
 from antenna_pin.arguments import takes
 from antenna_pin.control.controller import Controller, Now
 from antenna_pin.control.limits import limited
 from antenna_pin.control.measure import Measure
+from antenna_pin.control.pid import Course
+from antenna_pin.control.turns import between_quaternions, product_of, quaternion_of, turned_back
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 
@@ -27,14 +31,18 @@ Array = NDArray[np.float64]
 class AttitudeFeedback(Controller):
     r"""Feedback of the base's quaternion and rate, by wheels.
 
-    .. math:: T = -2 K_p \, \mathrm{sgn}(\eta) \, \epsilon - K_d \omega, \quad
-        (\epsilon, \eta) = q_t^{-1} q
+    .. math:: T = -2 K_p \, \mathrm{sgn}(\eta) \, \epsilon - K_d (\omega - \omega_t)
+        + J \alpha_t + \omega_t \times J \omega_t, \quad (\epsilon, \eta) = q_t^{-1} q
 
     T is the torque that the base is to feel and omega its angular velocity, both in its own axes, and
     (epsilon, eta) the quaternion of its attitude from the target's. Of small errors :math:`2 \epsilon` is the
-    angle. The sign turns it the shorter way. Wheels with axes w in base axes, whose drives are commanded with
-    torques u on the wheels, give :math:`-\sum w u`: u is the least that gives T. Where one would be beyond
-    its limit, all are made smaller alike, so that the torque keeps its direction.
+    angle. The sign turns it the shorter way. A target that slews goes from ``begin`` to ``target`` about the
+    one axis that leads there, by the share of the angle that ``share`` gives over time: omega_t and alpha_t
+    are its rate and acceleration, and J the inertia that is fed forward.
+
+    Wheels with axes w in base axes, whose drives are commanded with torques u on the wheels, give
+    :math:`-\sum w u`: u is the least that gives T. Where one would be beyond its limit, all are made smaller
+    alike, so that the torque keeps its direction.
 
     Attributes:
         acts_on: Drives of the wheels.
@@ -44,7 +52,11 @@ class AttitudeFeedback(Controller):
         delay_periods: The same in periods [-].
         kp: K_p, about the base's axes [N*m/rad].
         kd: K_d, likewise [N*m*s/rad].
-        target: Attitude to be held, as a rotation vector in the world [rad].
+        target: Attitude to be held, or to which it slews, as a rotation vector in the world [rad].
+        begin: Attitude from which it slews, likewise [rad].
+        share: Of the way from there to the target, 1 behind it; in Python also a function of time that gives
+            value, rate and acceleration, such as a slew's from 0 to 1 [-].
+        inertia: J, about the base's axes: of all that turns with it [kg*m^2].
         axes: Of the wheels, in base axes, in their order, one after the other, three numbers each [-]; those
             of their joints at the start, if not given.
         limit: Largest torque of a wheel [N*m]; none if not given.
@@ -58,6 +70,11 @@ class AttitudeFeedback(Controller):
     kp: tuple[float, float, float] = parameter("N*m/rad", sizes=(3,), rule="zero or more")
     kd: tuple[float, float, float] = parameter("N*m*s/rad", sizes=(3,), rule="zero or more")
     target: tuple[float, float, float] = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
+    begin: tuple[float, float, float] = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
+    share: float | Course = 1.0
+    inertia: tuple[float, float, float] = parameter(
+        "kg*m^2", sizes=(3,), rule="zero or more", default=(0.0, 0.0, 0.0)
+    )
     axes: tuple[float, ...] | None = parameter(sizes=(0,), default=None)
     limit: float | None = parameter("N*m", rule="positive", default=None)
 
@@ -66,6 +83,10 @@ class AttitudeFeedback(Controller):
     def __post_init__(self) -> None:
         """Check the parameters together."""
         check(self)
+        if callable(self.share):
+            check_takes(self, "share", self.share, "t")
+        elif not 0.0 <= self.share <= 1.0:
+            raise InvalidParameterError(self, "share", "from 0 to 1", self.share)
         if not self.acts_on:
             raise InvalidParameterError(self, "acts_on", "one drive or more", ())
         if self.axes is not None and len(self.axes) != 3 * len(self.acts_on):
@@ -95,21 +116,30 @@ class AttitudeFeedback(Controller):
             found += axis.tolist()
         return dataclasses.replace(self, axes=tuple(found))
 
-    def error(self, now: Now) -> Array:
-        """Return the vector part of the quaternion from the target to the attitude, the shorter way, (3,)."""
-        turn = np.array(self.target)
-        size = float(np.linalg.norm(turn))
-        half = 0.5 * size
-        t = np.append(turn * (0.5 if size == 0.0 else math.sin(half) / size), math.cos(half))
-        q = np.asarray(now.base_quaternion())
-        vector = t[3] * q[:3] - q[3] * t[:3] - np.cross(t[:3], q[:3])
-        real = float(t @ q)
-        return np.asarray(vector if real >= 0.0 else -vector)
+    @cached_property
+    def _slew(self) -> tuple[Array, Array]:
+        """Quaternion of its begin, and rotation vector from there to the target in axes of the base."""
+        first, last = quaternion_of(np.array(self.begin)), quaternion_of(np.array(self.target))
+        between = between_quaternions(first, last)
+        sine = float(np.linalg.norm(between[:3]))
+        angle = 2.0 * math.atan2(sine, float(between[3]))
+        return first, between[:3] * (2.0 if sine == 0.0 else angle / sine)
+
+    def aim(self, t: float) -> tuple[Array, Array, Array]:
+        """Return the target at a time [s]: quaternion xyzw, rate and acceleration in its own axes."""
+        share, rate, acceleration = self.share(t) if callable(self.share) else (self.share, 0.0, 0.0)
+        first, way = self._slew
+        return product_of(first, quaternion_of(share * way)), rate * way, acceleration * way
 
     def update(self, now: Now) -> Mapping[str, float]:
         """Return the torques of the wheels from now on."""
-        error = self.error(now)
-        torque = -2.0 * np.array(self.kp) * error - np.array(self.kd) * np.asarray(now.base_rate())
+        aim, rate, acceleration = self.aim(now.time)
+        off = between_quaternions(aim, np.asarray(now.base_quaternion()))
+        error, inertia = off[:3], np.array(self.inertia)
+        # What the target turns by, in axes of the base: those of the target turned by the error.
+        own = turned_back(off, rate)
+        torque = -2.0 * np.array(self.kp) * error - np.array(self.kd) * (np.asarray(now.base_rate()) - own)
+        torque += inertia * turned_back(off, acceleration) + np.cross(own, inertia * own)
         wheels = np.array(self.axes).reshape(-1, 3).T
         wished = -np.linalg.pinv(wheels) @ torque
         share = 1.0

@@ -131,12 +131,26 @@ class StateFeedbackSpec(_StateFeedback):
 
 
 class _Attitude(MadeSpec):
+    """A table of an attitude controller.
+
+    Attributes:
+        follows: A table of ``[references]``, by name, from 0 to 1: the share of the way; none if left out.
+    """
+
     kind: Literal["attitude"]
+    follows: str | None = None
 
     motion: ClassVar[None] = None
 
+    @model_validator(mode="after")
+    def _check_one_share(self) -> Self:
+        """Refuse a share to be held beside one to be followed."""
+        if self.follows is not None and "share" in self.model_fields_set:
+            refuse("must be left out beside follows, which gives the share", "share")
+        return self
 
-@reads(AttitudeFeedback)
+
+@reads(AttitudeFeedback, share=float)
 class AttitudeSpec(_Attitude):
     """Feedback of the base's quaternion and rate, by wheels."""
 

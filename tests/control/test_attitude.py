@@ -6,10 +6,11 @@ import math
 import numpy as np
 import pytest
 from controlled_wheel import rig
+from scipy.spatial.transform import Rotation, Slerp
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.control import AttitudeFeedback, BangBang
-from antenna_pin.elements import ConstantDrive
+from antenna_pin.elements import ConstantDrive, RestToRest, SCurve
 from antenna_pin.errors import AntennaPinError
 
 BUS, SPIN = 3.0, 0.01  # [kg m^2]
@@ -57,6 +58,44 @@ def test_the_base_comes_to_its_target_and_the_wheels_take_the_momentum():
     assert abs(run.data.base_angular_velocity.values[-1]).max() < 1e-4
     momentum = run.data.angular_momentum.values
     assert abs(momentum - momentum[0]).max() < 1e-12
+
+
+def test_a_slew_is_followed_with_the_inertia_fed_forward():
+    """What is left is what the hold makes of the acceleration, half a period late, J a'' h / 2 over kp.
+
+    The acceleration of the slew changes by up to 60 / 12^3 a second of 1.2 rad: 3 * 0.042 * 0.05 / 0.6 = 0.01
+    at most, which dies away by exp(-0.3 t) after the slew.
+    Without it the lack is J a / kp, of 1.2 * 5.77 / 12^2 rad/s^2: over 0.2 rad.
+    """
+    slew = RestToRest(end=1.0, duration=12.0)
+    axes = np.array([np.array(axis) / np.linalg.norm(axis) for axis in AXES.values()])
+    inertia = (BUS + 4 * SPIN) * np.eye(3) - SPIN * axes.T @ axes
+    own = dataclasses.replace(
+        HOLD,
+        target=(1.2, 0.0, 0.0),
+        share=slew.over_time(),
+        inertia=tuple(np.diag(inertia).tolist()),
+    )
+    run = held(own, 45.0)
+    seen = run.data.tick_signal.sel(signal="hold.error").values
+    assert seen.max() < 0.011 and seen[-1] < 1e-5
+    without = held(dataclasses.replace(own, inertia=(0.0, 0.0, 0.0)), 15.0)
+    assert without.data.tick_signal.sel(signal="hold.error").values.max() > 0.15
+
+
+def test_a_slew_goes_about_the_one_axis_that_leads_there():
+    """The target at each share is the interpolation of SciPy, its rate the derivative, in its own axes."""
+    slew = SCurve(end=1.0, rate=0.1, acceleration=0.05, jerk=0.05)
+    own = dataclasses.replace(HOLD, begin=(0.3, -0.5, 0.2), target=(0.4, 1.9, -0.7), share=slew.over_time())
+    ends = Rotation.from_rotvec([own.begin, own.target])
+    between = Slerp([0.0, 1.0], ends)
+    for t in (0.0, 0.7, 4.0, 11.0, 30.0):
+        share, rate, _ = slew.at(t)
+        quaternion, turning, _ = own.aim(t)
+        aim = Rotation.from_quat(quaternion)
+        assert (aim.inv() * between(share)).magnitude() < 1e-14
+        way = (ends[0].inv() * ends[1]).as_rotvec()
+        assert turning == pytest.approx(rate * way, abs=1e-15)
 
 
 def test_small_angles_are_the_linear_discrete_loop():
