@@ -27,7 +27,8 @@ def say_answer(trajectory: Trajectory, label: str = "") -> None:
     from antenna_pin.analysis import answer
 
     found = answer(trajectory)
-    say(f"{label}: {found.title}: {found.ended}" if label else f"{found.title}: {found.ended}")
+    told = found.title if not label or found.title.endswith(f"case {label}") else f"{label}: {found.title}"
+    say(f"{told}: {found.ended}")
     widest = max(len(line.about) for line in found.lines)
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else _PAGE
     for line in found.lines:

@@ -20,8 +20,7 @@ _ENTRIES = {
     "relocated": ("steps cut to a change of contact", ""),
     "wall_seconds": ("wall time", "s"),
     "energy_error": ("energy balance error", "J"),
-    "energy_scale": ("energy scale", "J"),
-    "energy_scale_of": ("energy scale is", ""),
+    "energy_scale": ("energy scale: gross work, else kinetic", "J"),
     "energy_error_relative": ("energy balance error, relative", "-"),
     "gross_work": ("gross work of drives and forces", "J"),
     "linear_momentum_drift": ("linear momentum drift", "kg m/s"),
@@ -78,7 +77,7 @@ _ENTRIES = {
 # What stands where an entry has no number, but for a dash.
 _WITHOUT = {"energy balance error, relative [-]": "nothing moves"}
 # Entries that tables leave out: what they say is said in a sentence.
-_SAID = ("title", "message", "redundant", "singular")
+_SAID = ("title", "message", "redundant", "singular", "energy_scale_of")
 # Groups of a summary whose entries are named things, each a row: what they are called.
 _NAMED = {
     "motion": "joints",

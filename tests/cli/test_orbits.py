@@ -102,6 +102,7 @@ def symmetry_breaks(low, high):
     return brentq(of_half, low, high, xtol=1e-10)
 
 
+@pytest.mark.slow
 def test_an_orbit_is_followed_over_a_key(cli):
     """The pendulum's symmetric swing loses its stability where another branch crosses, by scipy's runs."""
     over = ("--over", "drives.motor.amplitude", "--values", "11 N*m:13 N*m", "--arc", "0.5")

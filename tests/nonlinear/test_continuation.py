@@ -30,6 +30,7 @@ def against_a_stop(oscillator, force, frequency, stop, restitution, damping=NUMB
     return Flow(system, RunSettings(rtol=1e-12, engine="compiled"), events=(hit,)), 1.0 / frequency
 
 
+@pytest.mark.slow
 def test_a_linear_branch_follows_the_response(oscillator):
     """Over the frequency of the drive, through resonance: the steady state in closed form."""
     m, k, c, force = 1.0, (2.0 * math.pi) ** 2, 1.0, 2.0

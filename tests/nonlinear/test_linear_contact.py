@@ -92,6 +92,7 @@ def test_a_branch_up_to_where_the_ball_leaves(table):
     assert graze.value == pytest.approx(LEAVES, rel=2e-6)
 
 
+@pytest.mark.slow
 def test_what_is_remembered_stays(table):
     """Of the family of orbits that one with the start's speed is found, to the last bit."""
     scenario = table.with_overrides(LANKARANI)

@@ -36,6 +36,7 @@ def cubic(t, x, v):
     return -(x**3)
 
 
+@pytest.mark.slow
 def test_chaos_of_a_driven_cubic_spring(oscillator):
     """x'' + 0.05 x' + x^3 = 7.5 cos t (Ueda 1979, J. Stat. Phys. 20, 181-196): 0.103 per unit of time.
 

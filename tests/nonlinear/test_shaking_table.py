@@ -61,7 +61,11 @@ def by_event(system, e):
 
 @pytest.mark.parametrize(
     ("kind", "begin", "end", "phase"),
-    [("flip", 1.25, 1.5, 0.5), ("fold", 0.82, 0.5, 0.5), ("fold", 0.82, 0.5, 0.0)],
+    [
+        ("flip", 1.25, 1.5, 0.5),
+        pytest.param("fold", 0.82, 0.5, 0.5, marks=pytest.mark.slow),
+        ("fold", 0.82, 0.5, 0.0),
+    ],
 )
 def test_where_a_bouncing_orbit_changes(oscillator, kind, begin, end, phase):
     """Each neighbour impacts at its own instant, on a table that moves on: what is found is exact.

@@ -62,7 +62,7 @@ def _two(base: str, gravity: float, **frictions: StickingFriction) -> System:
     return System(mechanism, elements={"frictions": frictions})
 
 
-@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+@pytest.mark.parametrize("engine", [pytest.param("pinocchio", marks=pytest.mark.slow), "compiled"])
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
 def test_an_oscillator_decays_by_steps_and_stays_where_it_stops(kind: str, engine: str) -> None:
     """Amplitude falls by 2 T / k each half swing, until the spring no longer overcomes T."""
