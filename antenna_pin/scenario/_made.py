@@ -13,7 +13,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import types
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import MISSING
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, Union, get_args, get_type_hints
@@ -24,7 +24,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameters_of
 from antenna_pin.scenario._base import Quantity, Spec, Vector, read_quantity, refuse
 
-__all__ = ["MadeSpec", "reads"]
+__all__ = ["MadeSpec", "made_of", "reads"]
 
 _Spec = TypeVar("_Spec", bound="MadeSpec")
 
@@ -106,36 +106,68 @@ def reads(
         renamed: The key of a field that has another name in the table.
         **nested: The type that the table has for a field, where that of the class is no table.
     """
-    hints, parameters = get_type_hints(cls), parameters_of(cls)
+    names = {item.name for item in dataclasses.fields(cls) if item.name in only or not only} - {*without}
 
     def made(own: type[_Spec]) -> type[_Spec]:
-        keys: dict[str, Any] = {}
-        for item in dataclasses.fields(cls):
-            if item.name in without or (only and item.name not in only):
-                continue
-            hint = nested.get(item.name, hints[item.name])
-            if item.name in parameters:
-                hint = _annotated(parameters[item.name], hint)
-            given: Any = {"repr": item.repr}
-            if item.name in nested and item.default_factory is not MISSING:
-                given["default_factory"] = dict if item.default_factory is dict else hint
-            elif item.default_factory is not MISSING:
-                given["default_factory"] = item.default_factory
-            elif item.default is not MISSING:
-                given["default"] = item.default
-            keys[renamed.get(item.name, item.name)] = (hint, Field(**given))
         table = create_model(
             own.__name__,
             __base__=own,
             __doc__=own.__doc__ if "__doc__" in vars(own) and own.__doc__ else inspect.getdoc(cls),
             __module__=own.__module__,
-            **keys,
+            **{renamed.get(name, name): key for name, key in _keys(cls, names, nested).items()},
         )
         table.fills = cls
         table.fields_of_keys = {key: name for name, key in renamed.items()}
         return table
 
     return made
+
+
+def made_of(
+    cls: type[Any], base: type[_Spec], kind: Any, module: str, without: tuple[str, ...], **nested: Any
+) -> type[_Spec]:
+    """Return the table of one of many kinds: what :func:`reads` makes of a class without a body, in one step.
+
+    Args:
+        cls: The class that it fills, as there; also its docstring.
+        base: What all of these tables are.
+        kind: The key ``kind``, as pydantic takes a field.
+        module: Of the table.
+        without: Fields of the class that it does not have.
+        **nested: The type that the table has for a field.
+    """
+    names = {item.name for item in dataclasses.fields(cls)} - {*without}
+    table = create_model(
+        f"{cls.__name__.removeprefix('Joint')}Spec",
+        __base__=base,
+        __doc__=cls.__doc__,
+        __module__=module,
+        kind=kind,
+        **_keys(cls, names, nested),
+    )
+    table.fills = cls
+    return table
+
+
+def _keys(cls: type[Any], names: Collection[str], nested: Mapping[str, Any]) -> dict[str, Any]:
+    """Return type and pydantic's field of a class's fields, by name."""
+    hints, parameters = get_type_hints(cls), parameters_of(cls)
+    keys: dict[str, Any] = {}
+    for item in dataclasses.fields(cls):
+        if item.name not in names:
+            continue
+        hint = nested.get(item.name, hints[item.name])
+        if item.name in parameters:
+            hint = _annotated(parameters[item.name], hint)
+        given: Any = {"repr": item.repr}
+        if item.name in nested and item.default_factory is not MISSING:
+            given["default_factory"] = dict if item.default_factory is dict else hint
+        elif item.default_factory is not MISSING:
+            given["default_factory"] = item.default_factory
+        elif item.default is not MISSING:
+            given["default"] = item.default
+        keys[item.name] = (hint, Field(**given))
+    return keys
 
 
 def _annotated(parameter: Any, hint: Any) -> Any:

@@ -10,7 +10,7 @@ from pydantic import Field, create_model, model_validator
 from antenna_pin.elements import FAMILIES, AtPoint, BetweenJoints, BetweenPoints, ForceElement, OnLinks
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
-from antenna_pin.scenario._made import MadeSpec, reads
+from antenna_pin.scenario._made import MadeSpec, made_of
 from antenna_pin.scenario.closures import PlaceSpec
 from antenna_pin.scenario.references import reference_file_columns
 
@@ -139,15 +139,8 @@ def _specs(kinds: Mapping[str, type[ForceElement]], default: bool) -> dict[str, 
     for kind, cls in kinds.items():
         key: Any = (Literal[kind], kind if default else ...)
         base, places = next((spec, places) for of, spec, places in _BASES if issubclass(cls, of))
-        bare: Any = create_model(
-            f"{cls.__name__.removeprefix('Joint')}Spec",
-            __base__=base,
-            __doc__=cls.__doc__,
-            __module__=__name__,
-            kind=key,
-        )
         named: dict[str, Any] = {"follows": str | None} if "follows" in cls.__dataclass_fields__ else {}
-        found[kind] = reads(cls, without=(*places, *cls.own_keys()), **named)(bare)
+        found[kind] = made_of(cls, base, key, __name__, (*places, *cls.own_keys()), **named)
     return found
 
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Literal, Union
 
-from pydantic import create_model
-
 from antenna_pin.elements import REFERENCES, Reference
 from antenna_pin.elements import Sum as SumOfReferences
 from antenna_pin.scenario._base import refuse, refuse_name
 from antenna_pin.scenario._joint import JointTable
-from antenna_pin.scenario._made import MadeSpec, reads
+from antenna_pin.scenario._made import MadeSpec, made_of
 
 __all__ = ["REFERENCE_SPECS", "AnyReference", "ReferenceSpec", "check_references", "reference_file_columns"]
 
@@ -30,12 +28,8 @@ def _specs() -> dict[str, type[ReferenceSpec]]:
     found = {}
     for kind, cls in REFERENCES.items():
         key: Any = (Literal[kind], ...)
-        name = f"{cls.__name__}ReferenceSpec"
-        bare: Any = create_model(
-            name, __base__=ReferenceSpec, __doc__=cls.__doc__, __module__=__name__, kind=key
-        )
         names: dict[str, Any] = {"parts": tuple[str, ...]} if cls is SumOfReferences else {}
-        found[kind] = reads(cls, **names)(bare)
+        found[kind] = made_of(cls, ReferenceSpec, key, __name__, (), **names)
     return found
 
 
