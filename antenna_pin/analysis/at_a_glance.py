@@ -24,6 +24,8 @@ __all__ = ["Answer", "Line", "answer"]
 
 # Joints with play that have a line of their own: the others share one.
 _JOINTS = 3
+# Lines in all, of which the joints have what the others leave.
+_LINES = 10
 
 
 class Line(NamedTuple):
@@ -44,7 +46,7 @@ class Answer(NamedTuple):
     Attributes:
         title: What was run.
         ended: How it ended.
-        lines: What has happened, at most nine.
+        lines: What has happened, at most ten.
     """
 
     title: str
@@ -67,18 +69,16 @@ def answer(run: Trajectory) -> Answer:
         f"{summary['outcome'].lower().replace('_', ' ')}, {simulated} simulated in "
         f"{number(counts.wall_seconds, 3)}\N{NO-BREAK SPACE}s, {counts.accepted:,} steps"
     )
-    lines = (*_joints(data), *_elements(summary), *_held(summary), *_pointing(run), _books(data, summary))
+    others = (*_elements(summary), *_held(summary), *_pointing(run), _books(data, summary))
+    hits = [_Hit.of(data, name) for name in names_along(data, "clearance_joint")]
+    lines = (*_of_hits(hits, min(_JOINTS, _LINES - len(others) - 1)), *others)
     return Answer(title or "a system built in Python", ended, lines)
 
 
-def _joints(data: xr.Dataset) -> Iterator[Line]:
-    """Yield what the joints with play took, the hardest hit first."""
-    yield from _of_hits([_Hit.of(data, name) for name in names_along(data, "clearance_joint")])
-
-
-def _of_hits(hits: Sequence[_Hit]) -> Iterator[Line]:
+def _of_hits(hits: Sequence[_Hit], most: int = _JOINTS) -> Iterator[Line]:
+    """Yield what the joints with play took, the hardest hit first: so many alone, the others as one."""
     told = sorted(hits, key=lambda hit: -hit.force)
-    own = _JOINTS if len(told) > _JOINTS + 1 else len(told)
+    own = most if len(told) > most + 1 else len(told)
     for hit in told[:own]:
         yield Line(hit.joint, hit.words)
     if others := told[own:]:
@@ -134,7 +134,7 @@ def _apart(data: xr.Dataset, joint: str) -> str:
 
 
 def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
-    """Yield what stops and latches met."""
+    """Yield what stops, latches and gears met, and how often controllers were asked."""
     stops = summary.get("stops", {})
     if stops:
         touches = sum(one["touches"] for one in stops.values())
@@ -154,6 +154,22 @@ def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
             last = max(caught, key=lambda name: caught[name])
             text += f", the last ({last}) at {readable(caught[last], 's', 6)}"
         yield Line("latches", text + (f"; {_counted(refused, 'refusal')}" if refused else ""))
+
+    gears = summary.get("gears", {})
+    if gears:
+        peaks = {name: one.get("peak_torque", one.get("peak_force", 0.0)) for name, one in gears.items()}
+        name = max(peaks, key=lambda one: peaks[one])
+        unit = "N m" if "peak_torque" in gears[name] else "N"
+        touches = sum(one.get("touches", 0) for one in gears.values())
+        apart = [one["time_apart"] for one in gears.values() if one.get("time_apart") is not None]
+        text = f"{_counted(touches, 'touch', 'touches')}, at most {readable(peaks[name], unit)} at {name}"
+        yield Line("gears", text + (f"; apart for {readable(max(apart), 's')}" if apart else ""))
+    controllers = summary.get("controllers", {})
+    if controllers:
+        asked = sum(int(one["ticks"]) for one in controllers.values())
+        held = sum(int(one["saturated"]) for one in controllers.values())
+        text = f"asked {asked} times" + (f", limited {held} times" if held else "")
+        yield Line("controllers", text)
 
 
 def _held(summary: Mapping[str, Any]) -> Iterator[Line]:

@@ -90,3 +90,10 @@ def test_every_shipped_case_is_told_in_ten_lines(name):
         found = answer(dataclasses.replace(run, scenario=None))
         assert 1 <= len(found.lines) <= 10 and all(line.about and line.text for line in found.lines)
         assert found.title and "simulated in" in found.ended
+
+
+def test_gears_say_how_often_they_touched_and_how_hard():
+    run = simulate(load_scenario("pointing_gear", case="play", overrides=["duration=0.5"]))
+    (gear,) = run.summary()["gears"].values()
+    torque = readable(gear["peak_torque"], "N m").replace("\N{NO-BREAK SPACE}", " ")
+    assert told(run)["gears"].startswith(f"{gear['touches']} touches, at most {torque} at train; apart for ")
