@@ -14,7 +14,6 @@ from antenna_pin.geometry.looks import LOOKS
 from antenna_pin.readable import number, readable
 from antenna_pin.trajectory import (
     Trajectory,
-    blow_counts,
     contact_joints,
     is_lean,
     names_along,
@@ -70,7 +69,7 @@ def answer(run: Trajectory) -> Answer:
         f"{number(counts.wall_seconds, 3)}\N{NO-BREAK SPACE}s, {counts.accepted:,} steps"
     )
     others = (*_elements(summary), *_held(summary), *_pointing(run), _books(data, summary))
-    hits = [_Hit.of(data, name) for name in names_along(data, "clearance_joint")]
+    hits = [_Hit.of(data, summary, name) for name in names_along(data, "clearance_joint")]
     lines = (*_of_hits(hits, min(_JOINTS, _LINES - len(others) - 1)), *others)
     return Answer(title or "a system built in Python", ended, lines)
 
@@ -97,11 +96,12 @@ class _Hit(NamedTuple):
     words: str
 
     @classmethod
-    def of(cls, data: xr.Dataset, joint: str) -> _Hit:
+    def of(cls, data: xr.Dataset, summary: Mapping[str, Any], joint: str) -> _Hit:
         """Return that of a joint by name."""
         owners = list(contact_joints(data).values())
         contacts = [k for k, owner in enumerate(owners) if owner == joint]
-        blows = sum(n for name, n in blow_counts(data).items() if name.rpartition(".")[0] == joint)
+        counts = summary["blows"].items()  # by surface, as ``joint.kind``
+        blows = sum(one["blows"] for name, one in counts if name.rpartition(".")[0] == joint)
         mine = np.isin(data["episode_contact"].values, contacts)
         losses = (data[name].values[contacts] for name in ("total_normal_loss", "total_friction_loss"))
         lost = float(sum(one.sum() for one in losses))

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.arguments import takes
 from antenna_pin.plot._kinds import GEARED, none_with
+from antenna_pin.plot._pairs import paired_panels
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, left_out, long_enough, styles, too_short
 from antenna_pin.plot._style import (
@@ -22,7 +23,6 @@ from antenna_pin.plot._style import (
     legend_above,
     letters,
     literal,
-    new_figure,
     panel_title,
     prefixed,
     styled,
@@ -55,10 +55,7 @@ def figure_gears(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
     drawn, _ = thinned_beside(
         drawn, None, lambda run: [one for place in _own(run) for one in _curves(run, place)]
     )
-    page = width == "page"
-    figure = new_figure(width, 12.0 + 44.0 * len(places) * (1 if page else 2))
-    grid = figure.subplots(len(places) * (1 if page else 2), 2 if page else 1, squeeze=False)
-    pairs = grid if page else grid.reshape(len(places), 2)
+    figure, pairs = paired_panels(width, len(places))
     letter = letters()
     looks = styles(drawn, None)
     for (motion, effort), place in zip(pairs, places, strict=True):
@@ -67,8 +64,6 @@ def figure_gears(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
         _effort(effort, mine, place)
         panel_title(motion, next(letter), literal(place.partition(".")[2].replace("_", " ")))
         panel_title(effort, next(letter), "what it exerts along the deflection")
-    for axes in pairs[-1] if page else pairs.ravel():
-        axes.set_xlabel("time [s]")
     legend_above(figure, [axes for axes, _ in pairs])
     grounds = [_grounds(run, place) for run in drawn for place in _own(run)]
     marks = sum(len(_onsets(run, place)) for run in drawn for place in _own(run))

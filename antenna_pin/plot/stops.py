@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.arguments import takes
 from antenna_pin.plot._kinds import STOPPED, none_with
+from antenna_pin.plot._pairs import paired_panels
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, left_out, long_enough, styles, too_short
 from antenna_pin.plot._style import (
@@ -23,7 +24,6 @@ from antenna_pin.plot._style import (
     legend_above,
     letters,
     literal,
-    new_figure,
     panel_title,
     prefixed,
     styled,
@@ -59,10 +59,7 @@ def figure_stops(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
     drawn, reference = thinned_beside(
         drawn, reference, lambda run: [one for joint in joints for one in _columns(run, joint)]
     )
-    page = width == "page"
-    figure = new_figure(width, 12.0 + 44.0 * len(joints) * (1 if page else 2))
-    grid = figure.subplots(len(joints) * (1 if page else 2), 2 if page else 1, squeeze=False)
-    pairs = grid if page else grid.reshape(len(joints), 2)
+    figure, pairs = paired_panels(width, len(joints))
     letter = letters()
     looks = styles(drawn, reference)
     for (motion, effort), joint in zip(pairs, joints, strict=True):
@@ -71,8 +68,6 @@ def figure_stops(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
         _effort(effort, mine, joint)
         panel_title(motion, next(letter), literal(joint.replace("_", " ")))
         panel_title(effort, next(letter), "what its stops and latches exert")
-    for axes in pairs[-1] if page else pairs.ravel():
-        axes.set_xlabel("time [s]")
     legend_above(figure, [axes for axes, _ in pairs])
     footnote(
         figure,
