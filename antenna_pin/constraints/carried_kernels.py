@@ -1,8 +1,9 @@
 """What joints with friction by load carry: forces and moments at the middles of their bearings, compiled.
 
-It follows from what the bodies beyond a joint need for their accelerations, less what closures do to them: of
-redundant equations the least forces. In ``room`` stand ``OF_BODY`` numbers of each body (accelerations of the
-coordinates' accelerations alone, force and moment at its origin, in the world), then numbers for scratch.
+It follows from what the bodies beyond a joint need for their accelerations, less what closures and elements
+on links do to them: of redundant equations the least forces. In ``room`` stand ``OF_BODY`` numbers of each
+body (accelerations of the coordinates' accelerations alone, force and moment at its origin, in the world),
+then numbers for scratch.
 """
 
 from __future__ import annotations
@@ -12,7 +13,14 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.force_kernels import least_forces, wrenches
-from antenna_pin.constraints.layout_kernels import body_at, closure_at, hold_at, place_at, plan_of
+from antenna_pin.constraints.layout_kernels import (
+    applied_in,
+    body_at,
+    closure_at,
+    hold_at,
+    place_at,
+    plan_of,
+)
 from antenna_pin.elements import kernels as elements
 from antenna_pin.mechanism.tree_kernels import cross
 from antenna_pin.records import PLANE, RIGID, ROTATION, SLIDE
@@ -82,6 +90,10 @@ def _write_wrenches(plan: Any, work: Any, rates: Any, room: Any) -> None:
     head = plan_of(plan)
     for b in range(head.bodies):
         _move(plan, work, rates, room, b)
+    applied = applied_in(plan, work)
+    for b in range(head.bodies):
+        for k in range(6):
+            room[OF_BODY * b + 6 + k] -= applied[6 * b + k]
     _take_closures(plan, work, room)
     for b in range(head.bodies - 1, -1, -1):
         parent = body_at(plan, b).parent

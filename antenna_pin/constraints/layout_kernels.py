@@ -24,7 +24,8 @@ from antenna_pin.records import layout, words_of
 #: (rows, span); the triangle R without its diagonal, (rows, width), and that one's ``inverses``; the squares
 #: of the lengths that are left, by what these count, and which rows stand there, each (width,). L with
 #: inverses on the diagonal, (nv, nv); where its rows begin, (nv,); numbers for scratch, (2, max(span,
-#: width)); ``FOUND``; room of friction by load, 0 where no joint has such; gravity [m/s^2].
+#: width)); ``FOUND``; room of friction by load, 0 where no joint has such, first in it what elements on
+#: links do to each body, force and moment about its origin, (bodies, 6); gravity [m/s^2].
 PLAN = layout(
     ("bodies", "i8"),
     ("closures", "i8"),
@@ -180,6 +181,13 @@ def hold_at(plan: Any, k: int) -> Any:
 def place_at(work: Any, b: int) -> Any:
     """Return where a body is."""
     return record(work[PLACE_WORDS * b : PLACE_WORDS * (b + 1)], PLACE)
+
+
+@inlined
+def applied_in(plan: Any, work: Any) -> Any:
+    """Return where stands what elements on links do to bodies, (6 bodies,); empty if no friction asks."""
+    head = plan_of(plan)
+    return work[head.loaded : head.loaded + (6 * head.bodies if head.loaded != 0 else 0)]
 
 
 @inlined

@@ -67,7 +67,7 @@ def _bear(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, ra
     """Add what friction by load does to a solution without it, and tell elements of their loads."""
     head = plan_of(plan)
     nv, n = head.nv, head.holds
-    at = head.loaded
+    at = head.loaded + 6 * head.bodies
     total, at = work[at : at + nv], at + nv
     tau, at = work[at : at + n], at + n
     carried, at = work[at : at + 6 * n * (n + 1)], at + 6 * n * (n + 1)
@@ -79,7 +79,7 @@ def _bear(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, ra
     for j in range(n):
         tau[j] = 0.0
         own = hold_at(plan, j)
-        if elements.rub(own.kind, program, own.words, y[head.nq + own.v]) == 0.0:
+        if _rub(y, program, head, own) == 0.0:
             continue
         slipping += 1
         total[own.v] += 1.0
@@ -106,6 +106,13 @@ def _bear(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, ra
             work[head.force + own.row] = tau[j] / (1.0 if own.slides != 0 else head.length)
 
 
+@inlined
+def _rub(y: Any, program: Any, head: Any, own: Any) -> float:
+    """Return the torque of a hold's friction by its load, with its sign."""
+    states = y, head.nq + head.nv + own.x
+    return float(elements.rub(own.kind, program, own.words, y[head.nq + own.v], states))
+
+
 @kernel
 def _newton(y: Any, program: Any, plan: Any, carried: Any, tau: Any, room: Any) -> bool:
     """Write the torques of friction by load, from zero on; return whether they are a solution."""
@@ -116,7 +123,7 @@ def _newton(y: Any, program: Any, plan: Any, carried: Any, tau: Any, room: Any) 
         positive = True
         for i in range(n):
             own, row = hold_at(plan, i), i * (n + 1)
-            factor = elements.rub(own.kind, program, own.words, y[head.nq + own.v])
+            factor = _rub(y, program, head, own)
             burden = 0.0
             if factor != 0.0:
                 burden, _ = _burden(program, plan, own, carried, tau, i, -1)

@@ -153,6 +153,7 @@ def make_plan(
     if any(one.loaded for one in holding):
         n = len(holding)
         head["loaded"] = size
+        size += 6 * len(tree)
         size += model.nv + n + 6 * n * (n + 1) + max(room_for(len(tree), len(closures), row), n * (n + 1))
     head["gravity"] = model.gravity.linear
     head["bodies"], head["closures"], head["motions"] = len(tree), len(closures), len(motions)

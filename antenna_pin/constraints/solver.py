@@ -76,6 +76,8 @@ class Constraints:
         self.lack = part("lack", rows)
         #: What is left of each row, over its length and times that with which it counts.
         self.shares = part("shares", rows)
+        #: What elements on links do to bodies, where friction by load asks for it, else empty.
+        self.applied = self.work[int(head["loaded"]) :][: 6 * int(head["bodies"]) if head["loaded"] else 0]
         self._found = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
         self._step = np.zeros(nv)
         #: Room for the least forces, and those, of redundant rows (``force_kernels.least_forces``).

@@ -19,6 +19,7 @@ from antenna_pin.contact.records import FRICTION_LAW, FRICTION_SIZE, friction_re
 __all__ = [
     "FRICTION_RECORDS",
     "FRICTION_SIZE",
+    "bristle",
     "bristle_force",
     "friction_force",
     "friction_ratio",
@@ -240,6 +241,63 @@ def _gonthier(
 
 
 @kernel
+def bristle(
+    law: Any, force: float, slip: Any, whole: Any, along: Any, dwell: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Friction [N] of a law with bristles, then the rates of their deflection, and of its dwell.
+
+    With torques in the place of coefficients, one for the normal force and rates of a joint for slip, it is
+    the friction of that joint.
+
+    Args:
+        law: The law, (FRICTION_SIZE,).
+        force: Normal force [N].
+        slip: Velocity of the journal's material point over the bearing's, three numbers [m/s].
+        whole: The deflection, three numbers [m].
+        along: The part of it that carries force, likewise.
+        dwell: What a law with a dwell remembers of it [-].
+    """
+    vx, vy, vz = slip
+    zx, zy, zz = whole
+    tx, ty, tz = along
+    speed = math.sqrt(vx * vx + vy * vy + vz * vz)
+    kind = record(law, FRICTION_LAW).kind
+    if kind == DAHL:
+        dahl = record(law, DAHL_LAW)
+        mu, stiffness = dahl.coefficient_of_friction, dahl.bristle_stiffness
+        rx, ry, rz = _dahl(mu, stiffness, dahl.exponent, speed, slip, whole)
+        factor = -force * stiffness
+        return factor * tx, factor * ty, factor * tz, rx, ry, rz, 0.0
+    bent = record(law, LUGRE_LAW)
+    mu_d, mu_s, v_s = bent.dynamic, bent.static, bent.stribeck_speed
+    sigma_0, sigma_1, sigma_2 = bent.bristle_stiffness, bent.bristle_damping, bent.viscous
+    follow, fade = 1.0, math.nan  # the deflection's rate is follow v - fade z; of no other kind
+    limit, dwelling_on = math.inf, 0.0
+    if kind == LUGRE:
+        fade = sigma_0 * speed / stribeck_level(mu_d, mu_s, v_s, speed)
+    elif kind == GONTHIER:
+        dwelling = record(law, GONTHIER_LAW)
+        s, follow, fade = _gonthier(mu_d, v_s, sigma_0, sigma_1, dwelling.rounding_speed, speed)
+        dwelling_on = (s - dwell) / (dwelling.dwell_time if s >= dwell else sigma_1 / sigma_0)
+        limit = mu_d + (mu_s - mu_d) * dwell
+    rx, ry, rz = follow * vx - fade * zx, follow * vy - fade * zy, follow * vz - fade * zz
+    stiff = sigma_0 - sigma_1 * fade
+    damp = sigma_1 * follow
+    bx, by, bz = stiff * tx + damp * vx, stiff * ty + damp * vy, stiff * tz + damp * vz
+    size = math.sqrt(bx * bx + by * by + bz * bz)
+    cut = limit / size if size > limit else 1.0
+    return (
+        -force * (cut * bx + sigma_2 * vx),
+        -force * (cut * by + sigma_2 * vy),
+        -force * (cut * bz + sigma_2 * vz),
+        rx,
+        ry,
+        rz,
+        dwelling_on,
+    )
+
+
+@kernel
 def bristle_force(
     law: Any, force: float, slip: Any, normal: Any, state: Any, rates: Any
 ) -> tuple[float, float, float]:
@@ -253,50 +311,21 @@ def bristle_force(
         state: What the law remembers; its deflection comes first.
         rates: To write to, of that.
     """
-    vx, vy, vz = slip
     nx, ny, nz = normal
-    speed = math.sqrt(vx * vx + vy * vy + vz * vz)
-    kind = record(law, FRICTION_LAW).kind
     zx, zy, zz = state[0], state[1], state[2]
     # What has turned out of the tangent plane, as the contact moved round the bore, carries no force; the law
     # lets it fade like the rest.
     out = zx * nx + zy * ny + zz * nz
-    tx, ty, tz = zx - out * nx, zy - out * ny, zz - out * nz
-    if kind == DAHL:
-        dahl = record(law, DAHL_LAW)
-        mu, stiffness = dahl.coefficient_of_friction, dahl.bristle_stiffness
-        rx, ry, rz = _dahl(mu, stiffness, dahl.exponent, speed, slip, (zx, zy, zz))
-        rates[0] = rx
-        rates[1] = ry
-        rates[2] = rz
-        factor = -force * stiffness
-        return factor * tx, factor * ty, factor * tz
-    bent = record(law, LUGRE_LAW)
-    mu_d, mu_s, v_s = bent.dynamic, bent.static, bent.stribeck_speed
-    sigma_0, sigma_1, sigma_2 = bent.bristle_stiffness, bent.bristle_damping, bent.viscous
-    follow, fade = 1.0, math.nan  # the deflection's rate is follow v - fade z; of no other kind
-    limit = math.inf
-    if kind == LUGRE:
-        fade = sigma_0 * speed / stribeck_level(mu_d, mu_s, v_s, speed)
-    elif kind == GONTHIER:
-        dwelling = record(law, GONTHIER_LAW)
-        s, follow, fade = _gonthier(mu_d, v_s, sigma_0, sigma_1, dwelling.rounding_speed, speed)
-        dwell = state[DWELL]
-        rates[DWELL] = (s - dwell) / (dwelling.dwell_time if s >= dwell else sigma_1 / sigma_0)
-        limit = mu_d + (mu_s - mu_d) * dwell
-    rates[0] = follow * vx - fade * zx
-    rates[1] = follow * vy - fade * zy
-    rates[2] = follow * vz - fade * zz
-    stiff = sigma_0 - sigma_1 * fade
-    damp = sigma_1 * follow
-    bx, by, bz = stiff * tx + damp * vx, stiff * ty + damp * vy, stiff * tz + damp * vz
-    size = math.sqrt(bx * bx + by * by + bz * bz)
-    cut = limit / size if size > limit else 1.0
-    return (
-        -force * (cut * bx + sigma_2 * vx),
-        -force * (cut * by + sigma_2 * vy),
-        -force * (cut * bz + sigma_2 * vz),
-    )
+    along = zx - out * nx, zy - out * ny, zz - out * nz
+    dwells = record(law, FRICTION_LAW).kind == GONTHIER
+    dwell = state[DWELL] if dwells else 0.0
+    fx, fy, fz, rx, ry, rz, rate = bristle(law, force, slip, (zx, zy, zz), along, dwell)
+    rates[0] = rx
+    rates[1] = ry
+    rates[2] = rz
+    if dwells:
+        rates[DWELL] = rate
+    return fx, fy, fz
 
 
 @inlined

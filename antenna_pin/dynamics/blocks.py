@@ -234,24 +234,24 @@ def check_motion(
             )
 
 
-def check_holds(place: str, mechanism: Mechanism, element: Element, on_links: Collection[str]) -> None:
-    """Refuse an element that is to hold a joint that no one row holds, or whose load is not known.
+def check_holds(place: str, mechanism: Mechanism, element: Element) -> None:
+    """Refuse an element that is to hold a joint that no one row holds, or whose load no row tells.
 
     Args:
         place: What it is, for the refusal.
         mechanism: The mechanism.
         element: The element.
-        on_links: Names of springs between points, and of forces.
     """
     joint = element.joint
-    if isinstance(element, Modal) and element.under_load and on_links:
-        raise MechanismError(
-            f"{place}: friction by the load of joint {joint!r} knows no forces on links, and there is "
-            f"{next(iter(on_links))!r}; put springs at joints, or take friction that no load makes"
-        )
     slot = mechanism.joint(joint)
     if slot.kind not in ("revolute", "continuous", "prismatic"):
         raise MechanismError(
             f"{place}: joint {joint!r} is {slot.kind} here, and only a revolute, continuous or prismatic "
-            "joint without play can be held; take play off it, or an element that does not hold"
+            f"joint without play {_rule(element)}"
         )
+
+
+def _rule(element: Element) -> str:
+    if isinstance(element, Modal):
+        return "can be held; take play off it, or an element that does not hold"
+    return "tells its own load; take play off it, or friction that no load makes"

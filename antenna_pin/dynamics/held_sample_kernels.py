@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from antenna_pin._compile import kernel
 from antenna_pin.constraints.factor_kernels import factorize
 from antenna_pin.constraints.force_kernels import write_holding
-from antenna_pin.constraints.layout_kernels import PLACE_WORDS, found_in, plan_of
+from antenna_pin.constraints.layout_kernels import PLACE_WORDS, applied_in, found_in, plan_of
 from antenna_pin.constraints.loaded_kernels import solve
 from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
@@ -25,6 +25,7 @@ class Held(NamedTuple):
         room: Of the tree's dynamics, ROOM, (bodies + 1,).
         least: Of :func:`antenna_pin.constraints.force_kernels.least_forces`, (2 rows (rows + 1),), scratch.
         multipliers: (rows,), scratch.
+        applied: What elements on links do to bodies at the samples, (n, 6 bodies), or (n, 0).
     """
 
     plan: Any
@@ -34,6 +35,7 @@ class Held(NamedTuple):
     room: Any
     least: Any
     multipliers: Any
+    applied: Any
 
 
 class Holding(NamedTuple):
@@ -73,6 +75,9 @@ def observe_held(first: int, last: int, samples: Any, whole: Any, held: Any, for
         write_rows(t, y, whole.program, plan, work)
         mass_and_bias(whole.tree, places, whole.gravity, held.room, held.mass, held.bias)
         factorize(plan, work, held.mass)
+        applied = applied_in(plan, work)
+        for k in range(applied.shape[0]):
+            applied[k] = held.applied[i, k]
         solve(y, whole.program, plan, work, forces[i], held.bias, out.rates[i])
         write_holding(plan, work, held.least, held.multipliers, out.closures[i], out.joints[i])
         residuals = out.residuals[i]

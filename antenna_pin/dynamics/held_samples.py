@@ -24,6 +24,7 @@ def held_samples(
     samples: sample_kernels.Samples,
     whole: sample_kernels.Whole,
     forces: Array,
+    applied: Array,
     programs: Sequence[Array],
     effort: NDArray[Any],
     done: NDArray[Any],
@@ -52,6 +53,7 @@ def held_samples(
         room=np.zeros(len(whole.tree) + 1, ROOM),
         least=constraints.least_room,
         multipliers=constraints.least,
+        applied=applied,
     )
     for first, last in _parts(programs, one_by_one=bool(system.callables or failures)):
         workspace.program[:] = programs[first]

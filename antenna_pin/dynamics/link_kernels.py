@@ -13,7 +13,7 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.dynamics.audit_kernels import mass_centre
 from antenna_pin.dynamics.kernels import PARAMETERS, act_at, element_at, head_of, own_motion
-from antenna_pin.dynamics.point_kernels import draw, push, stored_between
+from antenna_pin.dynamics.point_kernels import add_pull, add_wrench, draw, push, stored_between
 from antenna_pin.elements import kernels as elements
 from antenna_pin.elements.desk_kernels import (
     BOOK,
@@ -202,6 +202,30 @@ def add_forces(t: float, y: Any, program: Any, tree: Any, places: Any, tau: Any,
         see(t, y, program, b, places)
         do(program, b)
         _apply(y, program, b, tree, places, tau, rates)
+        b += element_at(program, b).length
+
+
+@kernel
+def write_wrenches(program: Any, places: Any, out: Any) -> None:
+    """Write what all elements on links do to each body, as they did last: world axes, (6 bodies,).
+
+    Of each body force [N], and moment about its origin [N m]; nothing if ``out`` is empty.
+    """
+    if out.shape[0] == 0:
+        return
+    for k in range(out.shape[0]):
+        out[k] = 0.0
+    b = head_of(program).points
+    while b < program.shape[0]:
+        if element_at(program, b).partner == 0:
+            add_pull(program, b, places, out)
+        else:
+            _, links, _, _ = desk_of(program, b)
+            for i in range(links.shape[0]):
+                f, m, p = links[i].force, links[i].torque, links[i].place
+                if links[i].body >= 0:
+                    force, torque, point = (f[0], f[1], f[2]), (m[0], m[1], m[2]), (p[0], p[1], p[2])
+                    add_wrench(links[i].body, places, force, torque, point, out)
         b += element_at(program, b).length
 
 

@@ -131,6 +131,38 @@ def push(body: Any, own: Any, force: Any, torque: Any, point: Any, tau: Any) -> 
         v += 1
 
 
+@inlined
+def add_wrench(body: int, places: Any, force: Any, torque: Any, point: Any, out: Any) -> None:
+    """Add a force at a point of the world, and a torque, to those on a body about its origin, (bodies, 6)."""
+    fx, fy, fz = force
+    tx, ty, tz = torque
+    px, py, pz = point
+    own = places[body].origin
+    x, y, z = px - own[0], py - own[1], pz - own[2]
+    at = 6 * body
+    out[at] += fx
+    out[at + 1] += fy
+    out[at + 2] += fz
+    out[at + 3] += tx + y * fz - z * fy
+    out[at + 4] += ty + z * fx - x * fz
+    out[at + 5] += tz + x * fy - y * fx
+
+
+@kernel
+def add_pull(program: Any, b: int, places: Any, out: Any) -> None:
+    """Add what the spring at b does to its two bodies, (6 bodies,)."""
+    e = element_at(program, b)
+    length, rate, x, y, z = line(program, b, places)
+    force = e.on * elements.tension(e.kind, program, b + PARAMETERS, length, rate)
+    nothing = 0.0, 0.0, 0.0
+    for k in range(2):
+        side, sign = _side(program, b, k), 1.0 - 2.0 * k
+        if side.body >= 0:
+            px, py, pz, _, _, _ = _place(side, places)
+            pull = sign * force * x, sign * force * y, sign * force * z
+            add_wrench(side.body, places, pull, nothing, (px, py, pz), out)
+
+
 @kernel
 def stored_between(program: Any, b: int, places: Any) -> float:
     """Energy stored in the spring at b [J], with the bodies where ``places`` says."""

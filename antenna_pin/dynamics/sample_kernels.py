@@ -161,6 +161,7 @@ class Sights(NamedTuple):
         stretches: Of the springs between points, ``STRETCH``, (n, springs).
         applied: Of the places at which forces act, ``APPLIED``, (n, places).
         kept: Energies that forces store [J], (n, forces).
+        wrenches: What elements on links do to bodies, (n, 6 bodies), if friction by load asks, else (n, 0).
     """
 
     forces: Any
@@ -172,6 +173,7 @@ class Sights(NamedTuple):
     stretches: Any
     applied: Any
     kept: Any
+    wrenches: Any
 
 
 @kernel
@@ -221,6 +223,7 @@ def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights
             audit[0].springs += _links.stored(y, program, places)
             _points.look_at(program, places, sights.stretches[i])
             _links.look_at_links(program, sights.applied[i], sights.kept[i])
+            _links.write_wrenches(program, places, sights.wrenches[i])
 
 
 @kernel

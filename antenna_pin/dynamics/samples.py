@@ -96,7 +96,7 @@ def observed(
     n, model, workspace = len(times), system.model, Workspace(system)
     whole = _whole(system, workspace)
     samples = sample_kernels.Samples(np.ascontiguousarray(times, dtype=float), states, memories)
-    sights = _unseen(system, n)
+    sights = _unseen(workspace, n)
     failures: dict[int, FunctionError] = {}
     if workspace.paths or system.callables:
         for i in range(n):
@@ -125,7 +125,15 @@ def observed(
         coupling, residual = np.zeros((n, 0)), np.zeros((n, 4))
     else:
         accelerations, closure, coupling, residual = held_samples(
-            workspace, samples, whole, sights.forces, programs, sights.efforts, done, failures
+            workspace,
+            samples,
+            whole,
+            sights.forces,
+            sights.wrenches,
+            programs,
+            sights.efforts,
+            done,
+            failures,
         )
     return Observed(
         acceleration=accelerations,
@@ -164,8 +172,9 @@ def _whole(system: System, workspace: Workspace) -> sample_kernels.Whole:
     )
 
 
-def _unseen(system: System, n: int) -> sample_kernels.Sights:
+def _unseen(workspace: Workspace, n: int) -> sample_kernels.Sights:
     """Return room for what is seen at n samples."""
+    system, constraints = workspace.system, workspace.constraints
     joints = len(system.clearances)
     return sample_kernels.Sights(
         forces=np.zeros((n, system.model.nv)),
@@ -177,6 +186,7 @@ def _unseen(system: System, n: int) -> sample_kernels.Sights:
         stretches=np.zeros((n, len(system.point_springs)), point_kernels.STRETCH),
         applied=np.zeros((n, len(system.force_places)), link_kernels.APPLIED),
         kept=np.zeros((n, len(system.forces))),
+        wrenches=np.zeros((n, 0 if constraints is None else len(constraints.applied))),
     )
 
 

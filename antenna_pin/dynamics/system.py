@@ -41,7 +41,6 @@ from antenna_pin.elements import (
     BetweenPoints,
     Element,
     ForceElement,
-    Modal,
     Motion,
     OnLinks,
     kind_of,
@@ -258,8 +257,8 @@ class System:
                 if element.in_python:
                     asked = element.asked(place, self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
-                if holds := isinstance(element, Modal) and element.holds:
-                    check_holds(place, self.mechanism, element, [*self.point_springs, *self.forces])
+                if holds := element.has_row:
+                    check_holds(place, self.mechanism, element)
                 elif isinstance(element, Motion):
                     check_motion(place, self.mechanism, self.turn_x, self.drives, name, element)
                 else:
@@ -272,7 +271,7 @@ class System:
                         kind=kind_of(type(element)),
                         words=own,
                         x=x,
-                        loaded=bool(getattr(element, "under_load", False)),
+                        loaded=element.under_load,
                     )
                 )
 

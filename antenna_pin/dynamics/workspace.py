@@ -223,6 +223,8 @@ class Workspace:
         kernels.evaluate(t, y, self.program, self._work, rates)
         if self._bodies is not None:
             link_kernels.add_forces(t, y, self.program, *self._bodies, self.tau, rates)
+            if self.constraints is not None:
+                link_kernels.write_wrenches(self.program, self._bodies[1], self.constraints.applied)
 
     def derivative(self, t: float, y: Array, rates: Array) -> None:
         """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates.

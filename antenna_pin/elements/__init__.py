@@ -7,6 +7,12 @@ from antenna_pin.elements.belt import Belt, Cable
 from antenna_pin.elements.between_joints import BetweenJoints
 from antenna_pin.elements.between_points import BetweenPoints
 from antenna_pin.elements.bouc_wen import BoucWen
+from antenna_pin.elements.bristle_friction import (
+    BristleFriction,
+    DahlFriction,
+    GonthierFriction,
+    LuGreFriction,
+)
 from antenna_pin.elements.capture import Capture
 from antenna_pin.elements.composed_courses import Sum, Table
 from antenna_pin.elements.constant import ConstantDrive
@@ -91,6 +97,7 @@ __all__ = [
     "BetweenJoints",
     "BetweenPoints",
     "BoucWen",
+    "BristleFriction",
     "Cable",
     "CallableDrive",
     "CallableElement",
@@ -100,6 +107,7 @@ __all__ = [
     "Change",
     "ConstantDrive",
     "ConstantSpring",
+    "DahlFriction",
     "DistanceMotion",
     "Drive",
     "Element",
@@ -107,6 +115,7 @@ __all__ = [
     "Family",
     "ForceElement",
     "Gear",
+    "GonthierFriction",
     "GravityGradient",
     "HarnessSpring",
     "Integral",
@@ -114,6 +123,7 @@ __all__ = [
     "JointSpring",
     "Latch",
     "Limits",
+    "LuGreFriction",
     "MaxwellSlip",
     "Met",
     "Modal",

@@ -108,6 +108,16 @@ class ForceElement:
         return bool(getattr(self, "on", True))
 
     @property
+    def under_load(self) -> bool:
+        """Whether it has friction that is that of its joint's own load."""
+        return False
+
+    @property
+    def has_row(self) -> bool:
+        """Whether it has a row among constraints: it may hold its joint, or has friction of its load."""
+        return self.under_load
+
+    @property
     def instants(self) -> tuple[float, ...]:
         """Times at which steps must end, for the effort is not smooth there, or too curved between [s]."""
         return ()

@@ -104,9 +104,9 @@ class Modal(ForceElement):
         return True
 
     @property
-    def under_load(self) -> bool:
-        """Whether it has friction that is that of its joint's own load."""
-        return False
+    def has_row(self) -> bool:
+        """Whether it has a row among constraints: it may hold its joint."""
+        return self.holds
 
     def first(self, met: Met) -> Change | None:
         """Return the mode that a run begins in, None for the present one; an impulse there is not made."""

@@ -15,6 +15,7 @@ from antenna_pin.elements.ball_bearing import BallBearing
 from antenna_pin.elements.bearing import AxialPreload, StiffnessBearing
 from antenna_pin.elements.belt import Belt, Cable
 from antenna_pin.elements.bouc_wen import BoucWen
+from antenna_pin.elements.bristle_friction import DahlFriction, GonthierFriction, LuGreFriction
 from antenna_pin.elements.constant import ConstantDrive
 from antenna_pin.elements.constant_spring import ConstantSpring
 from antenna_pin.elements.element import Element, ForceElement
@@ -98,7 +99,14 @@ STOPS: Mapping[str, type[Element]] = MappingProxyType({"compliant": EndStop, "ri
 LATCHES: Mapping[str, type[Element]] = MappingProxyType({"compliant": Latch, "rigid": RigidLatch})
 """Latches by their ``kind`` in ``[latches.NAME]``."""
 
-FRICTIONS: Mapping[str, type[ForceElement]] = MappingProxyType({"sticking": StickingFriction})
+FRICTIONS: Mapping[str, type[ForceElement]] = MappingProxyType(
+    {
+        "sticking": StickingFriction,
+        "dahl": DahlFriction,
+        "lugre": LuGreFriction,
+        "gonthier-bristle": GonthierFriction,
+    }
+)
 """Friction of joints by its ``kind`` in ``[frictions.NAME]``."""
 GEARS: Mapping[str, type[ForceElement]] = MappingProxyType(
     {

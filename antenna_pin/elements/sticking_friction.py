@@ -8,13 +8,12 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
+from antenna_pin.elements.own_load import NUMBERS_OF_LOAD, check_load, check_unloaded, numbers_of_load
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
 __all__ = ["StickingFriction"]
 
-_OF_TURNING = ("radius", "axial_radius")
-_OF_LOAD = ("static_coefficient", "radius", "axial_radius", "bending_arm", "middle")
 # In the order of their numbers in the kernels.
 _MODES = ("undecided", "forward", "backward", "sticks", "pushed", "pulled")
 _UNDECIDED, _FORWARD, _BACKWARD, _STUCK = range(4)
@@ -98,23 +97,12 @@ class StickingFriction(ModalElement):
             least, most = getattr(self, low), getattr(self, high)
             if most is not None and not most >= least:
                 raise InvalidParameterError(self, high, f"at least {low} = {least:g}, or left out", most)
-        for name in _OF_LOAD:
-            if self.coefficient == 0.0 and getattr(self, name) is not None and not self.static_coefficient:
-                rule = "left out without a coefficient of friction under load"
-                raise InvalidParameterError(self, name, rule, getattr(self, name))
+        if not self.under_load:
+            check_unloaded(self, "static_coefficient", *NUMBERS_OF_LOAD)
 
     def check_joint(self, place: str, slides: bool) -> None:
         """Refuse what a joint of this kind has not, or lacks."""
-        if slides:
-            for name in _OF_TURNING:
-                if getattr(self, name) is not None:
-                    rule = f"left out: joint {self.joint!r} slides"
-                    raise InvalidParameterError(place, name, rule, getattr(self, name))
-        elif self.under_load and self.radius is None and self.axial_radius is None:
-            rule = f"given, or axial_radius: joint {self.joint!r} turns, and has friction under load"
-            raise InvalidParameterError(place, "radius", rule, None)
-        elif self.bending_arm is not None and self.radius is None:
-            raise InvalidParameterError(place, "radius", "given with a bending_arm", None)
+        check_load(self, place, slides)
 
     @property
     def under_load(self) -> bool:
@@ -125,9 +113,6 @@ class StickingFriction(ModalElement):
         """Return its numbers, by the names that its record has for them."""
         static = self.coulomb if self.static is None else self.static
         on_load = self.coefficient if self.static_coefficient is None else self.static_coefficient
-        # A sliding joint has neither radius: there a force presses by itself.
-        slides = self.radius is None and self.axial_radius is None
-        radial = 1.0 if slides else self.radius or 0.0
         return {
             "mode": self.mode,
             "where": self.where,
@@ -138,10 +123,7 @@ class StickingFriction(ModalElement):
             "exponent": self.exponent,
             "coefficient": self.coefficient,
             "static_coefficient": on_load,
-            "radial": radial if self.under_load else 0.0,
-            "axial": self.axial_radius or 0.0,
-            "bending": radial / self.bending_arm if self.under_load and self.bending_arm else 0.0,
-            "middle": self.middle or 0.0,
+            **numbers_of_load(self),
             "burden": 0.0,
         }
 

@@ -117,7 +117,7 @@ def bearing(words: Any, at: int) -> tuple[float, float, float, float]:
 
 
 @inlined
-def rub(words: Any, at: int, rate: float) -> float:
+def rub(words: Any, at: int, rate: float, own: Any) -> float:
     """Torque by load, with its sign [-]."""
     law = record(words[at : at + SIZE], LAYOUT)
     level = law.coefficient + (law.static_coefficient - law.coefficient) * _fade(law, rate)

@@ -10,10 +10,11 @@ import math
 from typing import Any, NamedTuple
 
 from antenna_pin._compile import inlined, kernel
+from antenna_pin.constraints.layout_kernels import applied_in
 from antenna_pin.constraints.loaded_kernels import solve
 from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.kernels import evaluate, head_of
-from antenna_pin.dynamics.link_kernels import add_forces
+from antenna_pin.dynamics.link_kernels import add_forces, write_wrenches
 from antenna_pin.dynamics.outside_kernels import ask_at, has_failed
 from antenna_pin.dynamics.query_kernels import has_queries, set_out_queries, take_in_queries
 from antenna_pin.engine.hold_kernels import AS_IT_WAS, LOST, MOVED, factorize_rows, project
@@ -136,6 +137,8 @@ def derivative(t: float, y: Any, numbers: Any, rates: Any, written: bool) -> Non
     evaluate(t, y, program, numbers.work, rates)
     if head.points < program.shape[0]:
         add_forces(t, y, program, numbers.tree, numbers.places, tau, rates)
+        if numbers.plan.shape[0] > 0:
+            write_wrenches(program, numbers.places, applied_in(numbers.plan, numbers.held))
     accelerate(t, y, tau, numbers, rates, written)
 
 

@@ -295,7 +295,8 @@ class Modes:
         for _ in range(1 + len(self._holds)):
             after, held, own = impulse(workspace, t, y, wanted)
             for other, blow in zip(self._holds, held, strict=True):
-                let_go = self._element(other).bears(float(blow)) if other != place and moves else None
+                bears = moves and other != place and other in self._acting
+                let_go = self._element(other).bears(float(blow)) if bears else None
                 if let_go is not None and self._adjustments.holds(other):
                     self._adjustments.change(other, let_go)
                     break

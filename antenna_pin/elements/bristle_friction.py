@@ -1,0 +1,295 @@
+r"""Friction of joints by the bristle laws that contacts have: they stick, and give way by an angle.
+
+The laws are those of :mod:`antenna_pin.contact.bristle`, each written once: with a torque in the place of a
+coefficient of friction, an angle for the deflection and the joint's rate for the slip they are friction of a
+joint. Bristles are straight where a run starts, if ``start`` does not bend them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.elements.own_load import NUMBERS_OF_LOAD, check_load, check_unloaded, numbers_of_load
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.parameters import parameter
+
+__all__ = ["BristleFriction", "DahlFriction", "GonthierFriction", "LuGreFriction"]
+
+BEND = Integral("bend", "1")
+DWELL = Integral("dwell", "1")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BristleFriction(Element):
+    """Base of these laws.
+
+    Attributes:
+        coulomb: T_c, of slipping [N*m] ([N]).
+        stiffness: sigma_0, of the bristles [N*m/rad] ([N/m]).
+        viscous: b, whatever the load [N*m*s/rad] ([N*s/m]).
+        coefficient: mu, of slipping under load; zero for friction whatever the load [-].
+        radius: r, at which a turning joint slips under radial load [m].
+        axial_radius: r_a, at which a turning joint slips under axial load [m].
+        bending_arm: a: a moment M presses like a force M / a; if left out moments do not press [m].
+        middle: Where the bearing's middle is, from the joint's origin along its axis [m].
+        start: By how much bristles are bent at the start of a run, over T_c / sigma_0 [-].
+        on: Whether it acts from the start on; an event may switch it.
+    """
+
+    kernels: ClassVar[str] = "bristle_friction_kernels"
+    at_start: ClassVar[tuple[str, ...]] = ("start",)
+    senses: ClassVar[bool] = True
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS, BEND)
+    states: ClassVar[tuple[Integral, ...]] = (BEND,)
+
+    coulomb: float = parameter("N*m", sliding="N", rule="positive")
+    stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
+    viscous: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
+    coefficient: float = parameter(rule="zero or more", default=0.0)
+    radius: float | None = parameter("m", rule="positive", default=None)
+    axial_radius: float | None = parameter("m", rule="zero or more", default=None)
+    bending_arm: float | None = parameter("m", rule="positive", default=None)
+    middle: float | None = parameter("m", default=None)
+    start: float = parameter(default=0.0)
+    on: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the parameters together."""
+        Element.__post_init__(self)
+        if not self.under_load:
+            check_unloaded(self, *NUMBERS_OF_LOAD)
+        if not abs(self.start) <= self.limit:
+            rule = f"at most {self.limit:g} in size, where bristles slip"
+            raise InvalidParameterError(self, "start", rule, self.start)
+
+    def check_joint(self, place: str, slides: bool) -> None:
+        """Refuse what a joint of this kind has not, or lacks."""
+        check_load(self, place, slides)
+
+    @property
+    def under_load(self) -> bool:
+        """Whether its friction is that of a load too."""
+        return self.coefficient > 0.0
+
+    @property
+    def limit(self) -> float:
+        """Where bristles slip, over T_c / sigma_0 [-]."""
+        return 1.0
+
+    @property
+    def reach(self) -> float:
+        """By how much bristles are bent at Coulomb friction, T_c / sigma_0 [rad] ([m])."""
+        return self.coulomb / self.stiffness
+
+    @property
+    def law(self) -> Any:
+        """The law of contacts, with torques in the place of coefficients."""
+        raise NotImplementedError
+
+    @property
+    def has_kinks(self) -> bool:
+        """Where it turns back."""
+        return True
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {
+            "reach": self.reach,
+            "stiffness": self.stiffness,
+            "viscous": self.viscous,
+            "start": self.start,
+            "share": self.coefficient / self.coulomb,
+            **numbers_of_load(self),
+        }
+
+    def tail(self) -> tuple[float, ...]:
+        """Return the law's numbers."""
+        return tuple(map(float, self.law.code()))
+
+    def words(self, slides: bool) -> str:
+        """Return what it is in words."""
+        said = {"coulomb": "Coulomb friction", "static": "static", "stiffness": "bristle stiffness"}
+        said |= {"damping": "bristle damping", "stribeck_rate": "Stribeck rate", "dwell_time": "dwell time"}
+        said |= {"viscous": "viscous", "coefficient": "under load", "radius": "at radius"}
+        said |= {"axial_radius": "at axial radius", "bending_arm": "bending arm"}
+        found = self.said_of({key: word for key, word in said.items() if hasattr(self, key)}, slides)
+        return ", ".join([self._name(), *found])
+
+    def _name(self) -> str:
+        return type(self).__name__.removesuffix("Friction")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DahlFriction(BristleFriction):
+    r"""Dahl's friction of a joint; the units are those of a turning (sliding) joint.
+
+    .. math:: \dot z = \dot\phi\, (1 - \sigma_0 z\, \mathrm{sgn}\, \dot\phi / T_c)^i, \qquad
+        \tau = -\left(1 + \frac{\mu N}{T_c}\right) \sigma_0 z - b\, \dot\phi
+
+    A curve of torque over angle, whatever the rate: for i = 1 an exponential from torque to torque, of the
+    length :math:`T_c / \sigma_0`. It holds as a spring does, and creeps under a torque that comes and goes.
+
+    N is the load of the joint as :class:`antenna_pin.elements.StickingFriction` has it; without a coefficient
+    none counts. Under load stiffness and friction grow alike, so that bristles slip at the same angle: a
+    joint without friction but that of its load has a ``coulomb`` and ``stiffness`` that are as small as you
+    like, with their ratio.
+
+    Stored is :math:`\sigma_0 z^2 / 2`; lost is the rest. What bristles hold by a load is no potential energy,
+    as loads vary, and counts as lost until they give it back.
+
+    Attributes:
+        shape: i, 1 or more; the larger, the rounder is the curve [-].
+
+    References:
+        Dahl (1968), Aerospace Corp. report TOR-158; as :class:`antenna_pin.contact.Dahl`.
+    """
+
+    shape: float = parameter(rule="1 or more", default=1.0)
+
+    @property
+    def law(self) -> Any:
+        """The law of contacts, with torques in the place of coefficients."""
+        from antenna_pin.contact import Dahl
+
+        return Dahl(coefficient_of_friction=self.coulomb, bristle_stiffness=self.stiffness, shape=self.shape)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LuGreFriction(BristleFriction):
+    r"""The LuGre friction of a joint; the units are those of a turning (sliding) joint.
+
+    .. math:: \dot z = \dot\phi - \frac{\sigma_0 |\dot\phi|}{g} z, \qquad
+        g = T_c + (T_s - T_c)\, e^{-(\dot\phi / \omega_s)^2}, \qquad
+        \tau = -\left(1 + \frac{\mu N}{T_c}\right) (\sigma_0 z + \sigma_1 \dot z) - b\, \dot\phi
+
+    At a constant rate it comes to :math:`g + b |\dot\phi|` against the rate; about rest it is a spring
+    :math:`\sigma_0` with a damper :math:`\sigma_1 + b`. It drifts under a torque that oscillates below
+    break-away, and where :math:`\sigma_1 |\dot\phi| > g` its damper may put energy in.
+
+    Load, energy and loss as :class:`DahlFriction` has them.
+
+    Attributes:
+        static: T_s, to break away; T_c if left out [N*m] ([N]).
+        stribeck_rate: omega_s, over which friction falls from T_s to T_c; left out where that are one
+            [rad/s] ([m/s]).
+        damping: sigma_1, of the bristles [N*m*s/rad] ([N*s/m]).
+
+    References:
+        Canudas de Wit, Olsson, Astrom and Lischinsky (1995), IEEE Trans. Autom. Control 40, 419-425; as
+        :class:`antenna_pin.contact.LuGre`.
+    """
+
+    static: float | None = parameter("N*m", sliding="N", rule="positive", default=None)
+    stribeck_rate: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
+    damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
+
+    def __post_init__(self) -> None:
+        """Check the parameters together."""
+        _check_static(self)
+        if self.limit > 1.0 and self.stribeck_rate is None:
+            rule = f"given with static above coulomb = {self.coulomb:g}"
+            raise InvalidParameterError(self, "stribeck_rate", rule, None)
+        BristleFriction.__post_init__(self)
+
+    @property
+    def limit(self) -> float:
+        """Where bristles slip, over T_c / sigma_0 [-]."""
+        return _limit(self)
+
+    @property
+    def law(self) -> Any:
+        """The law of contacts, with torques in the place of coefficients."""
+        from antenna_pin.contact import LuGre
+
+        return LuGre(
+            static=self.coulomb * self.limit,
+            dynamic=self.coulomb,
+            stribeck_speed=self.stribeck_rate or 1.0,  # of no influence where static is dynamic
+            bristle_stiffness=self.stiffness,
+            bristle_damping=self.damping,
+        )
+
+    def _name(self) -> str:
+        return "LuGre"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GonthierFriction(BristleFriction):
+    r"""Gonthier et al.'s friction of a joint, which grows as it rests; units of a turning (sliding) joint.
+
+    With :math:`s = e^{-(\dot\phi / \omega_s)^2}`, 1 when sticking and 0 when sliding,
+
+    .. math:: \dot z = s\, \dot\phi + (1 - s) \frac{T_c\, \mathrm{dir}(\dot\phi) - \sigma_0 z}{\sigma_1},
+        \qquad \dot s_{dw} = \frac{s - s_{dw}}{\tau_{dw} \text{ or } \sigma_1 / \sigma_0}
+
+    .. math:: \tau = -\left(1 + \frac{\mu N}{T_c}\right) \mathrm{sat}(\sigma_0 z + \sigma_1 \dot z,\;
+        T_c + (T_s - T_c) s_{dw}) - b\, \dot\phi
+
+    in which dwell grows over :math:`\tau_{dw}` and fades over :math:`\sigma_1 / \sigma_0`; sat cuts the size,
+    and dir is the sign, rounded off below omega_d. A run starts with a dwell of zero.
+
+    Load, energy and loss as :class:`DahlFriction` has them.
+
+    Attributes:
+        static: T_s, to break away after a long rest; T_c if left out [N*m] ([N]).
+        stribeck_rate: omega_s, below which it sticks [rad/s] ([m/s]).
+        damping: sigma_1, of the bristles, which follow within sigma_1 / sigma_0 [N*m*s/rad] ([N*s/m]).
+        dwell_time: tau_dw, over which static friction builds up [s].
+        direction_rate: omega_d, below which the sign is rounded off; a hundredth of omega_s if left at zero
+            [rad/s] ([m/s]).
+
+    References:
+        Gonthier, McPhee, Lange and Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233; as
+        :class:`antenna_pin.contact.GonthierBristle`.
+    """
+
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS, BEND, DWELL)
+    states: ClassVar[tuple[Integral, ...]] = (BEND, DWELL)
+
+    static: float | None = parameter("N*m", sliding="N", rule="positive", default=None)
+    stribeck_rate: float = parameter("rad/s", sliding="m/s", rule="positive")
+    damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="positive")
+    dwell_time: float = parameter("s", rule="positive")
+    direction_rate: float = parameter("rad/s", sliding="m/s", rule="zero or more", default=0.0)
+
+    def __post_init__(self) -> None:
+        """Check the parameters together."""
+        _check_static(self)
+        BristleFriction.__post_init__(self)
+
+    @property
+    def limit(self) -> float:
+        """Where bristles slip, over T_c / sigma_0 [-]."""
+        return _limit(self)
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether it has some: nothing in it goes by the sign of the rate alone."""
+        return False
+
+    @property
+    def law(self) -> Any:
+        """The law of contacts, with torques in the place of coefficients."""
+        from antenna_pin.contact import GonthierBristle
+
+        return GonthierBristle(
+            static=self.coulomb * self.limit,
+            dynamic=self.coulomb,
+            stribeck_speed=self.stribeck_rate,
+            bristle_stiffness=self.stiffness,
+            bristle_damping=self.damping,
+            dwell_time=self.dwell_time,
+            direction_speed=self.direction_rate,
+        )
+
+
+def _check_static(element: LuGreFriction | GonthierFriction) -> None:
+    if element.static is not None and not element.static >= element.coulomb:
+        rule = f"at least coulomb = {element.coulomb:g}, or left out"
+        raise InvalidParameterError(element, "static", rule, element.static)
+
+
+def _limit(element: LuGreFriction | GonthierFriction) -> float:
+    return 1.0 if element.static is None else element.static / element.coulomb

@@ -1,0 +1,100 @@
+"""Friction of a joint by the bristle laws of contacts, compiled: torques stand for coefficients.
+
+That by the load of the joint is added where rows are solved, as that of joints that hold what they stick
+(:mod:`antenna_pin.constraints.loaded_kernels`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, record
+from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER, bristle
+from antenna_pin.records import layout, words_of
+
+#: By how much bristles are bent at Coulomb friction, their stiffness, viscous friction, how bent they start,
+#: as a share of that; by how much a load adds to it all, and what that load is made of. Behind it stands the
+#: law.
+LAYOUT = layout(
+    ("reach", "f8"),
+    ("stiffness", "f8"),
+    ("viscous", "f8"),
+    ("start", "f8"),
+    ("share", "f8"),
+    ("radial", "f8"),
+    ("axial", "f8"),
+    ("bending", "f8"),
+    ("middle", "f8"),
+)
+SIZE = words_of(LAYOUT)
+# Among what it integrates.
+HEAT = 0
+BEND = 1
+DWELL = 2
+# From its record: whether it is on, the last number of its head.
+_ON = -1
+
+
+@inlined
+def _bent(words: Any, at: int, rate: float, own: Any) -> tuple[float, float, float, float]:
+    """Torque of the bristles, their deflection, the rate of that, and of the dwell."""
+    numbers = record(words[at : at + SIZE], LAYOUT)
+    law = words[at + SIZE : at + SIZE + FRICTION_SIZE]
+    y, i = own
+    z = numbers.reach * (numbers.start + y[i + BEND])
+    dwell = y[i + DWELL] if law[0] == GONTHIER else 0.0
+    bend = z, 0.0, 0.0
+    force, _, _, moves, _, _, dwells = bristle(law, 1.0, (rate, 0.0, 0.0), bend, bend, dwell)
+    return force, z, moves, dwells
+
+
+@inlined
+def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+    """Torque [N m], or force [N], without that of a load."""
+    _, _, rate = motion
+    force, _, _, _ = _bent(words, at, rate, own)
+    return float(force - record(words[at : at + SIZE], LAYOUT).viscous * rate)
+
+
+@inlined
+def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+    """Power that is lost [W], and the rates of deflection and dwell [1/s]."""
+    numbers = record(words[at : at + SIZE], LAYOUT)
+    _, rate, power = motion
+    _, z, moves, dwells = _bent(words, at, rate, own)
+    rates[x + HEAT] = -power - numbers.stiffness * z * moves
+    rates[x + BEND] = moves / numbers.reach
+    if words[at + SIZE] == GONTHIER:
+        rates[x + DWELL] = dwells
+
+
+@inlined
+def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+    """Energy stored in the bristles [J]."""
+    numbers = record(words[at : at + SIZE], LAYOUT)
+    y, i = own
+    z = numbers.reach * (numbers.start + y[i + BEND])
+    return float(0.5 * numbers.stiffness * z * z)
+
+
+@inlined
+def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+    """Its rate: where the joint turns back, bristles go another way."""
+    return rate
+
+
+@inlined
+def bearing(words: Any, at: int) -> tuple[float, float, float, float]:
+    """What load is made of: by radial force, axial force [m] and moment [-], and the middle [m]."""
+    numbers = record(words[at : at + SIZE], LAYOUT)
+    return float(numbers.radial), float(numbers.axial), float(numbers.bending), float(numbers.middle)
+
+
+@inlined
+def rub(words: Any, at: int, rate: float, own: Any) -> float:
+    """Torque by load, with its sign [-]."""
+    share = words[at + _ON] * record(words[at : at + SIZE], LAYOUT).share
+    if share == 0.0:
+        return 0.0
+    force, _, _, _ = _bent(words, at, rate, own)
+    return float(share * force)
