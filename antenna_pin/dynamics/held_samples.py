@@ -23,17 +23,16 @@ def held_samples(
     workspace: Workspace,
     samples: sample_kernels.Samples,
     whole: sample_kernels.Whole,
-    forces: Array,
-    applied: Array,
+    sights: sample_kernels.Sights,
     programs: Sequence[Array],
-    effort: NDArray[Any],
     done: NDArray[Any],
     failures: dict[int, FunctionError],
 ) -> tuple[Array, Array, Array, Array]:
     """Return accelerations, closures' wrenches, couplings' forces, residuals at samples.
 
-    Mass matrix and bias are the tree's own. What holds motions goes to ``effort``, what elements hold with to
-    ``done``; of samples in ``failures`` all is not-a-number, and those are added there whose motions fail.
+    Mass matrix and bias are the tree's own. What holds motions goes to efforts in ``sights``, what elements
+    hold with to ``done``; of samples in ``failures`` all is not-a-number, and those are added there whose
+    motions fail.
     """
     system, constraints = workspace.system, workspace.constraints
     assert constraints is not None
@@ -53,7 +52,7 @@ def held_samples(
         room=np.zeros(len(whole.tree) + 1, ROOM),
         least=constraints.least_room,
         multipliers=constraints.least,
-        applied=applied,
+        applied=sights.wrenches,
     )
     for first, last in _parts(programs, one_by_one=bool(system.callables or failures)):
         workspace.program[:] = programs[first]
@@ -65,10 +64,10 @@ def held_samples(
             for part in out:
                 part[first] = np.nan
             continue
-        held_sample_kernels.observe_held(first, last, samples, whole, held, forces, out)
+        held_sample_kernels.observe_held(first, last, samples, whole, held, sights.forces, out)
     names = plan.motions
     drives = list(system.drives)
-    effort["effort"][:, [drives.index(name) for name in names]] = out.joints[:, : len(names)]
+    sights.efforts["effort"][:, [drives.index(name) for name in names]] = out.joints[:, : len(names)]
     others = [f"{table}.{name}" for table in system.others for name in system.families[table]]
     done["effort"][:, [others.index(name) for name in holds]] += out.joints[:, own:]
     return out.rates[:, :nv], out.closures, out.joints[:, len(names) : own], out.residuals

@@ -125,15 +125,7 @@ def observed(
         coupling, residual = np.zeros((n, 0)), np.zeros((n, 4))
     else:
         accelerations, closure, coupling, residual = held_samples(
-            workspace,
-            samples,
-            whole,
-            sights.forces,
-            sights.wrenches,
-            programs,
-            sights.efforts,
-            done,
-            failures,
+            workspace, samples, whole, sights, programs, done, failures
         )
     return Observed(
         acceleration=accelerations,
