@@ -18,7 +18,7 @@ from dataclasses import MISSING
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, Union, get_args, get_type_hints
 
-from pydantic import BeforeValidator, ConfigDict, Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameters_of
@@ -31,9 +31,6 @@ _Spec = TypeVar("_Spec", bound="MadeSpec")
 
 class MadeSpec(Spec):
     """A table that fills a class; see :func:`reads`."""
-
-    # Built when it is used: pydantic would build twice, with and without the keys.
-    model_config = ConfigDict(defer_build=True)
 
     # The class that it fills, and the field of each key where that has another name.
     fills: ClassVar[type[Any]]
