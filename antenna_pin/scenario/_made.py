@@ -24,7 +24,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameters_of
 from antenna_pin.scenario._base import Quantity, Spec, Vector, read_quantity, refuse
 
-__all__ = ["MadeSpec", "made_of", "reads"]
+__all__ = ["MadeSpec", "made_of", "name_of_table", "reads"]
 
 _Spec = TypeVar("_Spec", bound="MadeSpec")
 
@@ -135,7 +135,7 @@ def made_of(
     """
     names = {item.name for item in dataclasses.fields(cls)} - {*without}
     table = create_model(
-        f"{cls.__name__.removeprefix('Joint')}Spec",
+        name_of_table(cls.__name__),
         __base__=base,
         __doc__=cls.__doc__,
         __module__=module,
@@ -144,6 +144,11 @@ def made_of(
     )
     table.fills = cls
     return table
+
+
+def name_of_table(name: str) -> str:
+    """Return what the table of one of many kinds is called, by the name of the class that it fills."""
+    return f"{name.rpartition('.')[2].removeprefix('Joint')}Spec"
 
 
 def _keys(cls: type[Any], names: Collection[str], nested: Mapping[str, Any]) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from antenna_pin.elements import (
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._kinds import OneOf, Tables
-from antenna_pin.scenario._made import MadeSpec, made_of
+from antenna_pin.scenario._made import MadeSpec, made_of, name_of_table
 from antenna_pin.scenario.closures import PlaceSpec
 from antenna_pin.scenario.references import reference_file_columns
 
@@ -167,10 +167,10 @@ SPRING_SPECS = FAMILY_SPECS["springs"]
 
 def __getattr__(name: str) -> Any:
     """Return the class of a table by its name, by which a scenario that is pickled finds it again."""
-    for specs in FAMILY_SPECS.values() if name.endswith("Spec") else ():
-        for spec in specs.values():
-            if spec.__name__ == name:
-                return spec
+    for table, family in FAMILIES.items():
+        for kind, place in family.kinds.places.items():
+            if name_of_table(place) == name:
+                return FAMILY_SPECS[table][kind]
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
@@ -209,9 +209,9 @@ WITH_FILES = (*FAMILIES, "references")
 
 def kind_in(family: str, table: Mapping[str, Any]) -> str | None:
     """Return the kind of a table that names none, if its family has one: with an end it is between points."""
-    between = [kind for kind in FAMILIES[family].kinds if is_between_points(family, kind)]
-    if between and not {"first", "second"}.isdisjoint(table):
-        return between[0]
+    between = FAMILIES[family].between
+    if between is not None and not {"first", "second"}.isdisjoint(table):
+        return between
     return FAMILIES[family].default
 
 
