@@ -21,7 +21,8 @@ class _Package(types.ModuleType):
             home = self.homes_of_names[name]
         except KeyError:
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}") from None
-        value = getattr(importlib.import_module(f"{self.__name__}.{home}"), name)
+        file = home if "." in home else f"{self.__name__}.{home}"
+        value = getattr(importlib.import_module(file), name)
         setattr(self, name, value)
         return value
 
@@ -41,7 +42,8 @@ def loaded_when_used(package: str, names: Mapping[str, str]) -> None:
 
     Args:
         package: Its ``__name__``.
-        names: The names that each file of it holds, separated by blanks, by the file's name.
+        names: The names that each file of it holds, separated by blanks, by the file's name; by its full
+            name, that of another package.
     """
     module = sys.modules[package]
     homes = {name: home for home, held in names.items() for name in held.split()}
