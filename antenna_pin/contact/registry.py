@@ -32,7 +32,7 @@ __all__ = [
 
 _ROOM = "antenna_pin.contact"
 
-NORMAL_LAWS = Classes(
+NORMAL_LAWS: Classes = Classes(
     _ROOM,
     {
         # Elastic laws, which can be given any of the DISSIPATIONS: point contact ...
@@ -59,7 +59,7 @@ NORMAL_LAWS = Classes(
     },
 )
 
-DISSIPATIONS = Classes(
+DISSIPATIONS: Classes = Classes(
     _ROOM,
     {
         "none": "normal.NoDissipation",
@@ -85,7 +85,7 @@ DISSIPATIONS = Classes(
     },
 )
 
-FRICTION_LAWS = Classes(
+FRICTION_LAWS: Classes = Classes(
     _ROOM,
     {
         # Laws of the slip speed.
