@@ -79,9 +79,14 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 @inlined
 def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
-    """How far a held joint is beyond the latch's play: zero at its flanks."""
+    """How far a held joint is pressed into a flank: zero where it comes to one, and where that would pull."""
     latch = record(words[at : at + SIZE], LAYOUT)
-    return float(abs(angle - latch.middle) - latch.half_play) if latch.mode == HELD else 1.0
+    if latch.mode != HELD:
+        return 1.0
+    off = float(angle - latch.middle)
+    # As the damper gives way, the flank has come free of the joint before that is out of it.
+    outward = rate if off > 0.0 else -rate
+    return float(abs(off) - latch.half_play + min(0.0, latch.damping * outward / latch.stiffness))
 
 
 @inlined
