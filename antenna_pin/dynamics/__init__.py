@@ -20,6 +20,7 @@ from antenna_pin.dynamics.deflection import Deflections, deflections
 from antenna_pin.dynamics.evaluate import acceleration, contact_memory
 from antenna_pin.dynamics.held import HeldKind
 from antenna_pin.dynamics.impulse import impulse
+from antenna_pin.dynamics.links import acting_on_links
 from antenna_pin.dynamics.motion import JointMotion, motion_block
 from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
 from antenna_pin.dynamics.system import System
@@ -62,6 +63,7 @@ __all__ = [
     "Workspace",
     "acceleration",
     "acting_in",
+    "acting_on_links",
     "assemble",
     "assembled",
     "audit",
