@@ -119,7 +119,7 @@ def _reference(chance: Chance) -> Any:
 def _latch_with_play(chance: Chance, joint: str) -> Latch:
     play = chance.uniform(1e-3, 4e-3)
     return Latch(
-        joint=joint, angle=0.15, width=0.02, greatest_rate=1.5, stiffness=500.0, damping=1.0, play=play
+        joint=joint, angle=0.0, width=0.02, greatest_rate=1.5, stiffness=500.0, damping=1.0, play=play
     )
 
 
@@ -208,12 +208,13 @@ def drawn(seed: int, number: int) -> Drawn:
             continue
         if kind != "prismatic":
             controllers |= _driven(later, joint, elements)
-            if later.random() < 0.2:
-                elements.setdefault("latches", {})[f"{joint}_loose"] = _latch_with_play(later, joint)
         for make, share in ((_stop, 0.6), (_latch, 0.4), (_friction, 0.4), (_spring, 0.5)):
             if chance.random() < share:
                 table, element = make(chance, joint)
                 elements.setdefault(table, {})[f"{joint}_{make.__name__}"] = element
+        latches = elements.setdefault("latches", {})
+        if kind != "prismatic" and f"{joint}__latch" not in latches and later.random() < 0.4:
+            latches[f"{joint}_loose"] = _latch_with_play(later, joint)
     if len(turning) > 1 and chance.random() < 0.5:
         table, element = _gear(chance, turning[0], turning[1])
         elements.setdefault(table, {})["mesh"] = element
