@@ -50,11 +50,11 @@ def _changes(data: Any) -> list[str]:
 
 
 def _drift(run: Any) -> float:
-    """Return by how much the momenta move, over their largest."""
+    """Return by how much the momenta move, over the largest sum of sizes that they are made of."""
     found = 0.0
-    for name in ("linear_momentum", "angular_momentum"):
-        values = run.data[name].values
-        found = max(found, float(np.abs(values - values[0]).max() / np.abs(values).max()))
+    for name, scale in (("linear", "momentum_scale"), ("angular", "angular_momentum_scale")):
+        values = run.data[f"{name}_momentum"].values
+        found = max(found, float(np.abs(values - values[0]).max() / run.data[scale].values.max()))
     return found
 
 

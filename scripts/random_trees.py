@@ -234,4 +234,8 @@ def drawn(seed: int, number: int) -> Drawn:
     kinds_of = [type(one).__name__ for family in elements.values() for one in family.values()]
     springs, drives = elements.pop("springs", {}), elements.pop("drives", {})
     system = System(mechanism, drives=drives, springs=springs, elements=elements)
-    return Drawn(system, 0.7 * chance.normal(size=mechanism.model.nv), controllers, sorted(kinds_of))
+    v = 0.7 * chance.normal(size=mechanism.model.nv)
+    for one in drives.values():
+        if isinstance(one, PrescribedMotion):
+            v[mechanism.joint(one.joint).v] = one.at(0.0)[1]
+    return Drawn(system, v, controllers, sorted(kinds_of))

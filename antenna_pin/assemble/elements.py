@@ -54,4 +54,4 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
 def _followed(scenario: Scenario, spec: Any, slot: JointSlot | None) -> dict[str, Any]:
     """Return the reference that a table follows, at a joint or elsewhere, if it names one."""
     follows = getattr(spec, "follows", None)
-    return {} if follows is None else {"follows": reference_for(scenario, follows, slot)}
+    return {} if follows is None else {"follows": reference_for(scenario, follows, slot, slot is None)}
