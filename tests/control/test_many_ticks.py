@@ -60,6 +60,6 @@ def test_a_million_instants():
     # A push of one period leaves a mean of half its rate from then on.
     way = 0.5 * pushed * PERIOD * (MANY - 3)
     assert float(run.data.motion_angle.values[-1, 0]) == pytest.approx(way, rel=1e-9)
-    # Time, signal and command of each instant as doubles, and some copies of these on the way into the result:
+    # Time, signal and command of each instant as doubles, and some copies of these on the way to the result:
     # far from what lists of Python's, or kept states, would take.
     assert largest() - before < 12 * 3 * 8 * MANY

@@ -158,7 +158,9 @@ def test_a_force_beyond_a_joint_that_stands_still_is_what_it_passes():
 
 
 def test_a_load_that_the_motion_does_not_tell_is_refused():
-    spring = PointSpring(first=("hull", (0, 0, 0)), second=("arm", (0.4, 0, 0)), stiffness=1.0)
+    spring = PointSpring(
+        first=("hull", (0, 0, 0)), second=("arm", (0.4, 0, 0)), stiffness=1.0, free_length=0.1
+    )
     with pytest.raises(AntennaPinError, match="joint_load must be asked where there are no closures and no"):
         watched(craft(springs={"s": spring}), lambda now: now.joint_load("hinge"), 6)
     with pytest.raises(AntennaPinError, match="'hing' is unknown; did you mean hinge"):

