@@ -74,10 +74,10 @@ class OutsideForce(AtPoint):
             (there,) = given.keys() - missing
             raise InvalidParameterError(self, missing[0], f"given beside {there}", said="none")
         courses = {"frequency": self.frequency, "time": self.time, "follows": self.follows}
-        given = [name for name, course in courses.items() if course is not None]
-        if given[1:]:
-            rule = f"left out beside {given[1]}: a force has one course; follow a sum, or take a second force"
-            raise InvalidParameterError(self, given[0], rule)
+        several = [name for name, course in courses.items() if course is not None]
+        if several[1:]:
+            rule = f"left out beside {several[1]}: a force has one course; follow a sum, or take two forces"
+            raise InvalidParameterError(self, several[0], rule)
         if self.time is not None:
             check_table(self, "factors")
         if self.phase and self.frequency is None:
