@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from antenna_pin.dynamics.evaluate import acceleration, contact_memory
     from antenna_pin.dynamics.held import HeldKind
     from antenna_pin.dynamics.impulse import impulse
+    from antenna_pin.dynamics.links import acting_on_links
     from antenna_pin.dynamics.motion import JointMotion, motion_block
     from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
     from antenna_pin.dynamics.system import System
@@ -73,6 +74,7 @@ __all__ = [
     "Workspace",
     "acceleration",
     "acting_in",
+    "acting_on_links",
     "assemble",
     "assembled",
     "audit",
@@ -109,6 +111,7 @@ loaded_when_used(
         "evaluate": "acceleration contact_memory",
         "held": "HeldKind",
         "impulse": "impulse",
+        "links": "acting_on_links",
         "motion": "JointMotion motion_block",
         "samples": "Observed joint_motion observed sliding_motion",
         "system": "System",
