@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from antenna_pin.plot.audit import figure_energy, figure_momentum
     from antenna_pin.plot.base import BASE_QUANTITIES, figure_base, figure_joints
     from antenna_pin.plot.bodies import BODY_QUANTITIES, figure_body
+    from antenna_pin.plot.bore import figure_bore_load
     from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_figure
     from antenna_pin.plot.closures import figure_closure_forces, figure_coupling_torques, figure_drive_efforts
     from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from antenna_pin.plot.hysteresis import figure_hysteresis
     from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
     from antenna_pin.plot.motion import QUANTITIES, figure_motion
-    from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
+    from antenna_pin.plot.orbit import figure_orbit
     from antenna_pin.plot.papers import (
         ATTRACTORS,
         PAPERS,
@@ -164,7 +165,8 @@ loaded_when_used(
         "forces": "figure_contact_forces",
         "loads": "figure_joint_load figure_steady_force",
         "motion": "QUANTITIES figure_motion",
-        "orbit": "figure_bore_load figure_orbit",
+        "bore": "figure_bore_load",
+        "orbit": "figure_orbit",
         "papers": ("ATTRACTORS PAPERS AttractorFigure Diagram DiagramFigure PaperFigure paper_figures"),
         "periodic": "figure_branch figure_multipliers",
         "phase": "figure_phase",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.analysis import between_samples
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.plot._style import COLOURS, IDEAL, MANY, Array
+from antenna_pin.plot._style import IDEAL, MANY, Array, distinct
 from antenna_pin.trajectory import contacts_of, names_along, series
 
 
@@ -186,8 +186,8 @@ def smooth(run: LabelledRun, joint: str) -> LabelledRun:
 
 def styles(runs: Sequence[LabelledRun], reference: LabelledRun | None) -> list[dict[str, Any]]:
     """Return how each run's line looks: the reference black and dashed, the others in the palette's order."""
-    palette = itertools.cycle(COLOURS)
-    return [IDEAL if run is reference else {"color": next(palette), "linewidth": 0.7} for run in runs]
+    numbers = itertools.count()
+    return [IDEAL if run is reference else {**distinct(next(numbers)), "linewidth": 0.7} for run in runs]
 
 
 def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str) -> str:

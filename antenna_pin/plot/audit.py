@@ -13,6 +13,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from antenna_pin.arguments import takes
 from antenna_pin.plot._kinds import FREE_BASE, none_with
+from antenna_pin.plot._layout import blocks
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, too_short
 from antenna_pin.plot._style import (
@@ -20,7 +21,6 @@ from antenna_pin.plot._style import (
     IDEAL,
     Array,
     Width,
-    blocks,
     few_ticks,
     footnote,
     legend_above,
