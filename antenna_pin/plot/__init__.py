@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from antenna_pin.plot.forces import figure_contact_forces
     from antenna_pin.plot.gears import figure_gears
     from antenna_pin.plot.hysteresis import figure_hysteresis
+    from antenna_pin.plot.joint import figure_joint
     from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
     from antenna_pin.plot.motion import QUANTITIES, figure_motion
     from antenna_pin.plot.orbit import figure_orbit
@@ -109,6 +110,7 @@ __all__ = [
     "figure_experiment",
     "figure_exponents",
     "figure_force_curves",
+    "figure_joint",
     "figure_joint_load",
     "figure_joints",
     "figure_momentum",
@@ -163,6 +165,7 @@ loaded_when_used(
         "exponents": "figure_exponents",
         "files": "FORMATS folder_for_figures processes_to_draw rendered save_figure save_figures",
         "forces": "figure_contact_forces",
+        "joint": "figure_joint",
         "loads": "figure_joint_load figure_steady_force",
         "motion": "QUANTITIES figure_motion",
         "bore": "figure_bore_load",

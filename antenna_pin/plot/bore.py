@@ -69,7 +69,7 @@ def figure_bore_load(
     drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
     round_bore = all(set(_kinds_of(run, joint)) <= {"radial", "spherical"} for run in drawn)
     if len(drawn) == 1 and width == "page" and round_bore and "contact_point" in drawn[0].data:
-        figure = new_figure(width, 82.0)
+        figure: Figure = new_figure(width, 82.0)
         grid = figure.add_gridspec(1, 2, width_ratios=[1.0, 1.35])
         panels = [figure.add_subplot(grid[0, 0], projection="polar")]
         over_time = figure.add_subplot(grid[0, 1])

@@ -44,9 +44,8 @@ def save_figures(
 ) -> list[Path]:
     """Draw the figures of the catalogue that the runs allow, write them, and return their paths.
 
-    Each file bears its figure's name in :data:`CATALOGUE`, and is whole or not there at all. Figures of a
-    joint are drawn of every joint that the runs are about; of the second and later ones they bear its name as
-    well, as in ``journal_orbit-lower``.
+    Each file bears its figure's name in :data:`CATALOGUE`, and that of the joint that it is of, as in
+    ``journal_orbit-lower``; it is whole or not there at all.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset or trajectory.
@@ -95,10 +94,10 @@ def save_figures(
 
 
 def _free_name(each: Allowed, taken: Collection[str]) -> str:
-    """Return the file's name for a figure: its own, with the joint's where a joint before has taken that."""
+    """Return the file's name for a figure: its own, of a joint with the joint's."""
     name = each.figure.name
-    if name in taken:
-        name += "-" + re.sub(r"[^\w.+-]", "_", str(each.joint))
+    if each.joint is not None:
+        name += "-" + re.sub(r"[^\w.+-]", "_", each.joint)
     while name in taken:
         name += "_"
     return name
