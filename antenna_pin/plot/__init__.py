@@ -22,8 +22,14 @@ if TYPE_CHECKING:
     from antenna_pin.plot.bodies import BODY_QUANTITIES, figure_body
     from antenna_pin.plot.bore import figure_bore_load
     from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_figure
-    from antenna_pin.plot.closures import figure_closure_forces, figure_coupling_torques, figure_drive_efforts
+    from antenna_pin.plot.closures import (
+        figure_applied_forces,
+        figure_closure_forces,
+        figure_coupling_torques,
+        figure_drive_efforts,
+    )
     from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
+    from antenna_pin.plot.control import figure_control
     from antenna_pin.plot.eccentricity import figure_eccentricity
     from antenna_pin.plot.elastic import figure_deflection
     from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
@@ -93,11 +99,13 @@ __all__ = [
     "StudyFigure",
     "allowed_figures",
     "figure_bifurcation",
+    "figure_applied_forces",
     "figure_base",
     "figure_body",
     "figure_bore_load",
     "figure_branch",
     "figure_closure_forces",
+    "figure_control",
     "figure_coupling_torques",
     "figure_contact_forces",
     "figure_contact_width",
@@ -156,7 +164,10 @@ loaded_when_used(
         "base": "BASE_QUANTITIES figure_base figure_joints",
         "bodies": "BODY_QUANTITIES figure_body",
         "catalogue": "CATALOGUE Allowed allowed_figures run_figure",
-        "closures": "figure_closure_forces figure_coupling_torques figure_drive_efforts",
+        "closures": (
+            "figure_applied_forces figure_closure_forces figure_coupling_torques figure_drive_efforts"
+        ),
+        "control": "figure_control",
         "contact": "figure_force_curves figure_restitution save_contact_figures",
         "eccentricity": "figure_eccentricity",
         "elastic": "figure_deflection",

@@ -15,8 +15,10 @@ from antenna_pin.trajectory import names_along
 
 __all__ = [
     "CLOSED",
+    "CONTROLLED",
     "COUPLED",
     "FLEXIBLE",
+    "FORCED",
     "FREE_BASE",
     "GEARED",
     "GUIDED",
@@ -137,6 +139,10 @@ TRACED = RunKind(
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
 GEARED = RunKind("a gear, a belt or a cable", lambda run: bool(gears_of(run.data)))
 STOPPED = RunKind("an end stop or a latch", lambda run: any(stops_and_latches(run.data)))
+CONTROLLED = RunKind("a controller", lambda run: "tick_signal" in run.data or "control_reference" in run.data)
+FORCED = RunKind(
+    "a force on a link", lambda run: "force_place" in run.data.sizes and "applied_force" in run.data
+)
 SHAKEN = RunKind("a shaken base", lambda run: bool(shakes_of(run.data)))
 SWEPT = RunKind("a base that is swept through frequencies", lambda run: _sweeps(run))
 RANDOM = RunKind(
