@@ -46,7 +46,7 @@ _KINDS = {
 }
 
 
-class _Track(NamedTuple):
+class Track(NamedTuple):
     """A branch in one number: pieces of one stability each, and where something happens to it.
 
     Attributes:
@@ -58,7 +58,7 @@ class _Track(NamedTuple):
     marks: list[tuple[str, float, float]]
 
 
-def track(branch: xr.Dataset, numbers: Array) -> _Track:
+def track(branch: xr.Dataset, numbers: Array) -> Track:
     """Return a branch in one number of its orbits, (points,).
 
     What happens to it lies on the line between the points about it, at its value of the parameter; a fold, or
@@ -97,7 +97,7 @@ def track(branch: xr.Dataset, numbers: Array) -> _Track:
             pieces.append((said[k], np.array(x), np.array(y)))
             x, y = x[-1:], y[-1:]
     pieces.append((said[-1], np.array(x), np.array(y)))
-    return _Track(pieces, marks)
+    return Track(pieces, marks)
 
 
 def _to_one(sizes: Array, k: int) -> float:
@@ -164,7 +164,7 @@ def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: W
     figure = new_figure(width, 20.0 + 46.0 * len(shown))
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False).ravel()
     for letter, axes, (label, numbers) in zip(letters(), panels, shown, strict=False):
-        _draw(axes, track(branch, numbers))
+        draw_track(axes, track(branch, numbers))
         axes.set_ylabel(label)
         axes.margins(x=0.03, y=0.08)
         panel_title(axes, letter, "")
@@ -176,16 +176,33 @@ def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: W
     return figure
 
 
-def _draw(axes: Axes, found: _Track) -> None:
+def draw_track(
+    axes: Axes, found: Track, scale: tuple[float, float] = (1.0, 1.0), black: bool = False
+) -> None:
+    """Draw a branch: stable pieces solid, unstable ones dashed, what happens to it marked by kind.
+
+    Args:
+        axes: Where.
+        found: Of :func:`track`.
+        scale: What values of the parameter and of the number are multiplied with.
+        black: Whether lines are black, as over dots that have colours of their own.
+    """
+    across, factor = scale
     for said, x, y in found.pieces:
         axes.plot(
-            x, y, color="C0" if said == "stable" else "#555555", linestyle=_LINES[said], label=_WORDS[said]
+            across * x,
+            factor * y,
+            color="black" if black else "C0" if said == "stable" else "#555555",
+            linestyle=_LINES[said],
+            linewidth=0.9,
+            zorder=3.0 if black else 2.0,
+            label=f"orbit, {_WORDS[said]}" if black else _WORDS[said],
         )
     for kind, at, level in found.marks:
         shape, colour = _MARKS[kind]
         axes.plot(
-            at,
-            level,
+            across * at,
+            factor * level,
             linestyle="none",
             marker=shape,
             markersize=4.0,
