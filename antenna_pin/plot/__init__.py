@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from antenna_pin.plot.exponents import figure_exponents
     from antenna_pin.plot.files import (
         FORMATS,
+        check_one_mechanism,
         folder_for_figures,
         processes_to_draw,
         rendered,
@@ -98,6 +99,7 @@ __all__ = [
     "RunFigure",
     "StudyFigure",
     "allowed_figures",
+    "check_one_mechanism",
     "figure_bifurcation",
     "figure_applied_forces",
     "figure_base",
@@ -174,7 +176,10 @@ loaded_when_used(
         "hysteresis": "figure_hysteresis",
         "experiment": "figure_contact_width figure_experiment figures_of_experiment",
         "exponents": "figure_exponents",
-        "files": "FORMATS folder_for_figures processes_to_draw rendered save_figure save_figures",
+        "files": (
+            "FORMATS check_one_mechanism folder_for_figures processes_to_draw rendered save_figure "
+            "save_figures"
+        ),
         "forces": "figure_contact_forces",
         "joint": "figure_joint",
         "loads": "figure_joint_load figure_steady_force",

@@ -220,7 +220,17 @@ def panel_title(axes: Axes, letter: str, text: str) -> None:
     axes.set_title(rf"$\bf{{({letter})}}$ {plain}" if letter else plain)
 
 
-# --- units ---
+# --- units and names ---
+
+
+def parameter_words(key: str) -> str:
+    """Return what a key of a scenario is called by people: "radial clearance of pin"."""
+    table, *rest = key.split(".")
+    if not rest:
+        return table.replace("_", " ")
+    last = rest[-1].replace("_", " ")
+    return f"{last} of {rest[0].replace('_', ' ')}" if len(rest) > 1 else last
+
 
 _PREFIXES = (
     (1e6, "M"),

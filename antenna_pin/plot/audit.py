@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from antenna_pin.arguments import takes
 from antenna_pin.plot._kinds import FREE_BASE, none_with
-from antenna_pin.plot._layout import blocks
+from antenna_pin.plot._layout import blocks, without_empty
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, too_short
 from antenna_pin.plot._style import (
@@ -74,6 +74,7 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
     drawn = [thinned(run, _ledger) for run in every if run.time.size > 1]
     figure, grid, letter = blocks(len(drawn), [True] * 3, width, 38.0)
     titles = ("energy", "losses", "largest error so far")
+    none: dict[str, list[str]] = {}
     for row, parts in enumerate((_STORED, _LOST)):
         books = [{entry[0]: _total(run, entry[0]) for entry in parts} for run in drawn]
         for book in books:
@@ -87,8 +88,8 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
                     style = {**IDEAL, "zorder": 3} if colour == "black" else {"color": colour}
                     axes.plot(run.time, factor * book[name], label=label, **style)
             if not any(np.any(v) for v in book.values()):
-                axes.axhline(0.0, color="#999999", linewidth=0.6)
-                axes.text(0.5, 0.6, "none", transform=axes.transAxes, ha="center")
+                none.setdefault(titles[row], []).append(run.label)
+                continue
             axes.set_xlim(run.time[0], run.time[-1])
             if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
                 axes.set_ylabel(f"energy [{printed}]")
@@ -106,10 +107,12 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
     _share_decades(grid[2])
     for panels, title in zip(grid, titles, strict=True):
         for axes, run in zip(panels, drawn, strict=True):
-            panel_title(axes, letter[axes], f"{run.label}, {title}")
+            if axes.lines:
+                panel_title(axes, letter[axes], f"{run.label}, {title}")
+    without_empty(figure)
     figure.align_ylabels()
     legend_above(figure, figure.axes)
-    footnote(figure, too_short(every))
+    footnote(figure, *(f"no {what}: {', '.join(names)}" for what, names in none.items()), too_short(every))
     return figure
 
 

@@ -14,7 +14,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from antenna_pin.arguments import takes
-from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
+from antenna_pin.errors import AntennaPinError, InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.files import replacing
 from antenna_pin.plot._runs import Run, labelled
 from antenna_pin.plot._style import MANY, Width, styled
@@ -61,6 +61,7 @@ def save_figures(
     """
     check_formats(formats)
     given = list(runs)
+    check_one_mechanism(given)
     drawings: dict[str, Allowed] = {}
     for each in allowed_figures(given, joint, names):
         drawings[_free_name(each, drawings)] = each
@@ -91,6 +92,28 @@ def save_figures(
             for suffix, content in zip(formats, found, strict=True):
                 written.append(_write(content, target / f"{name}.{suffix}"))
     return written
+
+
+@takes()
+def check_one_mechanism(runs: Iterable[Run]) -> None:
+    """Raise if two runs have no joint in common: figures compare runs of one mechanism.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset or trajectory.
+    """
+    first: tuple[str, set[str]] | None = None
+    for run in labelled(runs):
+        mine = {*run.joints, *run.sliding_joints, *run.clearance_joints}
+        if first is None or not mine or not first[1]:
+            first = first or (run.label, mine)
+        elif not mine & first[1]:
+            one, other = (", ".join(sorted(names)) for names in (first[1], mine))
+            raise InvalidParameterError(
+                "plot",
+                "runs",
+                "of one mechanism (draw others by a command of their own)",
+                said=f"{first[0]} with joints {one} and {run.label} with joints {other}",
+            )
 
 
 def _free_name(each: Allowed, taken: Collection[str]) -> str:

@@ -124,7 +124,8 @@ def figure_contact_forces(
             if blow is None:
                 continue
             draw_blow(axes, curve, blow, names)
-            words = f"{run.label}, strongest blow: {three_digits(blow.force)} {unit}"
+            factor, printed = prefixed(unit, blow.force)
+            words = f"{run.label}, strongest blow: {three_digits(factor * blow.force)} {printed}"
             panel_title(axes, letter[axes], words)
             if not axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
                 axes.set_ylabel("")

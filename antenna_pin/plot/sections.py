@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.plot._study import is_spaced_by_factors
 from antenna_pin.plot._style import (
     Width,
     footnote,
@@ -22,6 +23,7 @@ from antenna_pin.plot._style import (
     literal,
     new_figure,
     panel_title,
+    parameter_words,
     prefixed,
     styled,
 )
@@ -129,7 +131,7 @@ def figure_bifurcation(
     across, unit = prefixed(
         str(diagram["value"].attrs.get("units", "")), float(np.abs(values).max(initial=0.0))
     )
-    spaced = _in_ratios(values)
+    spaced = is_spaced_by_factors(values)
     said = {str(diagram.attrs["section"]): None}
     for letter, axes, name in zip(letters(), panels, names, strict=False):
         largest = float(np.nanmax(np.abs(diagram[name].values), initial=0.0))
@@ -144,31 +146,13 @@ def figure_bifurcation(
             axes.set_xscale("log")
         else:
             axes.set_xlim(auto=True)
-        if len(names) > 1:
-            panel_title(axes, letter, "")
+        panel_title(axes, letter if len(names) > 1 else "", name)
     words = parameter_words(str(diagram.attrs["parameter"]))
     panels[-1].set_xlabel(literal(f"{words} [{unit}]" if unit else words))
     if diagram.sizes["branch"] > 1 or tracks:
         legend_above(figure, panels)
     footnote(figure, *said, f"over {diagram.attrs['parameter']}")
     return figure
-
-
-def parameter_words(key: str) -> str:
-    """Return what a key of a scenario is called by people: "radial clearance of pin"."""
-    table, *rest = key.split(".")
-    if not rest:
-        return table.replace("_", " ")
-    last = rest[-1].replace("_", " ")
-    return f"{last} of {rest[0].replace('_', ' ')}" if len(rest) > 1 else last
-
-
-def _in_ratios(values: np.ndarray) -> bool:
-    """Whether values are spaced by one ratio rather than by one difference, over a decade or more."""
-    if values.size < 4 or not values.min() > 0.0 or values.max() < 10.0 * values.min():
-        return False
-    ratios, steps = np.diff(np.log(np.sort(values))), np.diff(np.sort(values))
-    return bool(np.ptp(ratios) / ratios.mean() < 0.1 * np.ptp(steps) / steps.mean())
 
 
 def _check_over_the_same(diagram: xr.Dataset, branches: Sequence[xr.Dataset], names: Sequence[str]) -> None:
