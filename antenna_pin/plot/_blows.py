@@ -75,7 +75,7 @@ def sharp(run: LabelledRun, curve: LabelledRun) -> NDArray[np.bool_]:
         return found
     index = run.values("episode_contact").astype(int)
     time, force = curve.time, curve.values("normal_force")
-    half = 0.5 * _SMOOTH * float(np.median(np.diff(time[: 10 * MANY])))
+    half = 0.5 * _SMOOTH * float(np.median(np.diff(run.time[:MANY])))
     for contact in np.unique(index[found]):
         mine = np.flatnonzero(found & (index == contact))
         found[mine] = _narrow(time, force[:, contact], at[mine], half, 0.5 * peak[mine])

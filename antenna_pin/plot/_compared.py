@@ -195,7 +195,7 @@ def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: 
         axes = figure.add_subplot(grid[number // columns, :] if alone else grid[divmod(number, columns)])
         drawn.append(axes)
         _draw(axes, panel, overall, spikes, small)
-        title = textwrap.fill(panel.title, 20) if small else panel.title
+        title = textwrap.fill(panel.title, 19, initial_indent="(a) ")[4:] if small else panel.title
         panel_title(axes, letter if len(panels) > 1 else "", title)
         if number // columns >= labelled_rows or number + columns >= len(panels):
             axes.set_xlabel("time [s]")

@@ -87,7 +87,7 @@ def figure_contact_forces(
         (run.label, kind)
         for run, size in zip(drawn, sizes, strict=True)
         for kind in kinds
-        if is_round_off(size[kind], "N", scales)
+        if size[kind] == 0.0 or is_round_off(size[kind], "N", scales)
     ]
     rows = [kind for kind in kinds if any((run.label, kind) not in still for run in drawn)] or list(kinds[:1])
     shared = [_comparable([size[kind] for size in sizes]) for kind in rows]

@@ -348,9 +348,7 @@ def test_runs_without_contact_have_no_figure_of_contact_forces(runs, tmp_path):
 
 def test_runs_of_different_mechanisms_are_refused_in_one_line(runs, tmp_path):
     other = runs[2][1].assign_coords(joint=["yoke", "hinge"], clearance_joint=["hinge"])
-    words = (
-        "plot: runs must be of one mechanism .*case3 with joints azimuth, elevation and array with .*hinge"
-    )
+    words = "plot: runs must be of one mechanism .*case3 with joints azimuth, .* and array with .*hinge"
     with pytest.raises(AntennaPinError, match=words):
         save_figures([runs[2], ("array", other)], tmp_path / "folder")
     assert not (tmp_path / "folder").exists()
