@@ -69,9 +69,14 @@ def square_panels(width: Width, count: int, more: float, **how: Any) -> tuple[Fi
 
 
 def without_empty(figure: Figure) -> None:
-    """Take away panels in which nothing is drawn; letters of the others stay in order."""
+    """Take away panels without a title; letters of the others stay in order, and labels pass to the next."""
     named = [axes for axes in figure.axes if axes.get_title("left")]
     for axes in [axes for axes in figure.axes if axes not in named]:
+        row = _row(axes)
+        heir = next((one for one in named if _row(one) == row), None)
+        if axes.get_ylabel() and heir is not None and not heir.get_ylabel():
+            heir.set_ylabel(axes.get_ylabel())
+            heir.tick_params(labelleft=True)
         axes.remove()
     named.sort(key=lambda axes: axes.get_subplotspec().num1)  # type: ignore[union-attr]
     bold = r"$\bf{("
@@ -80,3 +85,10 @@ def without_empty(figure: Figure) -> None:
         if title.startswith(bold):
             words = title.partition(")}$ ")[2]
             axes.set_title(rf"{bold}{letter})}}$ {words}" if len(named) > 1 else words)
+
+
+def _row(axes: Axes) -> int:
+    """Return the row of a figure's grid in which a panel begins."""
+    place = axes.get_subplotspec()
+    assert place is not None
+    return int(place.rowspan.start)

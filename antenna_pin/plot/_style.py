@@ -85,6 +85,7 @@ RC: Any = {  # Any: the stubs want one literal type for every setting
     "svg.fonttype": "none",
     "svg.hashsalt": "antenna_pin",  # the same figure gives the same file
     "path.simplify": True,
+    "path.simplify_threshold": 0.3,  # in vector files points: a tenth of a millimetre
     "agg.path.chunksize": 20000,
 }
 

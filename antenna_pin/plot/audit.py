@@ -83,6 +83,8 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
         largest = max(float(np.nanmax(np.abs(v), initial=0.0)) for book in books for v in book.values())
         factor, printed = prefixed("J", largest)
         for axes, run, book in zip(grid[row], drawn, books, strict=True):
+            if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+                axes.set_ylabel(f"energy [{printed}]")
             for name, label, colour in parts:
                 if np.any(book[name]):
                     style = {**IDEAL, "zorder": 3} if colour == "black" else {"color": colour}
@@ -91,8 +93,6 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
                 none.setdefault(titles[row], []).append(run.label)
                 continue
             axes.set_xlim(run.time[0], run.time[-1])
-            if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
-                axes.set_ylabel(f"energy [{printed}]")
             few_ticks(axes, 5)
     for axes, run in zip(grid[2], drawn, strict=True):
         # A run without drives has its largest energy as the measure.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -206,7 +207,10 @@ def _stems(axes: Axes, time: Array, force: Array, factor: float) -> None:
     if not time.size:
         return
     many = time.size > 2_000
-    axes.vlines(time, 0.0, factor * force, colors=PEAK, linewidth=0.35, alpha=0.55, zorder=2, rasterized=many)
+    # One line with gaps takes a third of the room of as many lines.
+    stems = np.stack([np.zeros_like(force), factor * force, np.full_like(force, np.nan)], axis=1)
+    looks: dict[str, Any] = {"color": PEAK, "linewidth": 0.35, "alpha": 0.55, "zorder": 2}
+    axes.plot(np.repeat(time, 3), stems.ravel(), rasterized=many, **looks)
     axes.plot(
         time,
         factor * force,
