@@ -6,7 +6,6 @@ import json
 import signal
 import subprocess
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -415,11 +414,11 @@ def test_plot_writes_the_figures_and_names_them(cli, results, tmp_path, drawn_qu
         for name, figure in CATALOGUE.items()
         if figure.standard
         and figure.of is not LOOPED
-        and figure.needs
-        not in OTHER_MODELS
+        and figure.needs not in OTHER_MODELS
         and name not in left
     ]
-    assert "spectrogram-elevation is not drawn: figure: runs must be at least one of 64 samples" in said.err  # 20 ms
+    words = "spectrogram-elevation is not drawn: figure: runs must be at least one of 64 samples"
+    assert words in said.err  # in 20 ms
     joints = {name: "azimuth" if name == "joint_motion" else "elevation" for name in names}
     stems = [f"{name}-{joints[name]}" if CATALOGUE[name].of else name for name in names]
     expected = [f"new/figures/{stem}.{suffix}" for stem in stems for suffix in ("png", "svg")]
@@ -572,7 +571,8 @@ def test_figures_of_an_own_scenario_are_the_standard_set(cli, tmp_path, drawn_qu
     said = cli("figures", "own", *FAST, "--case", "ideal", "--case", "planar")
     assert said.code == 0, said.err
     names = {line.rpartition("/")[2] for line in said.out.splitlines()}
-    assert {"energy.svg", *(f"{name}-hinge.svg" for name in ("motion_angle", "joint_load", "journal_orbit"))} <= names
+    of_joint = {f"{name}-hinge.svg" for name in ("motion_angle", "joint_load", "journal_orbit")}
+    assert {"energy.svg", *of_joint} <= names
     assert "| planar |" in (tmp_path / "own-figures/index.md").read_text()
 
 
