@@ -15,6 +15,7 @@ from antenna_pin.nonlinear.lyapunov import (
     lyapunov_spectrum,
     open_exponents,
 )
+from antenna_pin.nonlinear.on_section import orbits_in_section
 from antenna_pin.nonlinear.orbit_table import branch_table, open_branch, open_orbit, orbit_table
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
 from antenna_pin.nonlinear.plan import DiagramPlan, list_plans, load_plan, values_of
@@ -62,6 +63,7 @@ __all__ = [
     "open_exponents",
     "open_orbit",
     "orbit_table",
+    "orbits_in_section",
     "periodic_orbit",
     "poincare",
     "save_table",
