@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin._views import ModesRecorder, ResponsePlotter, View
 from antenna_pin.arguments import takes
 from antenna_pin.dynamics import BASE, System
 from antenna_pin.errors import InvalidParameterError
@@ -38,6 +39,8 @@ _SHOWN = 12
 class Modes:
     """The modes of a mechanism about a state.
 
+    They show themselves: ``plot(source, targets)``, a frequency response, and ``record("modes.html")``.
+
     Attributes:
         data: Along ``mode``, in rising order of frequency: ``frequency`` and ``damped_modulus`` [Hz],
             ``damping_ratio`` [-] (NaN of what does not vibrate), ``kind`` (rigid, free, elastic, unstable),
@@ -56,6 +59,9 @@ class Modes:
     linearisation: Linearisation
     notes: tuple[str, ...]
     scenario: Scenario | None = None
+
+    plot = View[ResponsePlotter]()
+    record = View[ModesRecorder]()
 
     @property
     def frequency(self) -> Array:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from antenna_pin._views import StudyFigures, StudyReporter, View
 from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.scenario import Scenario
@@ -92,9 +93,14 @@ class Study(RunsFile):
         results: Whose full result files are kept: ``none``, those of runs that ``failed``, or ``all``.
         name: Of the study: that of its file.
         folder: Of the study file.
+
+    When it has been run it shows itself: ``study.plot(name)`` and ``study.report("report.html")``.
     """
 
     __repr__ = __str__ = brief
+
+    plot: ClassVar[View[StudyFigures]] = View()
+    report: ClassVar[View[StudyReporter]] = View()
 
     suffix: ClassVar[str] = ".study.toml"
     word: ClassVar[str] = "study"

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import xarray as xr
 
+from antenna_pin._views import Recorder, Reporter, RunFigures, RunNumbers, View
 from antenna_pin.card import run_card
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
@@ -70,6 +71,9 @@ _COUNTED = (
 class Trajectory:
     """One run, sampled.
 
+    It shows itself: ``run.plot("contact_forces")``, ``run.record("run.html")``,
+    ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.views`).
+
     Attributes:
         data: Labelled by time, contact, axis and more; units and long names on each (docs/trajectory.md).
         outcome: Why the run ended.
@@ -85,6 +89,11 @@ class Trajectory:
     counts: Counts
     scenario: Scenario | None = None
     end: State | None = None
+
+    plot = View[RunFigures]()
+    record = View[Recorder]()
+    report = View[Reporter]()
+    analyse = View[RunNumbers]()
 
     @property
     def constraints(self) -> dict[str, Any]:
