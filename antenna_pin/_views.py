@@ -35,6 +35,8 @@ __all__ = [
     "StudyReporter",
     "View",
     "Plotter",
+    "as_html",
+    "as_text",
 ]
 
 T = TypeVar("T")
@@ -53,7 +55,27 @@ VIEWS = {
     "Orbit.report": "orbits.reported",
     "Modes.plot": "modes.plotted",
     "Modes.record": "modes.recorded",
+    "Trajectory.card": "_cards.run_card",
+    "Scenario.card": "_cards.scenario_card",
+    "Study.card": "_cards.study_card",
+    "Modes.card": "_cards.modes_card",
+    "Orbit.card": "_cards.orbit_card",
 }
+
+
+def _reader(name: str) -> Any:
+    file, _, function = VIEWS[name].partition(".")
+    return getattr(importlib.import_module(f"antenna_pin.views.{file}"), function)
+
+
+def as_html(result: object) -> str:
+    """Return a result, or what was run, as HTML for a notebook."""
+    return str(_reader(f"{type(result).__name__}.card")(result).html())
+
+
+def as_text(result: object) -> str:
+    """Return it as text for a shell, of 80 columns and at most 24 lines."""
+    return str(_reader(f"{type(result).__name__}.card")(result).text())
 
 
 class View(Generic[T]):
@@ -79,8 +101,7 @@ class View(Generic[T]):
 
     def __get__(self, instance: object | None, owner: type) -> Any:
         """Return the reader, bound to a result; of the class what is bound."""
-        file, _, name = VIEWS[self.name].partition(".")
-        made: Any = getattr(importlib.import_module(f"antenna_pin.views.{file}"), name)
+        made = _reader(self.name)
         if instance is None:
             return made
         return types.MethodType(made, instance) if inspect.isfunction(made) else made(instance)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._views import Plotter, Reporter, View
+from antenna_pin._views import Plotter, Reporter, View, as_html
 from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.dynamics import System
@@ -105,6 +105,10 @@ class Orbit:
         """Floquet exponents, the real parts of the multipliers' logarithms over the period, (n,) [1/s]."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(np.abs(self.multipliers)) / self.period)
+
+    def _repr_html_(self) -> str:
+        """Show it in a notebook."""
+        return as_html(self)
 
 
 def moving(chart: Chart, matrix: Array, free_period: bool = False) -> NDArray[np.bool_]:

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from antenna_pin._views import StudyFigures, StudyReporter, View
+from antenna_pin._views import StudyFigures, StudyReporter, View, as_html
 from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.scenario import Scenario
@@ -113,6 +113,10 @@ class Study(RunsFile):
     results: Literal["none", "failed", "all"] = "none"
     name: str = "study"
     folder: Path = Path()
+
+    def _repr_html_(self) -> str:
+        """Show what it varies and keeps in a notebook."""
+        return as_html(self)
 
     @model_validator(mode="before")
     @classmethod
