@@ -1,5 +1,6 @@
 """Closed loops, couplings and motions: what joints must satisfy besides the tree, and how it is held."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.constraints.assembly import (
     Mobility,
     directions,
@@ -39,3 +40,5 @@ __all__ = [
     "spread",
     "worst_row",
 ]
+
+only_public(__name__)

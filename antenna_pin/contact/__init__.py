@@ -1,5 +1,6 @@
 """Materials, stiffness of a pair, normal laws and friction laws: numbers only."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.contact.bristle import Dahl, GonthierBristle, LuGre
 from antenna_pin.contact.conformal import BaiZhaoElastic, LiuFoundation, Pereira, Persson
 from antenna_pin.contact.cylinder import (
@@ -199,3 +200,5 @@ __all__ = [
     "material_pairs",
     "normal_parameters",
 ]
+
+only_public(__name__)

@@ -4,6 +4,7 @@ A controller is no force element (:mod:`antenna_pin.elements`): it sets the one 
 thrusters that takes commands. Nothing here knows mechanics; a run asks controllers by :class:`Now`.
 """
 
+from antenna_pin._lazy import only_public
 from antenna_pin.control.attitude import AttitudeFeedback
 from antenna_pin.control.controller import Controller, Instants, Now, check_controller
 from antenna_pin.control.limits import limited
@@ -36,3 +37,5 @@ __all__ = [
     "measures_of",
     "remembered",
 ]
+
+only_public(__name__)

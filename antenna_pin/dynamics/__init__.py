@@ -1,5 +1,6 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.dynamics.acting import acting_in, check_begins
 from antenna_pin.dynamics.actuators import actuators_of, settled
 from antenna_pin.dynamics.adjust import Adjustments, first_modes, joints_held, modes_in_another, modes_kept
@@ -82,3 +83,5 @@ __all__ = [
     "put_followers",
     "sliding_motion",
 ]
+
+only_public(__name__)

@@ -1,5 +1,6 @@
 """Force elements: drives, a controller, springs and dampers at joints, springs between points."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.elements.angle_table import Outside, TableSpring
 from antenna_pin.elements.ball_bearing import BallBearing
 from antenna_pin.elements.bearing import AxialPreload, Bearing, StiffnessBearing, moved
@@ -150,3 +151,5 @@ __all__ = [
     "moved",
     "sines_of",
 ]
+
+only_public(__name__)

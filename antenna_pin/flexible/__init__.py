@@ -3,6 +3,7 @@
 What stays and what moves are together the link: mass, mass centre and inertia are kept exactly.
 """
 
+from antenna_pin._lazy import only_public
 from antenna_pin.flexible.inertia import MassProperties, least_share, share_taken
 from antenna_pin.flexible.kind import FlexibleKind
 from antenna_pin.flexible.modal_data import ModalData
@@ -41,3 +42,5 @@ __all__ = [
     "share_taken",
     "split",
 ]
+
+only_public(__name__)

@@ -1,5 +1,6 @@
 """Lie-group Runge-Kutta methods: a derivative, a manifold and the group operation, nothing else."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.integrate.collocation import NODES, Propagator
 from antenna_pin.integrate.implicit import newton_of
 from antenna_pin.integrate.manifold import KINDS, Manifold
@@ -18,3 +19,5 @@ __all__ = [
     "method_named",
     "newton_of",
 ]
+
+only_public(__name__)

@@ -1,5 +1,6 @@
 """The run: steps, contact memory, events, sampling, stopping rules."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.simulation.checkpoint import Checkpoint
 from antenna_pin.simulation.events import Angle, Event, Force, Gap, Jump, Mark, Rate, Set, Stop, Time
 from antenna_pin.simulation.finish import UnsavedError
@@ -27,3 +28,5 @@ __all__ = [
     "UnsavedError",
     "simulate",
 ]
+
+only_public(__name__)

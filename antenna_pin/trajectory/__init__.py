@@ -1,5 +1,6 @@
 """One run, sampled: labelled arrays by a schema, how the run ended, and the file that holds both."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.trajectory.blows import blow_counts, blow_numbers, surfaces
 from antenna_pin.trajectory.file import FORMAT, write_blocks
 from antenna_pin.trajectory.meshes import Span, mesh_spans, mesh_touches, met_by_meshes
@@ -70,3 +71,5 @@ __all__ = [
     "touches",
     "write_blocks",
 ]
+
+only_public(__name__)

@@ -44,7 +44,8 @@ _RULES = {
     " td": "text-align:left;padding:.1rem .9rem .1rem 0;vertical-align:top;border:0",
     " th": "text-align:left;padding:.1rem .9rem .1rem 0;vertical-align:bottom;border:0;opacity:.75;"
     "font-weight:400",
-    " .n": "text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums",
+    " .n": "text-align:right;font-variant-numeric:tabular-nums",
+    " td.n": "white-space:nowrap",
     " pre": "margin:0;font-size:12px;white-space:pre-wrap;background:none;color:inherit",
     " .good": "color:var(--good)",
     " .bad": "color:var(--bad)",

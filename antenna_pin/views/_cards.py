@@ -167,7 +167,7 @@ def scenario_card(scenario: Scenario) -> Card:
     for key in known:
         held = getattr(scenario, key, None)
         if isinstance(held, Mapping) and held and key != "materials":
-            facts.append(Fact(key, ", ".join(_named(each, one) for each, one in held.items())))
+            facts.append(Fact(key, _by_kind(held)))
     if scenario.overrides:
         facts.append(Fact("set over it", ", ".join(scenario.overrides)))
     text = scenario_toml(scenario)
@@ -177,10 +177,12 @@ def scenario_card(scenario: Scenario) -> Card:
     return Card("Scenario", name, tuple(one for one in facts if one.text), folds)
 
 
-def _named(name: str, one: Any) -> str:
-    """Return the name of an entry with what kind it is of."""
-    kind = getattr(one, "model", None) or getattr(one, "kind", None)
-    return f"{name} ({kind})" if kind else name
+def _by_kind(held: Mapping[str, Any]) -> str:
+    """Return the names of entries, those of a kind together."""
+    kinds: dict[str, list[str]] = {}
+    for name, one in held.items():
+        kinds.setdefault(str(getattr(one, "model", "") or getattr(one, "kind", "")), []).append(name)
+    return "; ".join(f"{', '.join(names)}{f' ({kind})' if kind else ''}" for kind, names in kinds.items())
 
 
 def study_card(study: Study) -> Card:
