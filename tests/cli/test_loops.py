@@ -214,7 +214,7 @@ def test_singular_positions_that_were_passed_are_named(cli, folder, singular):
 def test_commands_tell_what_is_coupled_and_what_that_carried(cli, tmp_path):
     path = write_coupled_fingers(tmp_path / "fingers")
     said = printed(cli("info", path)).replace("\N{NO-BREAK SPACE}", " ").splitlines()
-    assert said[5:8] == [
+    assert said[4:7] == [
         "  coupling finger: finger = −1 · thumb + 0.1 rad",
         "  coupling rack: rack = 10 mm/rad · thumb",
         "  2 equations of couplings, 2 independent; mobility 1",
