@@ -26,11 +26,19 @@ _LINES = 12
 
 def rounded(text):
     """Return a text with numbers of two digits, and signs for round-off and for the machine's time."""
-    text = text.replace("\N{NO-BREAK SPACE}", " ")
-    text = re.sub(r"simulated in .*? s(?: \(and .*?\))?,", "simulated in TIME,", text)
-    text = re.sub(r"(?:closes to|kept to|held to|closed to|and) [\d.]+(?:×10[⁻⁰-⁹¹²³]+|e-\d+)? ?[pnµm]?(?:J|m|rad)?(?= |,|$|;)", "ERROR", text)
-    text = re.sub(r"[\d.]+×10⁻[⁰-⁹¹²³]+", "ERROR", text)
-    text = re.sub(r"\d+(?:,\d{3})* steps", "STEPS", text)
+    text = re.sub(
+        r"\n {5,}", " ", text.replace("\N{NO-BREAK SPACE}", " ")
+    )  # where lines part hangs on digits
+    for before, machine, after in (
+        ("simulated in ", r".*? s(?: \(and .*?\))?", ", "),
+        (" ", r"[\d,]+", " steps"),
+        ("balance closes to ", r".*?", " of the "),
+        ("momentum kept to ", r".*?\(angular\)", ""),
+        ("held to ", r"\S+", " "),
+        ("closed to ", r".*", ""),
+    ):
+        text = re.sub(f"({before}){machine}({after})", r"\1~\2", text)
+    text = re.sub(r"[\d.]+×10⁻[⁰-⁹¹²³]+", "~", text)
     return re.sub(r"(?<![\w.])\d+\.\d+", lambda found: f"{float(found[0]):.2g}", text)
 
 
@@ -51,8 +59,7 @@ def test_what_is_said_of_a_shipped_case(name, cli, tmp_path):
 
     ran, told = said(name, tmp_path, run)
     assert f"{ran}---\n{told}" == (TEXTS / f"{name}.txt").read_text(encoding="utf-8")
-    starts = [line for line in ran.splitlines() if not line.startswith("   ")]  # others go on with one
-    assert len(starts) <= _LINES
+    assert len(ran.splitlines()) <= _LINES
 
 
 def _command(*arguments):
