@@ -1,4 +1,4 @@
-"""What ``run`` and ``info`` say of shipped cases, to the word; ``python tests/cli/test_answers.py`` writes it.
+"""What ``run`` and ``info`` say of shipped cases; ``python tests/cli/test_answers.py`` writes it.
 
 Numbers stand with two digits: other processors and orders of addition change none of them by as much, but for
 errors of round-off, which stand as a sign. Times of the machine stand as one too.
