@@ -1,8 +1,8 @@
 """A result shows itself: figures, a recording, a report and numbers are functions of its own."""
 
-from antenna_pin import Trajectory
+from antenna_pin import load_scenario, simulate
 
-run, ideal = Trajectory.load("case3.nc"), Trajectory.load("case1.nc")
+ideal, run = (simulate(load_scenario("bai2020", case=case), duration=0.2) for case in ("case1", "case3"))
 
 forces = run.plot("contact_forces")  # or run.plot.contact_forces(); run.plot.<TAB> lists what this run has
 forces.savefig("forces.png")
