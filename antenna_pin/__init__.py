@@ -2,11 +2,13 @@
 
 Three lines run a shipped scenario::
 
-    from antenna_pin import Trajectory, load_scenario, simulate
+    from antenna_pin import load_scenario, simulate
     run = simulate(load_scenario("bai2020", case="case3"), duration=0.2)
     run.save("case3.nc")
 
-The names below are loaded when first used, so that importing the package is quick.
+The names below are loaded when first used, so that importing the package is quick. Completion finds what is
+there: ``antenna_pin.laws.<TAB>``, ``antenna_pin.elements.<TAB>``, ``antenna_pin.events.<TAB>``,
+``run.plot.<TAB>``.
 """
 
 from __future__ import annotations
@@ -64,13 +66,32 @@ _HOMES = {
     "urdf_variant": "assemble",
 }
 
+# Rooms that a user finds by completion; the others are found by who builds on them.
+_ROOMS = (
+    "analysis",
+    "constraints",
+    "contact",
+    "control",
+    "elements",
+    "errors",
+    "events",
+    "flexible",
+    "geometry",
+    "laws",
+    "linear",
+    "nonlinear",
+    "plot",
+    "record",
+    "report",
+)
+
 __all__ = [
     "Anchor",
     "AntennaPinError",
     "ClearanceJoint",
     "Closure",
-    "Coupling",
     "Counts",
+    "Coupling",
     "ErrorScales",
     "Mechanism",
     "Modes",
@@ -83,16 +104,31 @@ __all__ = [
     "System",
     "Trajectory",
     "Urdf",
+    "analysis",
     "assembled",
     "build_mechanism",
     "build_system",
+    "constraints",
+    "contact",
+    "control",
+    "elements",
+    "errors",
+    "events",
+    "flexible",
+    "geometry",
     "initial_state",
+    "laws",
+    "linear",
     "list_scenarios",
     "load_scenario",
     "load_study",
     "models_path",
     "modes",
+    "nonlinear",
     "open_study",
+    "plot",
+    "record",
+    "report",
     "run_study",
     "simulate",
     "start",
@@ -103,8 +139,10 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
         return getattr(importlib.import_module(f"antenna_pin.{_HOMES[name]}"), name)
+    if name in _ROOMS:
+        return importlib.import_module(f"antenna_pin.{name}")
     raise AttributeError(f"module 'antenna_pin' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

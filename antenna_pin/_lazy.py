@@ -8,7 +8,7 @@ import types
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-__all__ = ["Classes", "go_without", "loaded_when_used", "take_back"]
+__all__ = ["Classes", "go_without", "loaded_when_used", "only_public", "take_back"]
 
 
 class _Package(types.ModuleType):
@@ -34,7 +34,23 @@ class _Package(types.ModuleType):
         super().__setattr__(name, value)
 
     def __dir__(self) -> list[str]:
-        return sorted({*self.__dict__, *self.homes_of_names})
+        return sorted(self.__dict__["__all__"])
+
+
+class _Plain(types.ModuleType):
+    """A package that lists what others may use of it, and not how it is made."""
+
+    def __dir__(self) -> list[str]:
+        return sorted(self.__dict__["__all__"])
+
+
+def only_public(package: str) -> None:
+    """Let ``dir``, and with it completion, list the names in a package's ``__all__`` only.
+
+    Args:
+        package: Its ``__name__``.
+    """
+    sys.modules[package].__class__ = _Plain
 
 
 def loaded_when_used(package: str, names: Mapping[str, str]) -> None:

@@ -17,6 +17,7 @@ from typing import Annotated
 
 import typer
 
+from antenna_pin._lazy import only_public
 from antenna_pin.cli import (
     analyse,
     bifurcation,
@@ -146,3 +147,5 @@ for _group in (contact.app, study.app, vibration.app, export.app):
         assert _registered.callback is not None
         _registered.callback = one_line_errors(with_plain_numbers(_registered.callback))
     app.add_typer(_group)
+
+only_public(__name__)

@@ -1,5 +1,6 @@
 """What motions come to: sections, diagrams, periodic solutions, their stability, and how neighbours part."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.nonlinear.carry import carried
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError, OutOfReachError
 from antenna_pin.nonlinear.continuation import Bifurcation, Branch, Family, Point, check_steps, continued
@@ -70,3 +71,5 @@ __all__ = [
     "section_of",
     "values_of",
 ]
+
+only_public(__name__)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from antenna_pin._views import as_html
 from antenna_pin.brief import brief
 from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
@@ -118,6 +119,10 @@ class Scenario(FamilyTables):
     carried: ClassVar[frozenset[str]] = frozenset(
         {"name", "case", "description", "overrides", "folder", "urdf_text"}
     )
+
+    def _repr_html_(self) -> str:
+        """Show what it is in a notebook."""
+        return as_html(self)
 
     @property
     def urdf_path(self) -> Path:
