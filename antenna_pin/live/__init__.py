@@ -1,0 +1,8 @@
+"""A scenario explored live: sliders in a browser, half a second of the run after each change (``explore``)."""
+
+from antenna_pin.live.explored import Curve, Curves, Explored
+from antenna_pin.live.knobs import Knob, knobs_of
+from antenna_pin.live.runner import Made, Runner
+from antenna_pin.live.server import Exploration, explore
+
+__all__ = ["Curve", "Curves", "Exploration", "Explored", "Knob", "Made", "Runner", "explore", "knobs_of"]
