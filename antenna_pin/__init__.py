@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from antenna_pin.errors import AntennaPinError
     from antenna_pin.joints import ClearanceJoint
     from antenna_pin.linear import Modes, modes
+    from antenna_pin.live import Exploration, explore
     from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism
     from antenna_pin.scenario import Scenario, list_scenarios, load_scenario, models_path
     from antenna_pin.session import Session, start
@@ -37,6 +38,7 @@ _HOMES = {
     "Coupling": "constraints",
     "Counts": "trajectory",
     "ErrorScales": "settings",
+    "Exploration": "live",
     "Mechanism": "mechanism",
     "Modes": "linear",
     "Outcome": "trajectory",
@@ -51,6 +53,7 @@ _HOMES = {
     "assembled": "dynamics",
     "build_mechanism": "mechanism",
     "build_system": "assemble",
+    "explore": "live",
     "initial_state": "assemble",
     "list_scenarios": "scenario",
     "load_scenario": "scenario",
@@ -72,6 +75,7 @@ __all__ = [
     "Coupling",
     "Counts",
     "ErrorScales",
+    "Exploration",
     "Mechanism",
     "Modes",
     "Outcome",
@@ -86,6 +90,7 @@ __all__ = [
     "assembled",
     "build_mechanism",
     "build_system",
+    "explore",
     "initial_state",
     "list_scenarios",
     "load_scenario",

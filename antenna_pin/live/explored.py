@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import Line, answer, journal_motion, quantity
-from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.live.knobs import Knob, knobs_of, play_names
@@ -183,7 +181,9 @@ class Explored:
             for k, place in enumerate(motion["place"].values)
         )
         time, kinds = np.asarray(data["time"].values, dtype=float), contact_kinds(data)
-        force = {name: data["normal_force"].sel(contact=name).values for name in contacts_of(data, self.joint)}
+        force = {
+            name: data["normal_force"].sel(contact=name).values for name in contacts_of(data, self.joint)
+        }
         forces = tuple(
             Curve(kind, time, np.sum([force[one] for one in force if kinds[one] == kind], axis=0), "N")
             for kind in dict.fromkeys(kinds[one] for one in force)

@@ -11,7 +11,7 @@ from typing import Any
 
 from bokeh.document import Document
 from bokeh.models import Button, Column, Div, Row, Select, Slider, TextInput
-from jinja2 import Template
+from jinja2 import Environment, Template
 
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.live.explored import Curves, Explored, said_of
@@ -38,7 +38,9 @@ class Page:
         out: Where the scenario is saved: a file, or a folder for numbered ones.
     """
 
-    def __init__(self, document: Document, scenario: Scenario, joint: str | None, span: float, out: Path) -> None:
+    def __init__(
+        self, document: Document, scenario: Scenario, joint: str | None, span: float, out: Path
+    ) -> None:
         """Make it, and ask for the first run."""
         self._document, self._out = document, out
         self._explored = Explored(scenario, joint, span)
@@ -81,7 +83,8 @@ class Page:
             button = Button(label=title, name=name, button_type=kind, sizing_mode="stretch_width")
             button.on_click(does)
             buttons.append(dressed(button))
-        shown: list[Any] = [dressed(joint), Row(*buttons, sizing_mode="stretch_width")]
+        rows = [Row(*some, sizing_mode="stretch_width") for some in (buttons[:1], buttons[1:])]
+        shown: list[Any] = [dressed(joint), *rows]
         self._sliders: dict[str, tuple[Knob, Slider, TextInput]] = {}
         for group, knobs in itertools.groupby(explored.knobs, key=lambda knob: knob.group):
             shown.append(dressed(Div(text=f"<h2>{escape(group)}</h2>", sizing_mode="stretch_width")))
@@ -157,7 +160,10 @@ class Page:
     def _save(self) -> None:
         target = self._out
         if target.is_dir():
-            names = (f"{self._name}-explored{f'-{k}' if k else ''}.toml".replace("/", "-") for k in itertools.count())
+            names = (
+                f"{self._name}-explored{f'-{k}' if k else ''}.toml".replace("/", "-")
+                for k in itertools.count()
+            )
             target = next(path for path in (self._out / name for name in names) if not path.exists())
         try:
             self._explored.save(target)
@@ -185,9 +191,14 @@ class Page:
         self._shown = curves
         self._panels.show(curves, self._reference)
         ended, lines = said_of(made.run)
-        about = f"{ended}; here {lasting(made.wall)} after the change" if made.done else "on its way \N{HORIZONTAL ELLIPSIS}"
+        about = (
+            f"{ended}; here {lasting(made.wall)} after the change"
+            if made.done
+            else "on its way \N{HORIZONTAL ELLIPSIS}"
+        )
         told = "".join(
-            f"<div><span class='about'>{escape(line.about)}</span> {escape(line.text)}</div>" for line in lines
+            f"<div><span class='about'>{escape(line.about)}</span> {escape(line.text)}</div>"
+            for line in lines
         )
         self._said = f"{told}<div class='soft'>{escape(about)}</div>"
         self._say()
@@ -199,7 +210,8 @@ class Page:
 
 
 def _template() -> Template:
-    return Template(files("antenna_pin.live").joinpath("page.html").read_text(encoding="utf-8"), autoescape=False)
+    text = files("antenna_pin.live").joinpath("page.html").read_text(encoding="utf-8")
+    return Environment(autoescape=False).from_string(text)
 
 
 def _about(scenario: Scenario) -> str:

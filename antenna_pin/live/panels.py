@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from bokeh.models import Column, ColumnDataSource, Div, HoverTool, Range1d
+from bokeh.models import Column, ColumnDataSource, Div, HoverTool
 from bokeh.plotting import figure
 
 from antenna_pin.live.explored import Curve, Curves
-from antenna_pin.live.looks import COLOURS, OUTLINE, REFERENCE
+from antenna_pin.live.looks import COLOURS, OUTLINE, REFERENCE, squared
 from antenna_pin.readable import prefixed, printed_unit
 
 __all__ = ["Panels"]
 
 _AROUND = 1.15  # of the outline, that is in view beside it
+_NOTHING: dict[str, object] = {"x": np.zeros(0), "y": np.zeros(0)}
 _TOOLS = "pan,box_zoom,wheel_zoom,reset"
 
 
@@ -26,12 +29,13 @@ class Panels:
     def __init__(self) -> None:
         """Make room for them."""
         self.columns = [
-            Column(Div(), name=name, sizing_mode="stretch_width") for name in ("first", "second", "third")
+            Column(Div(), name=name, sizing_mode="stretch_both") for name in ("first", "second", "third")
         ]
         self._made: tuple[str, ...] = ()
         self._now: list[ColumnDataSource] = []
         self._before: list[ColumnDataSource] = []
         self._outline = ColumnDataSource({"x": [], "y": []}, name="outline")
+        self._corners = ColumnDataSource(_NOTHING)
         self._factor = 1.0
 
     def forget(self) -> None:
@@ -62,20 +66,21 @@ class Panels:
         factor = self._factor if across and self._is_path else 1.0
         return {"x": factor * curve.x, "y": factor * curve.y}
 
-    def _make(self, curves: Curves) -> list[figure]:
+    def _make(self, curves: Curves) -> list[Any]:
         self._is_path = len(curves.outline) > 0
         self._now, self._before = [], []
         made = []
-        for panel, title in zip((curves.first, curves.second, curves.third), self._titles(curves), strict=True):
+        for panel, title in zip(
+            (curves.first, curves.second, curves.third), self._titles(curves), strict=True
+        ):
             path = panel is curves.first and self._is_path
             self._factor, unit = prefixed("m", [np.abs(curves.outline).max()]) if path else (self._factor, "")
             one = figure(
                 title=title,
-                height=330 if panel is not curves.third else 260,
-                sizing_mode="stretch_width",
+                sizing_mode="stretch_both",
                 tools=_TOOLS,
                 active_scroll=None,
-                match_aspect=path,
+                **({"x_range": (-1.0, 1.0), "y_range": (-1.0, 1.0)} if path else {}),
                 x_axis_label=f"across the bearing [{unit}]" if path else "time [s]",
                 y_axis_label=f"[{unit if path else printed_unit(panel[0].unit)}]",
                 min_border_left=10,
@@ -85,13 +90,13 @@ class Panels:
             one.title.text_font_size = "13px"
             one.axis.axis_label_text_font_style = "normal"
             if path:
+                squared(one, self._corners)
                 one.line("x", "y", source=self._outline, color=OUTLINE, line_width=1.6)
             self._lines(one, panel, path)
             made.append(one)
-        self._path = made[0]
         return made
 
-    def _lines(self, one: figure, panel: tuple[Curve, ...], path: bool) -> None:
+    def _lines(self, one: Any, panel: tuple[Curve, ...], path: bool) -> None:
         now = []
         for k, curve in enumerate(panel):
             before = ColumnDataSource(_NOTHING, name=f"before {curve.name}")
@@ -118,19 +123,16 @@ class Panels:
         one.legend.border_line_color = None
 
     def _titles(self, curves: Curves) -> tuple[str, str, str]:
-        third = curves.third[0].name
-        if not self._is_path:
-            return tuple(panel[0].name for panel in (curves.first, curves.second, curves.third))  # type: ignore[return-value]
-        return "Path of the journal", "Normal force", third
+        first, second, third = (panel[0].name for panel in (curves.first, curves.second, curves.third))
+        if self._is_path:
+            first, second = "Path of the journal", "Normal force, contacts of a kind together"
+        return first, second, third
 
     def _frame(self, reach: float) -> None:
         """Keep the whole play in view, as wide as high."""
-        self._path.x_range = Range1d(-_AROUND * reach, _AROUND * reach)
-        self._path.y_range = Range1d(-_AROUND * reach, _AROUND * reach)
-
-
-_NOTHING: dict[str, object] = {"x": np.zeros(0), "y": np.zeros(0)}
+        corner = _AROUND * reach
+        self._corners.data = {"x": np.array([-corner, corner]), "y": np.array([-corner, corner])}
 
 
 def _reach(panel: tuple[Curve, ...]) -> float:
-    return max((float(np.abs(part).max(initial=0.0)) for curve in panel for part in (curve.x, curve.y)))
+    return max(float(np.abs(part).max(initial=0.0)) for curve in panel for part in (curve.x, curve.y))

@@ -42,8 +42,8 @@ def explore(
         joint: Which joint is looked at first; the first with play, or the first that moves.
         duration: How much of the run is made after each change [s].
         port: Where it listens; a free one if 0.
-        out: Where "Save as scenario" writes: a file, or a folder for numbered ones; the working folder if left
-            out.
+        out: Where "Save as scenario" writes: a file, or a folder for numbered ones; the working folder if
+            left out.
 
     Raises:
         AntennaPinError: The scenario cannot be explored.
@@ -78,9 +78,7 @@ class Exploration:
         url: Where its page is, with the key that lets one in.
     """
 
-    def __init__(
-        self, scenario: Scenario, joint: str | None, duration: float, port: int, out: Path
-    ) -> None:
+    def __init__(self, scenario: Scenario, joint: str | None, duration: float, port: int, out: Path) -> None:
         """Listen, and serve from now on."""
         self._about = scenario, joint, duration, out
         self._key = secrets.token_bytes(32)
