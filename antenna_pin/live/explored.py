@@ -86,7 +86,7 @@ class Explored:
             fast["output.form"] = "full"
         self._given = scenario
         self._begun = scenario.with_overrides(fast)
-        self.joints = _joints(self._begun)
+        self.joints, self._sliding = _joints(self._begun)
         if joint is None:
             joint = next(iter(self.joints), None)
             if joint is None:
@@ -116,7 +116,7 @@ class Explored:
             high=max(self._given.duration, span),
             logarithmic=True,
         )
-        self.knobs = [*knobs_of(self._begun, joint), time]
+        self.knobs = [*knobs_of(self._begun, joint, self._sliding), time]
         self._all = {knob.place: knob for knob in self.knobs} | getattr(self, "_all", {})
 
     @property
@@ -218,12 +218,14 @@ def _over_time(run: Trajectory, joint: str, order: int) -> Curve:
     return Curve(f"{_ORDERS[order]}, {one}", time, np.asarray(found.values, dtype=float), found.units)
 
 
-def _joints(scenario: Scenario) -> list[str]:
-    """Return the joints that may be looked at: those with play, then those that turn or slide."""
-    shaken = scenario.families.get("shake", {})
-    names = (name.removesuffix(".angle") for name in start(scenario, record=False).names())
-    moving = [name for name in names if "." not in name and "[" not in name and name not in shaken]
-    return list(dict.fromkeys([*play_names(scenario), *moving]))
+def _joints(scenario: Scenario) -> tuple[list[str], frozenset[str]]:
+    """Return the joints that may be looked at, those with play first; and which joints slide."""
+    units = start(scenario, record=False).names()
+    moving = {name.removesuffix(".angle"): units[name] for name in units if name.endswith(".angle")}
+    shaken = scenario.families.get("shake", {})  # what carries the base
+    joints = [name for name in moving if "." not in name and name not in shaken]
+    sliding = frozenset(name for name in joints if moving[name] == "m")
+    return list(dict.fromkeys([*play_names(scenario), *joints])), sliding
 
 
 def said_of(run: Trajectory) -> tuple[str, tuple[Line, ...]]:

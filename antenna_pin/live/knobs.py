@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
 from antenna_pin.arguments import takes
+from antenna_pin.numerals import bare
 from antenna_pin.parameters import parameters_of
 from antenna_pin.readable import GIVEN, readable
 from antenna_pin.scenario import LawChange, LawSpec, Scenario, TouchingSpec
@@ -69,7 +70,7 @@ class Knob:
             QuantityError: It is none, or of another dimension.
         """
         plain = text.replace("\N{MINUS SIGN}", "-").replace("\N{NO-BREAK SPACE}", " ")
-        return quantity(plain.strip().replace("µ", "u"), self.unit, self.place)
+        return quantity(bare(plain), self.unit, self.place)
 
     def told(self, value: float) -> str:
         """Return a value as it is shown and may be typed: ``0.2 mm``."""
@@ -108,19 +109,20 @@ def play_names(scenario: Scenario) -> list[str]:
 
 
 @takes()
-def knobs_of(scenario: Scenario, joint: str | None = None) -> list[Knob]:
+def knobs_of(scenario: Scenario, joint: str | None = None, sliding: Collection[str] = ()) -> list[Knob]:
     """Return what may be turned: play and laws of a joint, all drives, and what else acts at the joint.
 
     Args:
         scenario: The scenario.
         joint: The joint; without one drives alone.
+        sliding: Joints that slide, where the scenario's units do not say so.
     """
     found = [*_of_play(scenario, joint), *_of_laws(scenario, joint)]
     for family, elements in scenario.families.items():
         for name, spec in elements.items():
             if family == "drives" or joint in _joints(spec):
-                found += _of_element(family, name, spec, joint)
-    found += _of_start(scenario)
+                found += _of_element(family, name, spec, sliding)
+    found += _of_start(scenario, sliding)
     return found
 
 
@@ -247,10 +249,10 @@ def _of_material(scenario: Scenario, name: str, group: str) -> Knob:
     )
 
 
-def _of_element(family: str, name: str, spec: Any, joint: str | None) -> Iterator[Knob]:
+def _of_element(family: str, name: str, spec: Any, sliding: Collection[str]) -> Iterator[Knob]:
     """Yield the numbers of an element that its table gives, or that are not zero."""
     declared = parameters_of(type(spec).fills)
-    slides = getattr(spec, "motion", None) == "translation"
+    slides = getattr(spec, "motion", None) == "translation" or getattr(spec, "joint", None) in sliding
     for key in type(spec).model_fields:
         about = declared.get(type(spec).field_of(key))
         value = getattr(spec, key, None)
@@ -272,17 +274,18 @@ def _of_element(family: str, name: str, spec: Any, joint: str | None) -> Iterato
         )
 
 
-def _of_start(scenario: Scenario) -> Iterator[Knob]:
+def _of_start(scenario: Scenario, sliding: Collection[str]) -> Iterator[Knob]:
     """Yield the speeds that joints start with, where the scenario gives some."""
     for name, spec in scenario.initial.joints.items():
-        for key, unit, sliding in (("velocity", "rad/s", "m/s"), ("rate", "rad/s", "rad/s")):
+        slides = spec.motion == "translation" or name in sliding
+        for key, unit, along in (("velocity", "rad/s", "m/s"), ("rate", "rad/s", "rad/s")):
             value = getattr(spec, key)
             if value:
                 yield Knob(
                     group=f"Start of {name}",
                     name=_words(key),
                     place=f"initial.joints.{name}.{key}",
-                    unit=sliding if spec.motion == "translation" else unit,
+                    unit=along if slides else unit,
                     value=value,
                     **_ranged(value),
                 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bokeh.models import CustomJS, InlineStyleSheet
+from bokeh.models import CustomJS
 
 __all__ = ["COLOURS", "OUTLINE", "REFERENCE", "STYLE", "darkened", "dressed", "squared"]
 
@@ -15,8 +15,7 @@ REFERENCE = "#8a94a0"
 OUTLINE = "#7d8794"
 
 # Widgets stand in shadows of their own, which the page's style does not reach.
-STYLE = InlineStyleSheet(
-    css="""
+STYLE = """
 :host { color: inherit; font: inherit; }
 h2 { margin: 10px 0 2px; font-size: 13px; }
 .refused { color: #a1260d; font-weight: 600; }
@@ -38,7 +37,6 @@ select.bk-input { text-align: left; padding-right: 20px; }
   .noUi-handle { background: #a9b3c0; border-color: #46505d; box-shadow: none; }
 }
 """
-)
 
 _DARKENED = """
 const wish = matchMedia('(prefers-color-scheme: dark)');

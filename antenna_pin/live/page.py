@@ -50,10 +50,9 @@ class Page:
         self._status = dressed(Div(name="status", sizing_mode="stretch_width"))
         self._knobs = Column(name="knobs", sizing_mode="stretch_width")
         self._setting = False
-        self._turned: Any = None  # a knob's widgets while they set one another
         self._shown: Curves | None = None
         self._reference: Curves | None = None
-        self._said = ""
+        self._said, self._times = "", 0
         self._make_knobs()
         document.template = _template()
         document.title = f"{self._name} \N{EN DASH} antenna_pin explore"
@@ -189,6 +188,7 @@ class Page:
         if made.done and self._reference is None:
             self._reference = curves
         self._shown = curves
+        self._document.hold("combine")  # one message, one picture
         self._panels.show(curves, self._reference)
         ended, lines = said_of(made.run)
         about = (
@@ -202,11 +202,14 @@ class Page:
         )
         self._said = f"{told}<div class='soft'>{escape(about)}</div>"
         self._say()
+        self._document.unhold()
 
     def _say(self, *, refused: str = "", note: str = "") -> None:
         first = f"<div class='refused' role='alert'>{escape(refused)}</div>" if refused else ""
         first += f"<div role='status'><b>{escape(note)}</b></div>" if note else ""
         self._status.text = first + self._said
+        self._times += 1
+        self._status.tags = [self._times]  # for those who wait for it
 
 
 def _template() -> Template:

@@ -37,6 +37,7 @@ class Panels:
         self._outline = ColumnDataSource({"x": [], "y": []}, name="outline")
         self._corners = ColumnDataSource(_NOTHING)
         self._factor = 1.0
+        self._compared: Curves | None = None
 
     def forget(self) -> None:
         """Have them made anew by the next run: another joint is looked at."""
@@ -48,7 +49,11 @@ class Panels:
         names = tuple(curve.name for panel in panels for curve in panel)
         made = self._make(curves) if names != self._made else []
         self._made = names
-        for sources, shown in ((self._now, curves), (self._before, reference)):
+        pairs = [(self._now, curves), (self._before, reference)]
+        if reference is self._compared and not made:
+            del pairs[1]
+        self._compared = reference
+        for sources, shown in pairs:
             every = [] if shown is None else [*shown.first, *shown.second, *shown.third]
             if shown is not None and len(every) != len(sources):
                 every = []
@@ -100,7 +105,7 @@ class Panels:
         now = []
         for k, curve in enumerate(panel):
             before = ColumnDataSource(_NOTHING, name=f"before {curve.name}")
-            source = ColumnDataSource(_NOTHING, name=curve.name)
+            source = ColumnDataSource(_NOTHING, name=f"now {curve.name}")
             one.line("x", "y", source=before, color=REFERENCE, line_width=1.0, alpha=0.7)
             now.append((source, curve.name, COLOURS[k % len(COLOURS)]))
             self._before.append(before)

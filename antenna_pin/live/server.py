@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import importlib
 import secrets
+import socket
 import threading
 from html import escape
 from pathlib import Path
@@ -102,13 +103,13 @@ class Exploration:
         from bokeh.util.token import generate_session_id
         from tornado.httpserver import HTTPServer
         from tornado.ioloop import IOLoop
-        from tornado.netutil import bind_sockets
 
         loop = asyncio.new_event_loop()
         asyncio.set_event_loop(loop)
         try:
-            sockets = bind_sockets(port, _HERE)
-            found = sockets[0].getsockname()[1]
+            listening = socket.create_server((_HERE, port))
+            listening.setblocking(False)
+            found = listening.getsockname()[1]
             application = BokehTornado(
                 {"/": Application(FunctionHandler(self._fill))},
                 extra_websocket_origins=[f"{_HERE}:{found}", f"localhost:{found}"],
@@ -117,7 +118,7 @@ class Exploration:
                 generate_session_ids=False,
             )
             http = HTTPServer(application)
-            http.add_sockets(sockets)
+            http.add_sockets([listening])
             server = BaseServer(IOLoop.current(), application, http)
             server.start()
         except OSError as error:
