@@ -37,8 +37,10 @@ def test_a_knob_at_its_value_is_the_scenario(scenario, knob):
     flat_before, flat_after = flat(before), flat(after)
     assert flat_after.keys() == flat_before.keys()
     for place, value in flat_before.items():
+        if place.endswith((".motion", ".conversion")):
+            continue  # what the units of the file said, which does not bind numbers laid over it
         if not isinstance(value, float):
-            assert flat_after[place] == value
+            assert flat_after[place] == value, place
             continue
         # A play that the radii give is a difference: round-off of them, 1e-16 of 0.02 m.
         assert flat_after[place] == pytest.approx(value, rel=1e-12, abs=0.0), place

@@ -14,6 +14,7 @@ import pytest
 
 from antenna_pin import explore, load_scenario, simulate
 from antenna_pin.analysis import journal_motion
+from antenna_pin.errors import OutputError
 
 pytest.importorskip("bokeh", reason="the extra explore is not installed: pip install 'antenna-pin[explore]'")
 
@@ -168,6 +169,7 @@ def test_the_page_follows_the_systems_wish_and_fits_a_phone(shown, scheme, dark)
 def test_nobody_gets_in_without_the_key(shown):
     with pytest.raises(urllib.error.HTTPError) as refused:
         urllib.request.urlopen(shown.url.partition("?")[0])
+    refused.value.close()
     assert refused.value.code == 403
     assert shown.url.startswith("http://127.0.0.1:")
 
@@ -176,7 +178,7 @@ def test_a_taken_port_is_refused_in_one_line():
     scenario = load_scenario("bai2020", case="case3")
     with explore(scenario) as first:
         port = int(re.search(r":(\d+)/", first.url)[1])
-        with pytest.raises(Exception, match=f"explore: port {port} must be free"):
+        with pytest.raises(OutputError, match=f"explore: port {port} must be free"):
             explore(scenario, port=port)
 
 
@@ -187,7 +189,8 @@ def test_the_command_serves_until_ctrl_c(tmp_path):
     ) as served:
         said = "".join(itertools.islice(served.stdout, 2))
         address = re.search(r"serving (\S+)", said)[1]
-        assert "Dual-axis satellite antenna" in urllib.request.urlopen(address).read().decode()
+        with urllib.request.urlopen(address) as answer:
+            assert "Dual-axis satellite antenna" in answer.read().decode()
         served.send_signal(signal.SIGINT)
         out, err = served.communicate(timeout=120)
     assert (served.returncode, out, err) == (0, "ended\n", "")
