@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from antenna_pin.errors import AntennaPinError
     from antenna_pin.joints import ClearanceJoint
     from antenna_pin.linear import Modes, modes
+    from antenna_pin.live import Exploration, explore
     from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism
     from antenna_pin.scenario import Scenario, list_scenarios, load_scenario, models_path
     from antenna_pin.session import Session, start
@@ -39,6 +40,7 @@ _HOMES = {
     "Coupling": "constraints",
     "Counts": "trajectory",
     "ErrorScales": "settings",
+    "Exploration": "live",
     "Mechanism": "mechanism",
     "Modes": "linear",
     "Outcome": "trajectory",
@@ -53,6 +55,7 @@ _HOMES = {
     "assembled": "dynamics",
     "build_mechanism": "mechanism",
     "build_system": "assemble",
+    "explore": "live",
     "initial_state": "assemble",
     "list_scenarios": "scenario",
     "load_scenario": "scenario",
@@ -93,6 +96,7 @@ __all__ = [
     "Counts",
     "Coupling",
     "ErrorScales",
+    "Exploration",
     "Mechanism",
     "Modes",
     "Outcome",
@@ -114,6 +118,7 @@ __all__ = [
     "elements",
     "errors",
     "events",
+    "explore",
     "flexible",
     "geometry",
     "initial_state",
