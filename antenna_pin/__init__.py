@@ -2,11 +2,13 @@
 
 Three lines run a shipped scenario::
 
-    from antenna_pin import Trajectory, load_scenario, simulate
+    from antenna_pin import load_scenario, simulate
     run = simulate(load_scenario("bai2020", case="case3"), duration=0.2)
     run.save("case3.nc")
 
-The names below are loaded when first used, so that importing the package is quick.
+The names below are loaded when first used, so that importing the package is quick. Completion finds what is
+there: ``antenna_pin.laws.<TAB>``, ``antenna_pin.elements.<TAB>``, ``antenna_pin.events.<TAB>``,
+``run.plot.<TAB>``.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from antenna_pin.errors import AntennaPinError
     from antenna_pin.joints import ClearanceJoint
     from antenna_pin.linear import Modes, modes
+    from antenna_pin.live import Exploration, explore
     from antenna_pin.mechanism import Mechanism, Urdf, build_mechanism
     from antenna_pin.scenario import Scenario, list_scenarios, load_scenario, models_path
     from antenna_pin.session import Session, start
@@ -37,6 +40,7 @@ _HOMES = {
     "Coupling": "constraints",
     "Counts": "trajectory",
     "ErrorScales": "settings",
+    "Exploration": "live",
     "Mechanism": "mechanism",
     "Modes": "linear",
     "Outcome": "trajectory",
@@ -51,6 +55,7 @@ _HOMES = {
     "assembled": "dynamics",
     "build_mechanism": "mechanism",
     "build_system": "assemble",
+    "explore": "live",
     "initial_state": "assemble",
     "list_scenarios": "scenario",
     "load_scenario": "scenario",
@@ -64,14 +69,34 @@ _HOMES = {
     "urdf_variant": "assemble",
 }
 
+# Rooms that a user finds by completion; the others are found by who builds on them.
+_ROOMS = (
+    "analysis",
+    "constraints",
+    "contact",
+    "control",
+    "elements",
+    "errors",
+    "events",
+    "flexible",
+    "geometry",
+    "laws",
+    "linear",
+    "nonlinear",
+    "plot",
+    "record",
+    "report",
+)
+
 __all__ = [
     "Anchor",
     "AntennaPinError",
     "ClearanceJoint",
     "Closure",
-    "Coupling",
     "Counts",
+    "Coupling",
     "ErrorScales",
+    "Exploration",
     "Mechanism",
     "Modes",
     "Outcome",
@@ -83,16 +108,32 @@ __all__ = [
     "System",
     "Trajectory",
     "Urdf",
+    "analysis",
     "assembled",
     "build_mechanism",
     "build_system",
+    "constraints",
+    "contact",
+    "control",
+    "elements",
+    "errors",
+    "events",
+    "explore",
+    "flexible",
+    "geometry",
     "initial_state",
+    "laws",
+    "linear",
     "list_scenarios",
     "load_scenario",
     "load_study",
     "models_path",
     "modes",
+    "nonlinear",
     "open_study",
+    "plot",
+    "record",
+    "report",
     "run_study",
     "simulate",
     "start",
@@ -103,8 +144,10 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
         return getattr(importlib.import_module(f"antenna_pin.{_HOMES[name]}"), name)
+    if name in _ROOMS:
+        return importlib.import_module(f"antenna_pin.{name}")
     raise AttributeError(f"module 'antenna_pin' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

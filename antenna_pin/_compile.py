@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 
 from antenna_pin._record import record
 
-__all__ = ["composed", "in_python", "inlined", "kernel", "record", "released"]
+__all__ = ["composed", "composed_later", "in_python", "inlined", "kernel", "record", "released"]
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -49,18 +49,34 @@ def composed(function: _Function) -> _Function:
     return _later(function, kept=False, forceinline=True)
 
 
+def composed_later(make: Callable[[], Any]) -> Any:
+    """Return what ``make`` composes, which it does once it is called or met by Numba in a caller.
+
+    A process that finds its callers compiled never does, and loads nothing of what it is made from.
+    """
+    if _plain():
+        made = functools.cache(make)
+        return lambda *arguments: made()(*arguments)
+    return _Composed(make)
+
+
 def in_python(function: _Function) -> _Function:
     """Return a compiled function as it is written: whole numbers are the same, without loading Numba."""
     return getattr(function, "__wrapped__", function)
 
 
 def _later(function: _Function, **options: bool) -> _Function:
-    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+    if _plain():
         plain = _as_compiled()
         if "math" in function.__globals__:
             function.__globals__["math"] = plain
         return function
     return _Later(function, options)  # type: ignore[return-value]
+
+
+def _plain() -> bool:
+    """Whether nothing is compiled."""
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
 
 @functools.cache
@@ -122,3 +138,18 @@ class _Later:
 
     def __reduce__(self) -> str:
         return self.__wrapped__.__qualname__  # pickled by its name, as a function
+
+
+class _Composed(_Later):
+    """One that is itself made only then."""
+
+    def __init__(self, make: Callable[[], _Later]) -> None:
+        self._make = make
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "_made":
+            with _MAKING:
+                if "_made" not in vars(self):
+                    self._made = self._make()._made
+            return self._made
+        return super().__getattr__(name)

@@ -4,6 +4,7 @@ Python would print a traceback from wherever an import has come. Only the comman
 """
 
 import gc
+import os
 import signal
 
 __all__ = ["main"]
@@ -17,6 +18,8 @@ def main() -> None:
     """Run the command line."""
     # Imports make many objects and no garbage: Python looks for some for a tenth of their time.
     gc.set_threshold(500_000, 20, 20)
+    # pydantic would look through all that is installed for plugins that watch what it checks.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     from antenna_pin._lazy import go_without
 
     go_without("dask", "pint")  # which xarray loads, for a second, to see whether it is given their arrays

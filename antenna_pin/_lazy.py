@@ -1,14 +1,14 @@
-"""Packages whose names are loaded when they are first used: a command waits for what it needs only."""
+"""Names and classes that are loaded when they are first used: a command waits for what it needs only."""
 
 from __future__ import annotations
 
 import importlib
 import sys
 import types
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-__all__ = ["go_without", "loaded_when_used", "take_back"]
+__all__ = ["Classes", "go_without", "loaded_when_used", "only_public", "take_back"]
 
 
 class _Package(types.ModuleType):
@@ -21,7 +21,8 @@ class _Package(types.ModuleType):
             home = self.homes_of_names[name]
         except KeyError:
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}") from None
-        value = getattr(importlib.import_module(f"{self.__name__}.{home}"), name)
+        file = home if "." in home else f"{self.__name__}.{home}"
+        value = getattr(importlib.import_module(file), name)
         setattr(self, name, value)
         return value
 
@@ -33,7 +34,23 @@ class _Package(types.ModuleType):
         super().__setattr__(name, value)
 
     def __dir__(self) -> list[str]:
-        return sorted({*self.__dict__, *self.homes_of_names})
+        return sorted(self.__dict__["__all__"])
+
+
+class _Plain(types.ModuleType):
+    """A package that lists what others may use of it, and not how it is made."""
+
+    def __dir__(self) -> list[str]:
+        return sorted(self.__dict__["__all__"])
+
+
+def only_public(package: str) -> None:
+    """Let ``dir``, and with it completion, list the names in a package's ``__all__`` only.
+
+    Args:
+        package: Its ``__name__``.
+    """
+    sys.modules[package].__class__ = _Plain
 
 
 def loaded_when_used(package: str, names: Mapping[str, str]) -> None:
@@ -41,12 +58,41 @@ def loaded_when_used(package: str, names: Mapping[str, str]) -> None:
 
     Args:
         package: Its ``__name__``.
-        names: The names that each file of it holds, separated by blanks, by the file's name.
+        names: The names that each file of it holds, separated by blanks, by the file's name; by its full
+            name, that of another package.
     """
     module = sys.modules[package]
     homes = {name: home for home, held in names.items() for name in held.split()}
     module.__dict__["homes_of_names"] = homes
     module.__class__ = _Package
+
+
+class Classes(Mapping[str, type[Any]]):
+    """Classes by what they are called elsewhere, each loaded when it is first asked for."""
+
+    def __init__(self, package: str, homes: Mapping[str, str]) -> None:
+        """Take where they stand.
+
+        Args:
+            package: That holds their files.
+            homes: By what a class is called, its file and its own name: ``"sine.SineDrive"``.
+        """
+        self.places = {called: f"{package}.{home}" for called, home in homes.items()}
+        """Full names of the classes, by what they are called."""
+
+    def __getitem__(self, called: str) -> type[Any]:
+        file, _, name = self.places[called].rpartition(".")
+        found: type[Any] = getattr(importlib.import_module(file), name)
+        return found
+
+    def __contains__(self, called: object) -> bool:
+        return isinstance(called, str) and called in self.places
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.places)
+
+    def __len__(self) -> int:
+        return len(self.places)
 
 
 def go_without(*packages: str) -> None:

@@ -87,6 +87,8 @@ class Unit:
         """Whether a quantity in this unit is one in the wanted SI unit."""
         if self.dimension != wanted.dimension:
             return False
+        if wanted.radian == 2.0 and self.radian == 2.0:  # a density: Hz is what it is over, no angle
+            return True
         if wanted.radian != 0.0:  # 1/s will do for rad/s, Hz will not: it is short of 2 pi
             return self.radian in (0.0, wanted.radian) and not self.cycles
         return self.radian == 0.0

@@ -35,6 +35,7 @@ _KINDS = {
     "m/s": "a speed",
     "m/s**2": "an acceleration",
     "m**2/s**3": "a spectral density of acceleration",
+    "rad**2/s**3": "a spectral density of angular acceleration",
     "Hz": "a frequency",
     "rad/s": "an angular rate",
     "rad/s**2": "an angular acceleration",

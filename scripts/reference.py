@@ -8,7 +8,8 @@ A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
 
 There are ``scenario``, every key of a scenario file; ``laws``, the laws of contact and friction with their
 parameters (both by ``scenario_reference.py``); ``dimensions`` and ``trajectory``, what a result holds;
-``figures``, what can be drawn of runs; ``layers``, who may import whom.
+``figures``, what can be drawn of runs; ``layers``, who may import whom; and in the package, for editors,
+``figure_names``, the names of the figures.
 """
 
 from __future__ import annotations
@@ -73,6 +74,19 @@ def figures_table() -> str:
     return "\n".join([*lines, ""])
 
 
+def figure_names() -> str:
+    """Return the names of the catalogue's figures as Python, for type checkers."""
+    names = "".join(f"    {name!r},\n".replace("'", '"') for name in CATALOGUE)
+    drawn = "".join(
+        f'    {name}: Drawing\n    """{figure.title.format(joint="a joint")}."""\n'
+        for name, figure in CATALOGUE.items()
+    )
+    return (
+        f"FigureName = Literal[\n{names}]\n\n\nclass NamedFigures(Protocol):\n"
+        f'    """Figures of runs, each ready to be drawn."""\n\n{drawn}\n\n# '
+    )
+
+
 def layers_table() -> str:
     """Return the layers that the import contract in pyproject.toml names."""
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
@@ -87,6 +101,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "dimensions": dimensions_table,
     "figures": figures_table,
     "layers": layers_table,
+    "figure_names": figure_names,
 }
 
 
@@ -95,7 +110,8 @@ TABLES: dict[str, Callable[[], str]] = {
 
 def documents() -> list[Path]:
     """Return the documents that may hold a table."""
-    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    own = ROOT / "antenna_pin" / "_run_figures.py"
+    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), own]
 
 
 def names_of_tables(text: str) -> list[str]:

@@ -82,15 +82,15 @@ class Page:
         self._console: list[dict[str, Any]] = []
         self._requests: list[str] = []
 
-    def open(self, path: Path, width: int = 800, height: int = 600) -> Page:
-        """Open a file as a user does who is offline, in a view of the given size."""
+    def open(self, path: Path | str, width: int = 800, height: int = 600) -> Page:
+        """Open a file as a user does who is offline, or an address, in a view of the given size."""
         self.browser.open("about:blank")  # ends what the page before still does
         self._collect()
         self._console.clear()
         self._requests.clear()
         self.resize(width, height)
         self.prefer("light")
-        self.browser.open(path.resolve().as_uri())
+        self.browser.open(path if isinstance(path, str) else path.resolve().as_uri())
         # On a busy machine the driver was seen to return while a large page was still being read.
         self.run(
             "if (document.readyState !== 'complete')"
@@ -108,7 +108,15 @@ class Page:
 
     def press(self, key: str, *, shift: bool = False) -> None:
         """Press a key as a person does: it goes to what has the focus."""
-        codes = {"End": 35, "Home": 36, "ArrowLeft": 37, "ArrowRight": 39, "Escape": 27}
+        codes = {
+            "Tab": 9,
+            "Enter": 13,
+            "Escape": 27,
+            "End": 35,
+            "Home": 36,
+            "ArrowLeft": 37,
+            "ArrowRight": 39,
+        }
         text = {"text": key} if len(key) == 1 else {}
         about = {"key": key, "windowsVirtualKeyCode": codes.get(key, ord(key[0].upper())), **text}
         for kind in ("keyDown", "keyUp"):
@@ -164,24 +172,36 @@ def _picture(png: bytes) -> np.ndarray:
         return np.asarray(image.convert("RGB"))
 
 
-@pytest.fixture(scope="session")
-def _browser() -> Iterator[Any]:
-    """One browser for each worker, with a profile of its own."""
+def _programs() -> Any:
+    """Return what pages are opened with; where there is none, leave the test out, or fail as is wished."""
     from antenna_pin.errors import MissingToolError
-    from antenna_pin.record._browser import find_browser, open_browser
+    from antenna_pin.record._browser import find_browser
 
     if os.environ.get(BROWSER_TESTS) == "skip":
         pytest.skip(f"{BROWSER_TESTS}=skip")
-    programs, missing = None, ""
     try:
-        programs = find_browser()
+        return find_browser()
     except MissingToolError as error:
-        missing = str(error)
-    if programs is None and os.environ.get(BROWSER_TESTS) == "required":
-        pytest.fail(f"{missing} ({BROWSER_TESTS}=required)", pytrace=False)
-    if programs is None:
-        pytest.skip(missing)
-    with open_browser(programs, logs=True) as browser:
+        if os.environ.get(BROWSER_TESTS) == "required":
+            pytest.fail(f"{error} ({BROWSER_TESTS}=required)", pytrace=False)
+        pytest.skip(str(error))
+
+
+@pytest.fixture(scope="session")
+def _browser() -> Iterator[Any]:
+    """One browser for each worker, with a profile of its own."""
+    from antenna_pin.record._browser import open_browser
+
+    with open_browser(_programs(), logs=True) as browser:
+        yield browser
+
+
+@pytest.fixture(scope="session")
+def _local_browser() -> Iterator[Any]:
+    """One that reaches servers on this machine."""
+    from antenna_pin.record._browser import open_browser
+
+    with open_browser(_programs(), logs=True, here=True) as browser:
         yield browser
 
 
@@ -189,6 +209,12 @@ def _browser() -> Iterator[Any]:
 def page(_browser: Any) -> Page:
     """A page of a real browser without network: ``page.open(path)``, then its pixels, errors and requests."""
     return Page(_browser)
+
+
+@pytest.fixture
+def local_page(_local_browser: Any) -> Page:
+    """The same of a browser that reaches servers on this machine, and no others."""
+    return Page(_local_browser)
 
 
 SLIDER_URDF = """

@@ -57,9 +57,10 @@ def graph():
         ("typer", {"cli"}),
         ("rich", {"cli"}),
         ("pint", {"units"}),
-        ("jinja2", {"report"}),
+        ("jinja2", {"report", "live"}),
         ("markupsafe", {"report"}),
         ("pythonfmu3", {"fmu"}),
+        ("bokeh", {"live"}),
         ("fmpy", set()),
     ],
 )

@@ -57,7 +57,7 @@ def test_it_runs_and_shows(path, tmp_path, monkeypatch):
         return
     shown = {line: output.data for line, output in outputs if "data" in output}
     assert "largest normal force" in shown["run"]["text/html"]
-    assert "image/png" in shown['figure_motion([ideal, run], "acceleration", joint="elevation")']
-    for line in ("record(run, ideal)", 'record(run, view="joint")'):
+    assert "image/png" in shown['run.plot("motion_acceleration", beside=ideal, joint="elevation")']
+    for line in ("run.record(ideal=ideal)", 'run.record(view="joint")'):
         assert shown[line]["text/html"].startswith("<iframe srcdoc=")
     assert (folder / "look_at_a_run.html").stat().st_size > 1e6

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from antenna_pin.analysis.limits import said_of_limits
     from antenna_pin.analysis.loads import load_statistics
     from antenna_pin.analysis.long_spectra import long_spectrogram, long_spectrum
+    from antenna_pin.analysis.numbers import numbers_of
     from antenna_pin.analysis.orbit import Orbit
     from antenna_pin.analysis.phase import (
         Periods,
@@ -184,6 +185,7 @@ __all__ = [
     "long_spectrum",
     "mechanism_of",
     "modal_energy",
+    "numbers_of",
     "moved_body",
     "open_portrait",
     "orbit_angles",
@@ -267,6 +269,7 @@ loaded_when_used(
         "limits": "said_of_limits",
         "loads": "load_statistics",
         "long_spectra": "long_spectrogram long_spectrum",
+        "numbers": "numbers_of",
         "orbit": "Orbit",
         "in_orbit": "orbit_angles",
         "phase": "Periods PhasePortrait open_portrait phase_portrait portrait_of portrait_table",

@@ -25,6 +25,8 @@ __all__ = ["Answer", "Line", "answer"]
 _JOINTS = 3
 # Lines in all, of which the joints have what the others leave.
 _LINES = 10
+# Less time than this, of compiling, is nothing to tell of [s].
+_COMPILED = 0.1
 
 
 class Line(NamedTuple):
@@ -64,13 +66,17 @@ def answer(run: Trajectory) -> Answer:
     case = f"case {summary['case']}" if summary["case"] else ""
     title = ", ".join(filter(None, (str(summary["title"]), case)))
     counts, simulated = run.counts, readable(summary["time"], "s")
-    ended = (
-        f"{summary['outcome'].lower().replace('_', ' ')}, {simulated} simulated in "
-        f"{number(counts.wall_seconds, 3)}\N{NO-BREAK SPACE}s, {counts.accepted:,} steps"
-    )
-    others = (*_elements(summary), *_held(summary), *_pointing(run), _books(data, summary))
+    took = f"{number(counts.wall_seconds, 3)}\N{NO-BREAK SPACE}s"
+    if counts.compile_seconds >= _COMPILED:
+        took += f" (and {number(counts.compile_seconds, 3)}\N{NO-BREAK SPACE}s compiling, once)"
+    outcome = summary["outcome"].lower().replace("_", " ")
+    ended = f"{outcome}, {simulated} simulated in {took}, {counts.accepted:,} steps"
     hits = [_Hit.of(data, summary, name) for name in names_along(data, "clearance_joint")]
-    lines = (*_of_hits(hits, min(_JOINTS, _LINES - len(others) - 1)), *others)
+    others = [*_elements(summary), *_held(summary), *_carried(summary), *_pointing(run)]
+    if not hits:  # else the blows are what happened
+        others = [*_moved(summary), *others]
+    others = [*others[: _LINES - 1 - min(len(hits), 1)], _books(data, summary)]
+    lines = (*_of_hits(hits, max(min(_JOINTS, _LINES - len(others) - 1), 0)), *others)
     return Answer(title or "a system built in Python", ended, lines)
 
 
@@ -180,6 +186,44 @@ def _held(summary: Mapping[str, Any]) -> Iterator[Line]:
         force = readable(closures[name]["peak_force"], "N")
         held = readable(summary["constraints"]["position_residual"], "m", 2)
         yield Line("closures", f"at most {force}, at {name}; held to {held}")
+
+
+def _carried(summary: Mapping[str, Any]) -> Iterator[Line]:
+    """Yield what motions, bearings and forces from outside came to, and how far flexible parts bent."""
+    for key, about, units in (
+        ("motions", "motions", {"peak_force": "N", "peak_torque": "N m"}),
+        ("bearings", "bearings", {"peak_force": "N", "peak_moment": "N m"}),
+        ("elastic_parts", "flexible", {"peak_deflection": "rad", "peak_shift": "m"}),
+        ("forces", "forces", {"impulse": "N s"}),
+    ):
+        named = summary.get(key, {})
+        said = []
+        for entry, unit in units.items():
+            values = {name: one[entry] for name, one in named.items() if one.get(entry)}
+            if values:
+                name = max(values, key=lambda one: values[one])
+                said.append(f"{readable(values[name], unit)}{f' at {name}' if len(named) > 1 else ''}")
+        if said:
+            yield Line(about, f"at most {', '.join(said)}")
+
+
+def _moved(summary: Mapping[str, Any]) -> Iterator[Line]:
+    """Yield where joints ended, and the largest acceleration of one."""
+    for key, place, unit, peak, of_peak in (
+        ("motion", "angle", "rad", "peak_acceleration", "rad/s^2"),
+        ("slides", "position", "m", "peak_slide_acceleration", "m/s^2"),
+    ):
+        named = summary.get(key, {})
+        if not named:
+            continue
+        shown = [f"{name} {readable(one[place], unit)}" for name, one in list(named.items())[:_JOINTS]]
+        left = f" ({len(named) - _JOINTS} more)" if len(named) > _JOINTS else ""
+        fastest = max(named, key=lambda one: named[one][peak])
+        text = f"{', '.join(shown)}{left} at the end"
+        text += f"; acceleration at most {readable(named[fastest][peak], of_peak)}"
+        yield Line(
+            "joints" if key == "motion" else "slides", text + (f" at {fastest}" if len(named) > 1 else "")
+        )
 
 
 def _pointing(run: Trajectory) -> Iterator[Line]:

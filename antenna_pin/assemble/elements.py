@@ -7,7 +7,7 @@ from typing import Any
 from antenna_pin.assemble.closures import link_of
 from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.references import reference_for
-from antenna_pin.mechanism import Mechanism
+from antenna_pin.mechanism import JointSlot, Mechanism
 from antenna_pin.scenario import AllLinksSpec, AtPointSpec, JointsSpec, PointsSpec, Scenario
 
 __all__ = ["elements_of"]
@@ -30,7 +30,9 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
             found[name] = spec.build(**ends)
         elif isinstance(spec, AtPointSpec):
             link, _ = link_of(scenario, mechanism, spec.at, family, name, "at")
-            found[name] = spec.build(at=(link, spec.at.point or (0.0, 0.0, 0.0)))
+            found[name] = spec.build(
+                at=(link, spec.at.point or (0.0, 0.0, 0.0)), **_followed(scenario, spec, None)
+            )
         elif isinstance(spec, AllLinksSpec):
             found[name] = spec.build()
         elif isinstance(spec, JointsSpec):
@@ -45,7 +47,11 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
             check_motion(scenario, slot, spec.motion, *place)
             if (other := getattr(spec, "measures", None)) is not None:
                 check_known(scenario, [other], "moving joint", mechanism.joints, *place, "measures")
-            follows = getattr(spec, "follows", None)
-            more = {} if follows is None else {"follows": reference_for(scenario, follows, slot)}
-            found[name] = spec.build(**more)
+            found[name] = spec.build(**_followed(scenario, spec, slot))
     return found
+
+
+def _followed(scenario: Scenario, spec: Any, slot: JointSlot | None) -> dict[str, Any]:
+    """Return the reference that a table follows, at a joint or elsewhere, if it names one."""
+    follows = getattr(spec, "follows", None)
+    return {} if follows is None else {"follows": reference_for(scenario, follows, slot, slot is None)}

@@ -17,10 +17,12 @@ from typing import Annotated
 
 import typer
 
+from antenna_pin._lazy import only_public
 from antenna_pin.cli import (
     analyse,
     bifurcation,
     contact,
+    explore,
     export,
     figures,
     impacts,
@@ -132,6 +134,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "lyapunov": lyapunov.lyapunov,
     "plot": info.plot,
     "figures": figures.figures,
+    "explore": explore.explore,
     "view": view.view,
     "record": record.record,
     "report": report.report,
@@ -146,3 +149,5 @@ for _group in (contact.app, study.app, vibration.app, export.app):
         assert _registered.callback is not None
         _registered.callback = one_line_errors(with_plain_numbers(_registered.callback))
     app.add_typer(_group)
+
+only_public(__name__)

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
-from antenna_pin.cli._records import records
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.cli._zeros import Zeros
 
-if TYPE_CHECKING:
-    from antenna_pin.trajectory import Trajectory
-
-__all__ = ["loops_of", "print_loops"]
+__all__ = ["print_loops"]
 
 _CLOSURES = {
     "peak_force": "peak force [N]",
@@ -32,32 +28,6 @@ _DRIVES = {
     "work": "work [J]",
     "gross_work": "gross work [J]",
 }
-
-
-def loops_of(run: Trajectory) -> dict[str, Any]:
-    """Return how closures, couplings and motions were held, and what these and drives carried."""
-    from antenna_pin.analysis import (
-        closure_loads,
-        coupling_loads,
-        couplings_of,
-        drive_loads,
-        drives_of,
-        effort_unit,
-    )
-
-    about, couplings = drives_of(run), couplings_of(run)
-    return {
-        "constraints": run.constraints,
-        "closures": records(closure_loads(run), "closure"),
-        "couplings": [
-            {**one, "units": "N" if couplings[one["of"]]["slides"] else "N m"}
-            for one in records(coupling_loads(run), "coupling")
-        ],
-        "drives": [
-            {**one, "units": effort_unit(run, one["of"]), "motion": about[one["of"]]["motion"]}
-            for one in records(drive_loads(run), "drive")
-        ],
-    }
 
 
 def print_loops(label: str, found: Mapping[str, Any], zeros: Zeros) -> None:

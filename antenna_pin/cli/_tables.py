@@ -19,6 +19,7 @@ _ENTRIES = {
     "rejected": ("steps rejected", ""),
     "relocated": ("steps cut to a change of contact", ""),
     "wall_seconds": ("wall time", "s"),
+    "compile_seconds": ("wall time of compiling, once", "s"),
     "energy_error": ("energy balance error", "J"),
     "energy_scale": ("energy scale: gross work, else kinetic", "J"),
     "energy_error_relative": ("energy balance error, relative", "-"),
@@ -78,6 +79,8 @@ _ENTRIES = {
 _WITHOUT = {"energy balance error, relative [-]": "nothing moves"}
 # Entries that tables leave out: what they say is said in a sentence.
 _SAID = ("title", "message", "redundant", "singular", "energy_scale_of")
+# Entries that they leave out where they are zero.
+_UNLESS_ZERO = ("compile_seconds",)
 # Groups of a summary whose entries are named things, each a row: what they are called.
 _NAMED = {
     "motion": "joints",
@@ -191,7 +194,7 @@ def flat(summary: Mapping[str, Any]) -> dict[str, Any]:
 def _rows(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[str, Any]]:
     """Yield name and value of every entry of a summary, those of a group after its name."""
     for key, value in summary.items():
-        if key in _SAID:
+        if key in _SAID or (key in _UNLESS_ZERO and not value):
             continue
         if isinstance(value, dict):
             yield from _rows(value, group if key in _PLAIN_GROUPS else f"{group}{key} ")

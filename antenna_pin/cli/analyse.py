@@ -4,22 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from antenna_pin.cli._common import label_of, load_result, say
 from antenna_pin.cli._elastic import print_elastic
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of
-from antenna_pin.cli._loops import loops_of, print_loops
-from antenna_pin.cli._records import plain_number, records
+from antenna_pin.cli._loops import print_loops
 from antenna_pin.cli._tables import print_rows, text_of
 from antenna_pin.cli._zeros import Zeros
-from antenna_pin.errors import InvalidParameterError
 from antenna_pin.numerals import bare
-
-if TYPE_CHECKING:
-    from antenna_pin.trajectory import Trajectory
 
 ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
 JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all of them if left out.")]
@@ -74,118 +69,20 @@ def analyse(
     target = csv_target(csv)
     gap = quantity(bare(longest_gap), "s", "--longest-gap")
     run = load_result(file, scenario=False)
-    found: dict[str, Any] = {"file": str(file), "case": run.data.attrs.get("case", "")}
-    found["outcome"] = run.outcome.name
-    zeros = Zeros([run])
-    notes = [] if run.completed else [f"the run ended early: {run.message}"]
-    if run.data.sizes["time"] < 2:
-        notes.append("one sample: no deviation, no frequencies")
-    if ideal is not None and run.data.sizes["time"] > 1:
-        reference = load_result(ideal, scenario=False)
-        zeros = Zeros([run, reference])
-        found["deviation"] = _deviation(run, reference, notes, zeros)
-    if run.data.sizes.get("clearance_joint", 0):
-        found |= _contact(run, gap)
-    else:
-        notes.append("no joint with clearance: no impacts, loads and settling")
-    if run.constraints:
-        found |= loops_of(run)
-    if "elastic_part" in run.data.sizes:
-        found["elastic"] = _elastic(run)
-    found["frequencies"] = _frequencies(run, notes)
+    reference = None if ideal is None else load_result(ideal, scenario=False)
+
+    from antenna_pin.analysis import numbers_of
+
+    told = {"file": str(file)} | numbers_of(run, reference, longest_gap=gap)
+    notes = told.pop("notes")
+    found: dict[str, Any] = told
+    zeros = Zeros([run] if reference is None else [run, reference])
     if exported({**found, "notes": notes}, parts_of(found, _PARTS), as_json, target):
         return
     _print(label_of(run, file), found, zeros)
     zeros.say()
     for note in notes:
         say(note)
-
-
-def _deviation(
-    run: Trajectory, reference: Trajectory, notes: list[str], zeros: Zeros
-) -> list[dict[str, Any]]:
-    from antenna_pin.analysis import deviation_measures
-
-    ends = [float(one.data["time"].values[-1]) for one in (run, reference)]
-    if ends[0] > ends[1]:
-        notes.append(f"compared with the ideal run up to its end at {ends[1]:g} s")
-    return [
-        {
-            "of": one.of,
-            "units": one.units,
-            "maximum": plain_number(one.maximum),
-            "time_of_maximum": one.time_of_maximum,
-            "rms": plain_number(one.rms),
-            "end": plain_number(one.end),
-            "growth": str(one.growth),
-            "round_off": zeros.is_zero(one.maximum, one.units),
-        }
-        for one in deviation_measures(run, reference)
-    ]
-
-
-def _contact(run: Trajectory, longest_gap: float) -> dict[str, Any]:
-    from antenna_pin.analysis import blow_statistics, impact_statistics, impacts, load_statistics, settling
-
-    loads = load_statistics(run)
-    joints = loads.drop_dims("contact").rename(
-        {str(name): str(name).removeprefix("joint_") for name in loads if str(name).startswith("joint_")}
-    )
-    return {
-        "impacts": records(impact_statistics(impacts(run)), "contact"),
-        "blows": records(blow_statistics(run), "clearance_joint"),
-        "loads": records(joints, "clearance_joint") + records(loads.drop_dims("clearance_joint"), "contact"),
-        "settling": [
-            {
-                "joint": one.joint,
-                "time": one.time,
-                "note": one.note,
-                "longest_gap": one.longest_gap,
-                "share_before": plain_number(one.share_before),
-                "share_after": plain_number(one.share_after),
-                "decay_rate": plain_number(one.decay_rate),
-                "decay_r2": plain_number(one.decay_r2),
-                "decays": one.decays,
-                "driven": one.driven,
-            }
-            for one in settling(run, longest_gap=longest_gap)
-        ],
-    }
-
-
-def _elastic(run: Trajectory) -> list[dict[str, Any]]:
-    from antenna_pin.analysis import elastic_motion, elastic_parts_of
-
-    about = elastic_parts_of(run)
-    return [
-        {**one, "units": "m" if about[one["of"]]["slides"] else "rad"}
-        for one in records(elastic_motion(run), "elastic_part")
-    ]
-
-
-def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
-    from antenna_pin.analysis import dominant_frequencies, scales_of, signals
-
-    result: list[dict[str, Any]] = []
-    found = signals(run)
-    scales = scales_of(found.values())
-    for name, one in found.items():
-        try:
-            peaks = dominant_frequencies(one.time, one.read, _PEAKS, scale=scales[one.units])
-        except InvalidParameterError as error:
-            notes.append(f"no frequencies: {error}")
-            break
-        result.append(
-            {
-                "of": name,
-                "units": one.units,
-                "resolution": float(peaks.attrs["resolution"]),
-                "round_off": bool(peaks.attrs["round_off"]),
-                "frequency": [float(x) for x in peaks["frequency"].values],
-                "amplitude": [float(x) for x in peaks["amplitude"].values],
-            }
-        )
-    return result
 
 
 def _print(label: str, found: dict[str, Any], zeros: Zeros) -> None:

@@ -36,6 +36,7 @@ from antenna_pin.cli._tables import print_rows
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
     from antenna_pin.nonlinear import DiagramPlan
     from antenna_pin.scenario import Scenario
@@ -88,6 +89,14 @@ def bifurcation(
         "bifurcation.nc"
     ),
     plot: PlotOption = None,
+    orbits: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE",
+            help="Saved branch of orbits over the same key ('orbit --over KEY --out FILE'), to lie over the"
+            " points of the figure with its stability. May be repeated.",
+        ),
+    ] = None,
     width: WidthOption = Width.PAGE,
     workers: Annotated[
         int | None, typer.Option(metavar="N", help="Runs made at a time; one for each core if left out.")
@@ -117,6 +126,10 @@ def bifurcation(
         "tolerance": tolerance,
     }
     plan, loaded = _planned(scenario, given, settings)
+    branches = [_branch(path, plan.parameter) for path in orbits or ()]
+    if branches and targets[1] is None:
+        refuse("bifurcation: --orbits must be given with --plot, whose figure they lie over")
+    passing = [_in_section(one, plan) for one in branches]
     with diagram_bar(plan.parameter, progress) as tell:
         found = made(
             loaded,
@@ -126,9 +139,31 @@ def bifurcation(
             workers=workers,
             progress=tell,
         )
+
+    def drawn() -> Figure:
+        return figure_bifurcation(found, orbits=passing, width=width.value)
+
     with not_interrupted():
-        save_both(found, lambda: figure_bifurcation(found, width=width.value), targets, context)
+        save_both(found, drawn, targets, context)
         _print(found)
+
+
+def _branch(path: Path, parameter: str) -> xr.Dataset:
+    """Return a saved branch of orbits over a key, or refuse it before any work."""
+    from antenna_pin.nonlinear import open_branch
+
+    found = open_branch(path)
+    if found.attrs["parameter"] != parameter:
+        refuse(f"{path}: --orbits must be over {parameter}, as the diagram, got {found.attrs['parameter']}")
+    return found
+
+
+def _in_section(branch: xr.Dataset, plan: DiagramPlan) -> xr.Dataset:
+    """Return a branch with its points in the section of a diagram."""
+    from antenna_pin.nonlinear import orbits_in_section
+
+    how = plan.how()
+    return orbits_in_section(branch, how["section"], how["quantities"])
 
 
 def _planned(

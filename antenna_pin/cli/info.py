@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -28,7 +27,6 @@ from antenna_pin.cli._common import (
 from antenna_pin.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
 from antenna_pin.cli._tables import flat, print_summaries, print_summary
 from antenna_pin.cli._zeros import Zeros
-from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
@@ -145,29 +143,6 @@ def _pair(radial: str, axial: str, many: bool) -> str:
     return f"radial {radial}, axial {axial}".replace("_", " ")
 
 
-def _check_comparable(runs: Sequence[tuple[Path, Trajectory]]) -> None:
-    """Raise if two results have no joint in common: figures compare runs of one mechanism."""
-    from antenna_pin.trajectory import names_along
-
-    joints = [
-        {
-            name
-            for along in ("joint", "sliding_joint", "clearance_joint")
-            for name in names_along(run.data, along)
-        }
-        for _, run in runs
-    ]
-    for (path, _), mine in zip(runs[1:], joints[1:], strict=True):
-        if mine and joints[0] and not mine & joints[0]:
-            first, other = (", ".join(sorted(names)) for names in (joints[0], mine))
-            raise InvalidParameterError(
-                "plot",
-                "files",
-                "results of one mechanism (draw others by a command of their own)",
-                said=f"{runs[0][0]} with joints {first} and {path} with joints {other}",
-            )
-
-
 def plot(
     files: FilesArgument,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the figures; made if missing.")],
@@ -189,12 +164,12 @@ def plot(
     suffixes = figure_formats(formats)
     figure_folder(out)
     runs = [(path, load_result(path)) for path in files]
-    _check_comparable(runs)
+    from antenna_pin.plot import check_one_mechanism, processes_to_draw, save_figures
+
+    check_one_mechanism([(str(path), run) for path, run in runs])
     labels = [label_of(trajectory, path) for path, trajectory in runs]
     if len(set(labels)) < len(labels):  # the same case twice: the files tell them apart
         labels = [path.stem for path, _ in runs]
-
-    from antenna_pin.plot import processes_to_draw, save_figures
 
     pairs = [(label, trajectory) for label, (_, trajectory) in zip(labels, runs, strict=True)]
 

@@ -124,11 +124,12 @@ def plot(
 ) -> None:
     """Draw responses over parameters, distributions, all against all, sensitivities."""
     from antenna_pin.sweep import open_study
+    from antenna_pin.views import figures_of_study
 
     suffixes = figure_formats(formats)
     table = open_study(store)
 
-    figures = _figures(table)
+    figures = figures_of_study(table)
     if listed:
         for name, (title, _) in figures.items():
             say(f"{name}: {title}")
@@ -158,22 +159,6 @@ def report(
     from antenna_pin.sweep import open_study
 
     typer.echo(f"saved {study_report(open_study(store), title=title, figures=figures).save(target)}")
-
-
-def _figures(table: xr.Dataset) -> dict[str, tuple[str, Any]]:
-    """Return title and drawing of the figures that a study allows, by name."""
-    from antenna_pin.plot import study_figures, study_sensitivities
-    from antenna_pin.sweep import sensitivities
-
-    found = {one.name: (one.title, one.draw) for one in study_figures(table)}
-    if table.attrs["method"] in ("morris", "saltelli"):
-        for response in responses_of(table):
-
-            def drawn(name: str = response, **more: Any) -> Any:
-                return study_sensitivities(sensitivities(table, name), name, **more)
-
-            found[f"{response}-sensitivities"] = (f"{response}: what it depends on", drawn)
-    return found
 
 
 def _with_unit(response: xr.DataArray) -> str:

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import os
-import sys
 import tempfile
-import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from antenna_pin.cli._common import load_result, not_interrupted, say
+from antenna_pin.cli._opening import browser_for_pages
 from antenna_pin.cli._packages import PackagePathOption, package_folders
 from antenna_pin.cli.record import CurveOption, IdealOption, JointOption, ViewName, ViewOption
 from antenna_pin.errors import MissingToolError, OutputError
 
 if TYPE_CHECKING:
     from antenna_pin.record import Recording
-
-# Of systems with X or Wayland: one of these names the screen, or a browser is named that needs none.
-_SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 
 
 def view(
@@ -44,7 +39,7 @@ def view(
     """
     from antenna_pin.files import check_writable
 
-    opened = _browser() if browser else None
+    opened = browser_for_pages("view", "--no-browser makes the page and prints its path") if browser else None
     target = check_writable(out) if out is not None else None
     packages = package_folders(package_path)
     run = load_result(file)
@@ -67,19 +62,6 @@ def view(
         typer.echo(f"saved {page}")
     if opened is not None and not opened.open(page.resolve().as_uri()):
         raise MissingToolError(f"view: a browser must start, got none; open {page} in one")
-
-
-def _browser() -> webbrowser.BaseBrowser:
-    """Return the browser that pages are opened with, before any work is done."""
-    way_out = "--no-browser makes the page and prints its path"
-    if sys.platform not in ("win32", "darwin") and not any(os.environ.get(name) for name in _SCREENS):
-        raise MissingToolError(
-            f"view: a browser needs a screen, and none of {', '.join(_SCREENS)} is set; {way_out}"
-        )
-    try:
-        return webbrowser.get()
-    except webbrowser.Error:
-        raise MissingToolError(f"view: a browser must be installed, found none; {way_out}") from None
 
 
 def _beside(recording: Recording, file: Path) -> Path:

@@ -1,18 +1,23 @@
 """Closed loops, couplings and motions: what joints must satisfy besides the tree, and how it is held."""
 
-from antenna_pin.constraints.assembly import (
-    Mobility,
-    directions,
-    find_velocity,
-    least_row,
-    mobility,
-    redundancies,
-)
-from antenna_pin.constraints.closure import CLOSURES, OPPOSITE, Anchor, Closure, ClosureKind, Holds
-from antenna_pin.constraints.coupling import Coupling, check_order, spread
-from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan, on_body
-from antenna_pin.constraints.search import Unclosed, find_configuration, worst_row
-from antenna_pin.constraints.solver import Constraints
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
+
+if TYPE_CHECKING:
+    from antenna_pin.constraints.assembly import (
+        Mobility,
+        directions,
+        find_velocity,
+        least_row,
+        mobility,
+        redundancies,
+    )
+    from antenna_pin.constraints.closure import CLOSURES, OPPOSITE, Anchor, Closure, ClosureKind, Holds
+    from antenna_pin.constraints.coupling import Coupling, check_order, spread
+    from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan, on_body
+    from antenna_pin.constraints.search import Unclosed, find_configuration, worst_row
+    from antenna_pin.constraints.solver import Constraints
 
 __all__ = [
     "CLOSURES",
@@ -39,3 +44,15 @@ __all__ = [
     "spread",
     "worst_row",
 ]
+
+loaded_when_used(
+    __name__,
+    {
+        "assembly": "Mobility directions find_velocity least_row mobility redundancies",
+        "closure": "Anchor CLOSURES Closure ClosureKind Holds OPPOSITE",
+        "coupling": "Coupling check_order spread",
+        "plan": "DrivenJoint Plan make_plan on_body",
+        "search": "Unclosed find_configuration worst_row",
+        "solver": "Constraints",
+    },
+)

@@ -1,104 +1,109 @@
 """Materials, stiffness of a pair, normal laws and friction laws: numbers only."""
 
-from antenna_pin.contact.bristle import Dahl, GonthierBristle, LuGre
-from antenna_pin.contact.conformal import BaiZhaoElastic, LiuFoundation, Pereira, Persson
-from antenna_pin.contact.cylinder import (
-    ESDU78035,
-    DubowskyFreudenstein,
-    Goldsmith,
-    HertzLine,
-    Johnson,
-    LineLaw,
-    Radzimovsky,
-)
-from antenna_pin.contact.damping import (
-    AdamsDamping,
-    JankowskiDamping,
-    KelvinVoigtDamping,
-    KuwabaraKonoDamping,
-    TsujiDamping,
-)
-from antenna_pin.contact.friction import (
-    Ambrosio,
-    CompiledFrictionLaw,
-    Coulomb,
-    CustomFriction,
-    FrictionLaw,
-    LinearFriction,
-    NoFriction,
-    Tanh,
-    Threlfall,
-)
-from antenna_pin.contact.hysteresis import (
-    CarvalhoMartinsDamping,
-    ExactDamping,
-    FloresDamping,
-    GharibHurmuzluDamping,
-    GonthierDamping,
-    HerbertMcWhannellDamping,
-    HuGuoDamping,
-    HuntCrossleyDamping,
-    LankaraniNikraveshDamping,
-    LeeWangDamping,
-    PantWijeyewickremaDamping,
-    YeDamping,
-    ZhiyingQishaoDamping,
-)
-from antenna_pin.contact.materials import (
-    MATERIAL_PAIRS,
-    MATERIALS,
-    Material,
-    MaterialPair,
-    material_pairs,
-)
-from antenna_pin.contact.normal import (
-    CompiledNormalLaw,
-    CustomNormal,
-    DampedContact,
-    Dissipation,
-    ElasticLaw,
-    Hertz,
-    NoDissipation,
-    NormalLaw,
-)
-from antenna_pin.contact.pin_joint import LiuConformal, LiuHertz, LiuPinJoint, LiuPinJointCorrected
-from antenna_pin.contact.point_laws import (
-    AdamsImpact,
-    BaiZhao,
-    CarvalhoMartins,
-    ExactRestitution,
-    Flores,
-    GharibHurmuzlu,
-    Gonthier,
-    HerbertMcWhannell,
-    HuGuo,
-    HuntCrossley,
-    Jankowski,
-    KelvinVoigt,
-    KuwabaraKono,
-    LankaraniNikravesh,
-    LeeWang,
-    MarhefkaOrin,
-    PantWijeyewickrema,
-    Tsuji,
-    Ye,
-    ZhiyingQishao,
-)
-from antenna_pin.contact.proportional import MarhefkaOrinDamping
-from antenna_pin.contact.punch import annular_punch_factor
-from antenna_pin.contact.registry import (
-    DISSIPATIONS,
-    FRICTION_LAWS,
-    NORMAL_LAWS,
-    Parameter,
-    is_elastic,
-    law_parameters,
-    make_normal_law,
-    normal_parameters,
-)
-from antenna_pin.contact.restitution import delivered_restitution, exact_hysteresis
-from antenna_pin.contact.stiffness import effective_modulus, hertz_stiffness, internal_hertz_stiffness
-from antenna_pin.contact.stribeck import BengisuAkay, BrownMcPhee, Stribeck, VelocityBased
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
+
+if TYPE_CHECKING:
+    from antenna_pin.contact.bristle import Dahl, GonthierBristle, LuGre
+    from antenna_pin.contact.conformal import BaiZhaoElastic, LiuFoundation, Pereira, Persson
+    from antenna_pin.contact.cylinder import (
+        ESDU78035,
+        DubowskyFreudenstein,
+        Goldsmith,
+        HertzLine,
+        Johnson,
+        LineLaw,
+        Radzimovsky,
+    )
+    from antenna_pin.contact.damping import (
+        AdamsDamping,
+        JankowskiDamping,
+        KelvinVoigtDamping,
+        KuwabaraKonoDamping,
+        TsujiDamping,
+    )
+    from antenna_pin.contact.friction import (
+        Ambrosio,
+        CompiledFrictionLaw,
+        Coulomb,
+        CustomFriction,
+        FrictionLaw,
+        LinearFriction,
+        NoFriction,
+        Tanh,
+        Threlfall,
+    )
+    from antenna_pin.contact.hysteresis import (
+        CarvalhoMartinsDamping,
+        ExactDamping,
+        FloresDamping,
+        GharibHurmuzluDamping,
+        GonthierDamping,
+        HerbertMcWhannellDamping,
+        HuGuoDamping,
+        HuntCrossleyDamping,
+        LankaraniNikraveshDamping,
+        LeeWangDamping,
+        PantWijeyewickremaDamping,
+        YeDamping,
+        ZhiyingQishaoDamping,
+    )
+    from antenna_pin.contact.materials import (
+        MATERIAL_PAIRS,
+        MATERIALS,
+        Material,
+        MaterialPair,
+        material_pairs,
+    )
+    from antenna_pin.contact.normal import (
+        CompiledNormalLaw,
+        CustomNormal,
+        DampedContact,
+        Dissipation,
+        ElasticLaw,
+        Hertz,
+        NoDissipation,
+        NormalLaw,
+    )
+    from antenna_pin.contact.pin_joint import LiuConformal, LiuHertz, LiuPinJoint, LiuPinJointCorrected
+    from antenna_pin.contact.point_laws import (
+        AdamsImpact,
+        BaiZhao,
+        CarvalhoMartins,
+        ExactRestitution,
+        Flores,
+        GharibHurmuzlu,
+        Gonthier,
+        HerbertMcWhannell,
+        HuGuo,
+        HuntCrossley,
+        Jankowski,
+        KelvinVoigt,
+        KuwabaraKono,
+        LankaraniNikravesh,
+        LeeWang,
+        MarhefkaOrin,
+        PantWijeyewickrema,
+        Tsuji,
+        Ye,
+        ZhiyingQishao,
+    )
+    from antenna_pin.contact.proportional import MarhefkaOrinDamping
+    from antenna_pin.contact.punch import annular_punch_factor
+    from antenna_pin.contact.registry import (
+        DISSIPATIONS,
+        FRICTION_LAWS,
+        NORMAL_LAWS,
+        Parameter,
+        is_elastic,
+        law_parameters,
+        make_normal_law,
+        normal_parameters,
+    )
+    from antenna_pin.contact.restitution import delivered_restitution, exact_hysteresis
+    from antenna_pin.contact.stiffness import effective_modulus, hertz_stiffness, internal_hertz_stiffness
+    from antenna_pin.contact.stribeck import BengisuAkay, BrownMcPhee, Stribeck, VelocityBased
 
 __all__ = [
     "DISSIPATIONS",
@@ -199,3 +204,33 @@ __all__ = [
     "material_pairs",
     "normal_parameters",
 ]
+
+loaded_when_used(
+    __name__,
+    {
+        "bristle": "Dahl GonthierBristle LuGre",
+        "conformal": "BaiZhaoElastic LiuFoundation Pereira Persson",
+        "cylinder": "DubowskyFreudenstein ESDU78035 Goldsmith HertzLine Johnson LineLaw Radzimovsky",
+        "damping": "AdamsDamping JankowskiDamping KelvinVoigtDamping KuwabaraKonoDamping TsujiDamping",
+        "friction": "Ambrosio CompiledFrictionLaw Coulomb CustomFriction FrictionLaw LinearFriction "
+        "NoFriction Tanh Threlfall",
+        "hysteresis": "CarvalhoMartinsDamping ExactDamping FloresDamping GharibHurmuzluDamping "
+        "GonthierDamping HerbertMcWhannellDamping HuGuoDamping HuntCrossleyDamping "
+        "LankaraniNikraveshDamping "
+        "LeeWangDamping PantWijeyewickremaDamping YeDamping ZhiyingQishaoDamping",
+        "materials": "MATERIALS MATERIAL_PAIRS Material MaterialPair material_pairs",
+        "normal": "CompiledNormalLaw CustomNormal DampedContact Dissipation ElasticLaw Hertz NoDissipation "
+        "NormalLaw",
+        "pin_joint": "LiuConformal LiuHertz LiuPinJoint LiuPinJointCorrected",
+        "point_laws": "AdamsImpact BaiZhao CarvalhoMartins ExactRestitution Flores GharibHurmuzlu Gonthier "
+        "HerbertMcWhannell HuGuo HuntCrossley Jankowski KelvinVoigt KuwabaraKono "
+        "LankaraniNikravesh LeeWang MarhefkaOrin PantWijeyewickrema Tsuji Ye ZhiyingQishao",
+        "proportional": "MarhefkaOrinDamping",
+        "punch": "annular_punch_factor",
+        "registry": "DISSIPATIONS FRICTION_LAWS NORMAL_LAWS Parameter is_elastic law_parameters "
+        "make_normal_law normal_parameters",
+        "restitution": "delivered_restitution exact_hysteresis",
+        "stiffness": "effective_modulus hertz_stiffness internal_hertz_stiffness",
+        "stribeck": "BengisuAkay BrownMcPhee Stribeck VelocityBased",
+    },
+)

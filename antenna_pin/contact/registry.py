@@ -4,30 +4,18 @@ A scenario file, the command line and the documentation all read the laws from h
 A normal law is a name and its parameters; where the name is that of an elastic law, a dissipation can be
 named beside it, whose parameters then stand with the elastic law's::
 
-    make_normal_law("johnson", {"length": 0.025, ..., "restitution": 0.9}, dissipation="flores")
+    make_normal_law("johnson", {"length": "0.025", ..., "restitution": 0.9}, dissipation="flores")
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
+from antenna_pin._lazy import Classes
 from antenna_pin.arguments import takes
-from antenna_pin.contact import (
-    bristle,
-    conformal,
-    cylinder,
-    damping,
-    friction,
-    hysteresis,
-    normal,
-    pin_joint,
-    proportional,
-    stribeck,
-)
+from antenna_pin.contact.aliases import ALIASES
 from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, ElasticLaw
-from antenna_pin.contact.point_laws import WHOLE_LAWS
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import Parameter, parameters_of
 
@@ -42,76 +30,80 @@ __all__ = [
     "normal_parameters",
 ]
 
+_ROOM = "antenna_pin.contact"
 
-NORMAL_LAWS: Mapping[str, type[Any]] = MappingProxyType(
+NORMAL_LAWS: Classes = Classes(
+    _ROOM,
     {
         # Elastic laws, which can be given any of the DISSIPATIONS: point contact ...
-        "hertz": normal.Hertz,
+        "hertz": "normal.Hertz",
         # ... lines ...
-        "hertz-line": cylinder.HertzLine,
-        "johnson": cylinder.Johnson,
-        "radzimovsky": cylinder.Radzimovsky,
-        "goldsmith": cylinder.Goldsmith,
-        "dubowsky-freudenstein": cylinder.DubowskyFreudenstein,
-        "esdu-78035": cylinder.ESDU78035,
-        "pereira": conformal.Pereira,
+        "hertz-line": "cylinder.HertzLine",
+        "johnson": "cylinder.Johnson",
+        "radzimovsky": "cylinder.Radzimovsky",
+        "goldsmith": "cylinder.Goldsmith",
+        "dubowsky-freudenstein": "cylinder.DubowskyFreudenstein",
+        "esdu-78035": "cylinder.ESDU78035",
+        "pereira": "conformal.Pereira",
         # ... arcs of the bore ...
-        "liu-foundation": conformal.LiuFoundation,
-        "persson": conformal.Persson,
-        "bai-zhao-elastic": conformal.BaiZhaoElastic,
+        "liu-foundation": "conformal.LiuFoundation",
+        "persson": "conformal.Persson",
+        "bai-zhao-elastic": "conformal.BaiZhaoElastic",
         # ... and the pin joint of Liu et al. 2013.
-        "liu-2013-hertz": pin_joint.LiuHertz,
-        "liu-2013-conformal": pin_joint.LiuConformal,
-        "liu-2013": pin_joint.LiuPinJoint,
-        "liu-2013-corrected": pin_joint.LiuPinJointCorrected,
+        "liu-2013-hertz": "pin_joint.LiuHertz",
+        "liu-2013-conformal": "pin_joint.LiuConformal",
+        "liu-2013": "pin_joint.LiuPinJoint",
+        "liu-2013-corrected": "pin_joint.LiuPinJointCorrected",
         # Laws as a whole, with the dissipation of their authors.
-        **WHOLE_LAWS,
-    }
+        **{alias.name: f"point_laws.{alias.title}" for alias in ALIASES},
+    },
 )
 
-DISSIPATIONS: Mapping[str, type[Any]] = MappingProxyType(
+DISSIPATIONS: Classes = Classes(
+    _ROOM,
     {
-        "none": normal.NoDissipation,
-        "lankarani-nikravesh": hysteresis.LankaraniNikraveshDamping,
-        "exact-restitution": hysteresis.ExactDamping,
-        "hunt-crossley": hysteresis.HuntCrossleyDamping,
-        "herbert-mcwhannell": hysteresis.HerbertMcWhannellDamping,
-        "lee-wang": hysteresis.LeeWangDamping,
-        "marhefka-orin": proportional.MarhefkaOrinDamping,
-        "gonthier": hysteresis.GonthierDamping,
-        "zhiying-qishao": hysteresis.ZhiyingQishaoDamping,
-        "ye": hysteresis.YeDamping,
-        "flores": hysteresis.FloresDamping,
-        "gharib-hurmuzlu": hysteresis.GharibHurmuzluDamping,
-        "pant-wijeyewickrema": hysteresis.PantWijeyewickremaDamping,
-        "hu-guo": hysteresis.HuGuoDamping,
-        "carvalho-martins": hysteresis.CarvalhoMartinsDamping,
-        "kelvin-voigt": damping.KelvinVoigtDamping,
-        "kuwabara-kono": damping.KuwabaraKonoDamping,
-        "tsuji": damping.TsujiDamping,
-        "jankowski": damping.JankowskiDamping,
-        "adams-impact": damping.AdamsDamping,
-    }
+        "none": "normal.NoDissipation",
+        "lankarani-nikravesh": "hysteresis.LankaraniNikraveshDamping",
+        "exact-restitution": "hysteresis.ExactDamping",
+        "hunt-crossley": "hysteresis.HuntCrossleyDamping",
+        "herbert-mcwhannell": "hysteresis.HerbertMcWhannellDamping",
+        "lee-wang": "hysteresis.LeeWangDamping",
+        "marhefka-orin": "proportional.MarhefkaOrinDamping",
+        "gonthier": "hysteresis.GonthierDamping",
+        "zhiying-qishao": "hysteresis.ZhiyingQishaoDamping",
+        "ye": "hysteresis.YeDamping",
+        "flores": "hysteresis.FloresDamping",
+        "gharib-hurmuzlu": "hysteresis.GharibHurmuzluDamping",
+        "pant-wijeyewickrema": "hysteresis.PantWijeyewickremaDamping",
+        "hu-guo": "hysteresis.HuGuoDamping",
+        "carvalho-martins": "hysteresis.CarvalhoMartinsDamping",
+        "kelvin-voigt": "damping.KelvinVoigtDamping",
+        "kuwabara-kono": "damping.KuwabaraKonoDamping",
+        "tsuji": "damping.TsujiDamping",
+        "jankowski": "damping.JankowskiDamping",
+        "adams-impact": "damping.AdamsDamping",
+    },
 )
 
-FRICTION_LAWS: Mapping[str, type[Any]] = MappingProxyType(
+FRICTION_LAWS: Classes = Classes(
+    _ROOM,
     {
         # Laws of the slip speed.
-        "none": friction.NoFriction,
-        "velocity-based": stribeck.VelocityBased,
-        "ambrosio": friction.Ambrosio,
-        "tanh": friction.Tanh,
-        "coulomb": friction.Coulomb,
-        "linear": friction.LinearFriction,
-        "stribeck": stribeck.Stribeck,
-        "threlfall": friction.Threlfall,
-        "bengisu-akay": stribeck.BengisuAkay,
-        "brown-mcphee": stribeck.BrownMcPhee,
+        "none": "friction.NoFriction",
+        "velocity-based": "stribeck.VelocityBased",
+        "ambrosio": "friction.Ambrosio",
+        "tanh": "friction.Tanh",
+        "coulomb": "friction.Coulomb",
+        "linear": "friction.LinearFriction",
+        "stribeck": "stribeck.Stribeck",
+        "threlfall": "friction.Threlfall",
+        "bengisu-akay": "stribeck.BengisuAkay",
+        "brown-mcphee": "stribeck.BrownMcPhee",
         # Laws with bristles.
-        "dahl": bristle.Dahl,
-        "lugre": bristle.LuGre,
-        "gonthier-bristle": bristle.GonthierBristle,
-    }
+        "dahl": "bristle.Dahl",
+        "lugre": "bristle.LuGre",
+        "gonthier-bristle": "bristle.GonthierBristle",
+    },
 )
 
 

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Any
-
-from antenna_pin.control.attitude import AttitudeFeedback
-from antenna_pin.control.pid import Pid
-from antenna_pin.control.relay import BangBang
-from antenna_pin.control.state_feedback import StateFeedback
+from antenna_pin._lazy import Classes
 
 __all__ = ["CONTROLLERS"]
 
-CONTROLLERS: Mapping[str, type[Any]] = MappingProxyType(
+CONTROLLERS = Classes(
+    "antenna_pin.control",
     {
-        "pid": Pid,
-        "state-feedback": StateFeedback,
-        "attitude": AttitudeFeedback,
-        "bang-bang": BangBang,
-    }
+        "pid": "pid.Pid",
+        "state-feedback": "state_feedback.StateFeedback",
+        "attitude": "attitude.AttitudeFeedback",
+        "bang-bang": "relay.BangBang",
+    },
 )
 """Controllers by their ``kind`` in ``[controllers.NAME]``."""

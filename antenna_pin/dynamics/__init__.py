@@ -1,39 +1,51 @@
 """Free-floating equations of motion, joints held by constraint, force elements, audits."""
 
-from antenna_pin.dynamics.acting import acting_in, check_begins
-from antenna_pin.dynamics.actuators import actuators_of, settled
-from antenna_pin.dynamics.adjust import Adjustments, first_modes, joints_held, modes_in_another, modes_kept
-from antenna_pin.dynamics.assembly import (
-    BASE,
-    assemble,
-    assembled,
-    check_closed,
-    check_motions,
-    constraint_counts,
-    mobility_of,
-)
-from antenna_pin.dynamics.attitudes import journal_attitudes
-from antenna_pin.dynamics.audit import Audit, audit
-from antenna_pin.dynamics.bearing_loads import bearing_loads, bearing_names
-from antenna_pin.dynamics.coupled import facts_of_couplings, put_followers
-from antenna_pin.dynamics.deflection import Deflections, deflections
-from antenna_pin.dynamics.evaluate import acceleration, contact_memory
-from antenna_pin.dynamics.held import HeldKind
-from antenna_pin.dynamics.impulse import impulse
-from antenna_pin.dynamics.motion import JointMotion, motion_block
-from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
-from antenna_pin.dynamics.system import System
-from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.elements import (
-    CallableDrive,
-    ConstantDrive,
-    Drive,
-    JointFriction,
-    JointSpring,
-    PointSpring,
-    SineDrive,
-    TableDrive,
-)
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
+
+if TYPE_CHECKING:
+    from antenna_pin.dynamics.acting import acting_in, check_begins
+    from antenna_pin.dynamics.actuators import actuators_of, settled
+    from antenna_pin.dynamics.adjust import (
+        Adjustments,
+        first_modes,
+        joints_held,
+        modes_in_another,
+        modes_kept,
+    )
+    from antenna_pin.dynamics.assembly import (
+        BASE,
+        assemble,
+        assembled,
+        check_closed,
+        check_motions,
+        constraint_counts,
+        mobility_of,
+    )
+    from antenna_pin.dynamics.attitudes import journal_attitudes
+    from antenna_pin.dynamics.audit import Audit, audit
+    from antenna_pin.dynamics.bearing_loads import bearing_loads, bearing_names
+    from antenna_pin.dynamics.coupled import facts_of_couplings, put_followers
+    from antenna_pin.dynamics.deflection import Deflections, deflections
+    from antenna_pin.dynamics.evaluate import acceleration, contact_memory
+    from antenna_pin.dynamics.held import HeldKind
+    from antenna_pin.dynamics.impulse import impulse
+    from antenna_pin.dynamics.links import acting_on_links
+    from antenna_pin.dynamics.motion import JointMotion, motion_block
+    from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
+    from antenna_pin.dynamics.system import System
+    from antenna_pin.dynamics.workspace import Workspace
+    from antenna_pin.elements import (
+        CallableDrive,
+        ConstantDrive,
+        Drive,
+        JointFriction,
+        JointSpring,
+        PointSpring,
+        SineDrive,
+        TableDrive,
+    )
 
 __all__ = [
     "actuators_of",
@@ -62,6 +74,7 @@ __all__ = [
     "Workspace",
     "acceleration",
     "acting_in",
+    "acting_on_links",
     "assemble",
     "assembled",
     "audit",
@@ -82,3 +95,28 @@ __all__ = [
     "put_followers",
     "sliding_motion",
 ]
+
+loaded_when_used(
+    __name__,
+    {
+        "acting": "acting_in check_begins",
+        "actuators": "actuators_of settled",
+        "adjust": "Adjustments first_modes joints_held modes_in_another modes_kept",
+        "assembly": "BASE assemble assembled check_closed check_motions constraint_counts mobility_of",
+        "attitudes": "journal_attitudes",
+        "audit": "Audit audit",
+        "bearing_loads": "bearing_loads bearing_names",
+        "coupled": "facts_of_couplings put_followers",
+        "deflection": "Deflections deflections",
+        "evaluate": "acceleration contact_memory",
+        "held": "HeldKind",
+        "impulse": "impulse",
+        "links": "acting_on_links",
+        "motion": "JointMotion motion_block",
+        "samples": "Observed joint_motion observed sliding_motion",
+        "system": "System",
+        "workspace": "Workspace",
+        "antenna_pin.elements": "CallableDrive ConstantDrive Drive JointFriction JointSpring PointSpring "
+        "SineDrive TableDrive",
+    },
+)

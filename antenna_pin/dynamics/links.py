@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +20,15 @@ from antenna_pin.mechanism import body_tree
 from antenna_pin.mechanism.tree_kernels import place_bodies
 from antenna_pin.records import place_of
 
-__all__ = ["ForcePlace", "OnLinksInPython", "books_in_x", "desk_in", "place_on_links", "written_by"]
+__all__ = [
+    "ForcePlace",
+    "OnLinksInPython",
+    "acting_on_links",
+    "books_in_x",
+    "desk_in",
+    "place_on_links",
+    "written_by",
+]
 
 Array = NDArray[np.float64]
 
@@ -104,6 +113,18 @@ def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
         parts.append(program[first:end].view(kind).view(np.recarray))
         first = end
     return whole, parts[0], parts[1], parts[2]
+
+
+def acting_on_links(system: Any, program: Array) -> Iterator[tuple[str, Array]]:
+    """Yield what elements on links do as a program last had it: a link each, force and moment, (6,).
+
+    In the world's axes, the moment about its origin.
+    """
+    places = iter(system.force_places)
+    for at in system.element_blocks.get("forces", {}).values():
+        for one, place in zip(desk_in(program, at)[1], places, strict=False):
+            moment = one["torque"] + np.cross(one["place"], one["force"])
+            yield place.link, np.concatenate([one["force"], moment])
 
 
 def books_in_x(system: Any) -> dict[str, NDArray[np.int_]]:

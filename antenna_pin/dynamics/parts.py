@@ -51,8 +51,8 @@ def families_of(
             rule = f"left out: it is given as {given}="
             raise InvalidParameterError("System", f"elements[{table!r}]", rule, [*elements])
         for name, element in elements.items():
-            kinds = (*FAMILIES[table].kinds.values(), *FAMILIES[table].in_python)
-            if not isinstance(element, kinds):
+            if not FAMILIES[table].has(element):
+                kinds = (*FAMILIES[table].kinds.values(), *FAMILIES[table].in_python.values())
                 rule = f"one of {', '.join(cls.__name__ for cls in kinds)}"
                 place = f"elements[{table!r}][{name!r}]"
                 raise InvalidParameterError("System", place, rule, said=type(element).__name__)

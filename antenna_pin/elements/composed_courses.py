@@ -3,17 +3,38 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar, Literal
 
 import numpy as np
 
-from antenna_pin.elements.curve import check_table, cubics, points_and_middles
+from antenna_pin.elements.curve import Interpolation, check_table, cubics, points_and_middles
 from antenna_pin.elements.reference import Reference, pieces
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 
-__all__ = ["Sum", "Table"]
+__all__ = ["Sum", "Table", "curve_term", "going_on"]
+
+
+@lru_cache(maxsize=8)
+def curve_term(
+    time: tuple[float, ...],
+    values: tuple[float, ...],
+    interpolation: Interpolation | Literal["smooth"],
+    periodic: bool = False,
+) -> tuple[float, ...]:
+    """Return a curve through points for kernels (:func:`antenna_pin.elements.curve.cubics`)."""
+    n = len(time)
+    curve = cubics(time, values, interpolation, periodic)
+    rows = [curve[n + 4 * k : n + 4 * k + 4][::-1] for k in range(n - 1)]
+    return pieces(time, rows, time[-1] - time[0]) if periodic else pieces(going_on(time), rows)
+
+
+def going_on(time: Sequence[float]) -> tuple[float, ...]:
+    """Return the times of a table whose last piece goes on: a step's end may lie an ulp behind it."""
+    return (*time[:-1], math.inf)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,10 +84,7 @@ class Table(Reference):
 
     def terms(self) -> tuple[float, ...]:
         """Return it for kernels."""
-        n = len(self.time)
-        curve = cubics(self.time, self.values, self.interpolation, self.periodic)
-        rows = [curve[n + 4 * k : n + 4 * k + 4][::-1] for k in range(n - 1)]
-        return pieces(self.time, rows, self.time[-1] - self.time[0] if self.periodic else 0.0)
+        return curve_term(self.time, self.values, self.interpolation, self.periodic)
 
     def words(self, slides: bool = False) -> str:
         """Return what it is in words."""

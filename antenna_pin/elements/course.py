@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
-from antenna_pin.elements.curve import Interpolation, check_covers, check_table, cubics, points_and_middles
+from antenna_pin.elements.composed_courses import curve_term
+from antenna_pin.elements.curve import Interpolation, check_covers, check_table, points_and_middles
 from antenna_pin.elements.element import ForceElement
 from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
@@ -109,18 +110,18 @@ class Course(Swing):
             "amplitude": self.amplitude,
             "angular_frequency": self.angular_frequency,
             "phase": self.phase,
-            "points": 0 if self.time is None else len(self.time),
             "terms": len(self._terms()),
         }
 
     def tail(self) -> tuple[float, ...]:
-        """Return the terms of what it follows, then the curve through the points of the table."""
-        if self.time is None:
-            return self._terms()
-        return (*self._terms(), *cubics(self.time, getattr(self, self.columns[1]), self.joined))
+        """Return the terms of what it follows, then the table's."""
+        return self._terms()
 
     def _terms(self) -> tuple[float, ...]:
-        return () if self.follows is None else self.follows.terms()
+        terms = () if self.follows is None else self.follows.terms()
+        if self.time is None:
+            return terms
+        return (*terms, *curve_term(self.time, getattr(self, self.columns[1]), self.joined))
 
     def course_words(self, slides: bool, powers: Sequence[str] = ()) -> str:
         """Return the parts of the course in words.

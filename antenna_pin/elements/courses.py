@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from antenna_pin.elements import term_kernels as kernels
-from antenna_pin.elements.reference import Reference, pieces, term
+from antenna_pin.elements.reference import Reference, pieces, swept, term
+from antenna_pin.elements.swept_pieces import SweptPiece
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 from antenna_pin.readable import GIVEN, number
@@ -133,7 +134,7 @@ class Sine(Reference):
 
     def terms(self) -> tuple[float, ...]:
         """Return it for kernels."""
-        own = term(kernels.SINE, amount=self.amplitude, first=_TURN * self.frequency, phase=self.phase)
+        own = term(kernels.SINE, amount=self.amplitude, omega=_TURN * self.frequency, phase=self.phase)
         return (*pieces([0.0, math.inf], [[self.mean]]), *own) if self.mean else own
 
     def words(self, slides: bool = False) -> str:
@@ -194,14 +195,16 @@ class Chirp(Reference):
             if linear
             else math.log(self.last / self.first) / self.duration
         )
-        own = term(
-            kernels.CHIRP if linear else kernels.SWEEP,
-            begin=self.start,
-            span=self.duration,
-            amount=self.amplitude,
-            first=_TURN * self.first,
-            second=growth,
-            phase=self.phase,
+        size = (self.amplitude, 0)
+        goes = SweptPiece(self.start, _TURN * self.first, growth, int(not linear), self.phase, *size)
+        end = self.start + self.duration
+        omega, phase = (float(of(end)) for of in (goes.omega, goes.turned))
+        own = swept(
+            (
+                SweptPiece(self.start, 0.0, 0.0, 0, self.phase, *size),
+                goes,
+                SweptPiece(end, omega, 0.0, 0, phase, *size),
+            )
         )
         return (*pieces([0.0, math.inf], [[self.mean]]), *own) if self.mean else own
 

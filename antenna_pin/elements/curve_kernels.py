@@ -33,14 +33,6 @@ def curve(words: Any, at: int, points: int, t: float) -> tuple[float, float]:
 
 
 @inlined
-def curvature(words: Any, at: int, points: int, t: float) -> float:
-    """Second derivative at time t of the curve at words[at:]."""
-    low = _piece(words, at, points, t)
-    c = at + points + 4 * low
-    return float(6.0 * words[c] * (t - words[at + low]) + 2.0 * words[c + 1])
-
-
-@inlined
 def area(words: Any, at: int, points: int, t: float) -> float:
     """Integral up to t of the curve at words[at:], behind which stands that up to each of its points."""
     low = _piece(words, at, points, t)

@@ -1,19 +1,24 @@
 """All kinds of force elements, compiled: what is asked of one by its number goes to the kernels of its kind.
 
-The chain ``if kind == ...`` is made from the registry when this is imported, and compiled into its callers. A
-number that no kind has gives not-a-number, never a silent zero.
+The chain ``if kind == ...`` is made from the registry when a caller is compiled, and compiled into it: who
+finds its kernels compiled loads the elements that it has, not all. A number that no kind has gives
+not-a-number, never a silent zero.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from typing import Any
 
-from antenna_pin._compile import composed
-from antenna_pin.elements.registry import ELEMENTS, kind_of
+from antenna_pin._compile import composed, composed_later
+from antenna_pin.elements import registry
 
-_KINDS = [(kind_of(element), element.compiled()) for element in ELEMENTS]
+
+@functools.cache
+def _kinds() -> list[tuple[int, Any]]:
+    return [(registry.kind_of(element), element.compiled()) for element in registry.ELEMENTS]
 
 
 def _chain(name: str, last: Callable[..., Any]) -> Any:
@@ -21,12 +26,16 @@ def _chain(name: str, last: Callable[..., Any]) -> Any:
 
     Kinds without one, and numbers that are no kind's, go on to ``last``.
     """
-    chain = composed(last)
-    for kind, module in reversed(_KINDS):
-        own = getattr(module, name, None)
-        if own is not None:
-            chain = _branch(kind, own, chain)
-    return chain
+
+    def made() -> Any:
+        chain = composed(last)
+        for kind, module in reversed(_kinds()):
+            own = getattr(module, name, None)
+            if own is not None:
+                chain = _branch(kind, own, chain)
+        return chain
+
+    return composed_later(made)
 
 
 def _branch(kind: int, own: Any, rest: Any) -> Any:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from antenna_pin.elements.capture import Capture
+from antenna_pin.elements.capture import HELD, Capture
+from antenna_pin.elements.modal import Change, Met
 from antenna_pin.parameters import parameter
 
 __all__ = ["Latch"]
+
+# The function of its flanks.
+_FLANKS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,18 +35,42 @@ class Latch(Capture):
         stiffness: k [N*m/rad] ([N/m]).
         damping: c [N*m*s/rad] ([N*s/m]).
         play: p, in all, from flank to flank [rad] ([m]).
+        flank: Which flank the joint is pressed to, +1 above, -1 below, 0 neither.
     """
 
     kernels: ClassVar[str] = "latch_kernels"
+    switches: ClassVar[int] = 4
+    remembers: ClassVar[tuple[str, ...]] = ("side", "flank")
 
     stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
     damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
     play: float = parameter("rad", sliding="m", rule="zero or more", default=0.0)
 
-    @property
-    def has_kinks(self) -> bool:
-        """Whether it has flanks, that the joint comes to and leaves while it is held."""
-        return self.play > 0.0
+    flank: float = field(default=0.0, repr=False)
+
+    def flank_at(self, angle: float, rate: float) -> float:
+        """Return which flank a held joint is pressed to [rad], [rad/s] ([m], [m/s]); 0 for none."""
+        way = 1.0 if angle > self.angle else -1.0
+        bent, outward = way * (angle - self.angle) - 0.5 * self.play, way * rate
+        pressed = self.stiffness * bent + self.damping * outward
+        touches = bent > 0.0 or (bent == 0.0 and outward > 0.0)
+        return way if self.play > 0.0 and touches and pressed > 0.0 else 0.0
+
+    def passed(self, k: int, met: Met) -> Change | None:
+        """Come to a flank or off it; all else as every latch."""
+        if k != _FLANKS:
+            return Capture.passed(self, k, met)
+        beyond = 1.0 if met.angle > self.angle else -1.0
+        return Change(HELD, memory={"flank": 0.0 if self.flank else beyond})
+
+    def in_another(self, met: Met) -> Change | None:
+        """Be pressed to another flank, or to none, where the joint or the latch is elsewhere now."""
+        flank = self.flank_at(met.angle, met.rate)
+        return Change(HELD, memory={"flank": flank}) if self.mode == HELD and flank != self.flank else None
+
+    def _held(self, met: Met, what: str) -> Change:
+        found = Capture._held(self, met, what)
+        return found._replace(memory={**found.memory, "flank": self.flank_at(met.angle, met.rate)})
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
@@ -50,6 +78,7 @@ class Latch(Capture):
             "stiffness": self.stiffness,
             "damping": self.damping,
             "half_play": 0.5 * self.play,
+            "flank": self.flank,
         }
 
     def words(self, slides: bool) -> str:

@@ -12,8 +12,8 @@ from antenna_pin.records import layout, words_of
 OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
 
 #: Window with its middle, where it holds, greatest rate and way of capture (+1, -1, 0 for both), spring and
-#: damper with half of the play, torque at which it lets go (infinite: never), the mode, and on which side of
-#: the window the joint is or was (+1 above).
+#: damper with half of the play, torque at which it lets go (infinite: never), the mode, on which side of the
+#: window the joint is or was (+1 above), and which flank of its play the joint is pressed to (0: none).
 LAYOUT = layout(
     ("lower", "f8"),
     ("middle", "f8"),
@@ -26,6 +26,7 @@ LAYOUT = layout(
     ("holding", "f8"),
     ("mode", "i8"),
     ("side", "f8"),
+    ("flank", "f8"),
 )
 SIZE = words_of(LAYOUT)
 
@@ -41,14 +42,15 @@ def excess(latch: Any, angle: float) -> float:
 
 @inlined
 def held_torque(latch: Any, angle: float, rate: float) -> float:
-    """Torque [N m], or force [N], of the spring and the damper; only back to the latched angle."""
-    off = excess(latch, angle)
-    if latch.half_play > 0.0 and off == 0.0:
+    """Torque [N m], or force [N], of the spring and the damper; with play those of the flank pressed to.
+
+    Where that would pull, the joint comes off it (``switch``); in a trial step beyond, the torque
+    goes on as it is, so that steps are smooth.
+    """
+    if latch.half_play > 0.0 and latch.flank == 0.0:
         return 0.0
-    torque = -latch.stiffness * off - latch.damping * rate
-    if latch.half_play > 0.0 and torque * off > 0.0:
-        return 0.0  # the flank does not pull
-    return float(torque)
+    off = angle - latch.middle - latch.flank * latch.half_play
+    return float(-latch.stiffness * off - latch.damping * rate)
 
 
 @inlined
@@ -75,13 +77,6 @@ def stored(words: Any, at: int, angle: float) -> float:
         return 0.0
     off = excess(latch, angle)
     return float(0.5 * latch.stiffness * off * off)
-
-
-@inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
-    """How far a held joint is beyond the latch's play: zero at its flanks."""
-    latch = record(words[at : at + SIZE], LAYOUT)
-    return float(abs(angle - latch.middle) - latch.half_play) if latch.mode == HELD else 1.0
 
 
 @inlined
@@ -112,13 +107,30 @@ def capture(latch: Any, k: int, angle: float, rate: float) -> tuple[float, float
     return 1.0, 0.0
 
 
+@inlined
+def _flanks(latch: Any, angle: float, rate: float) -> tuple[float, float]:
+    """With what a flank presses, or how far the joint is off one: off, too, while the flank would pull."""
+    if latch.mode != HELD or latch.half_play == 0.0:
+        return 1.0, 0.0
+    if latch.flank != 0.0:
+        return float(-latch.flank * held_torque(latch, angle, rate)), 0.0
+    off = float(angle - latch.middle)
+    outward = float(rate if off > 0.0 else -rate)
+    if outward >= 0.0:
+        return float(latch.half_play - abs(off)), -outward
+    # It has left the flank with that still bent: where it turns back it meets it as the sum comes to push.
+    return float(latch.half_play - abs(off) - latch.damping * outward / latch.stiffness), 0.0
+
+
 @kernel
 def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
-    """Functions 0 and 1 are those of capture, 2 what the torque lacks to the holding torque."""
+    """Functions 0 and 1 are those of capture, 2 what the torque lacks to the holding one, 3 the flanks'."""
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion
     if k < 2:
         return capture(latch, k, angle, rate)
+    if k == 3:
+        return _flanks(latch, angle, rate)
     if latch.mode == HELD and not math.isinf(latch.holding):
         return float(latch.holding - abs(held_torque(latch, angle, rate))), 0.0
     return 1.0, 0.0

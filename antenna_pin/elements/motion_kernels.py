@@ -6,13 +6,12 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, record
-from antenna_pin.elements.curve_kernels import curvature, curve
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.term_kernels import course
 from antenna_pin.records import layout, words_of
 
-#: Behind it stand the coefficients of t^2 and higher powers, then ``terms`` words of what it follows, then,
-#: if it has points, the curve through them.
+#: Behind it stand the coefficients of t^2 and higher powers, then ``terms`` words of what it follows, its
+#: table among it.
 LAYOUT = layout(
     ("position", "f8"),
     ("rate", "f8"),
@@ -20,7 +19,6 @@ LAYOUT = layout(
     ("angular_frequency", "f8"),
     ("phase", "f8"),
     ("powers", "i8"),
-    ("points", "i8"),
     ("terms", "i8"),
 )
 SIZE = words_of(LAYOUT)
@@ -49,12 +47,6 @@ def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
         position += own[0]
         rate += own[1]
         acceleration += own[2]
-        start += m.terms
-    if m.points > 0:
-        along, speed = curve(words, start, m.points, t)
-        position += along
-        rate += speed
-        acceleration += curvature(words, start, m.points, t)
     return position, rate, acceleration
 
 

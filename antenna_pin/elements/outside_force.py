@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-from antenna_pin.elements.course import Swing
-from antenna_pin.elements.curve import Interpolation, check_covers, check_table, cubics, points_and_middles
+from antenna_pin.elements.composed_courses import Table
+from antenna_pin.elements.courses import Sine
+from antenna_pin.elements.curve import Interpolation, check_covers, check_table
 from antenna_pin.elements.on_links import AtPoint
+from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 from antenna_pin.readable import GIVEN, number, readable
@@ -16,15 +19,14 @@ __all__ = ["OutsideForce"]
 
 Numbers3 = tuple[float, float, float]
 _NONE = (0.0, 0.0, 0.0)
-CONSTANT, SINE, TABLE = range(3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OutsideForce(Swing, AtPoint):
+class OutsideForce(AtPoint):
     r"""A force at a point of a link, and a torque, from outside: directions and one course over time.
 
     .. math:: (F, M)(t) = s \, c(t) \, (F_0, M_0), \quad
-              c(t) = 1, \ \sin(2 \pi f t + \varphi), \ \text{or of a table}
+              c(t) = 1, \ \sin(2 \pi f t + \varphi), \ \text{of a table, or of a reference}
 
     In the world's axes a direction stays, in the link's it turns with the link; the point goes with the link
     in both. Courses of several directions are several forces. Drag and the pressure of the sun are forces at
@@ -35,6 +37,7 @@ class OutsideForce(Swing, AtPoint):
         force: F_0, (3,) [N].
         torque: M_0, (3,) [N*m].
         axes: Whether these two are in the axes of the ``link`` or of the ``world``.
+        follows: A reference, whose value c is [-]; None for none.
         value: s, what both are multiplied by [-]; what a controller commands.
         frequency: f, of a course that swings [Hz]; None where nothing swings.
         phase: varphi, of a course that swings, at t = 0 [rad].
@@ -51,6 +54,7 @@ class OutsideForce(Swing, AtPoint):
     force: Numbers3 = parameter("N", sizes=(3,), default=_NONE)
     torque: Numbers3 = parameter("N*m", sizes=(3,), default=_NONE)
     axes: Literal["link", "world"] = "link"
+    follows: Reference | None = None
     value: float = parameter("1", default=1.0)
     frequency: float | None = parameter("Hz", rule="positive", default=None)
     phase: float = parameter("rad", default=0.0)
@@ -69,20 +73,36 @@ class OutsideForce(Swing, AtPoint):
         if len(missing) == 1:
             (there,) = given.keys() - missing
             raise InvalidParameterError(self, missing[0], f"given beside {there}", said="none")
+        courses = {"frequency": self.frequency, "time": self.time, "follows": self.follows}
+        several = [name for name, course in courses.items() if course is not None]
+        if several[1:]:
+            rule = f"left out beside {several[1]}: a force has one course; follow a sum, or take two forces"
+            raise InvalidParameterError(self, several[0], rule)
         if self.time is not None:
-            if self.frequency is not None:
-                rule = "left out beside a table: a force has one course; take a second force"
-                raise InvalidParameterError(self, "frequency", rule)
             check_table(self, "factors")
         if self.phase and self.frequency is None:
             raise InvalidParameterError(self, "frequency", "given beside a phase", said="none")
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Points of its table, of cubics the middles between them too [s]."""
-        if self.time is None:
-            return ()
-        return self.time if self.interpolation == "linear" else points_and_middles(self.time)
+        """Points of its table, of cubics the middles between them too; those of what it follows [s]."""
+        if self.time is not None and self.interpolation == "linear":
+            return self.time
+        return () if self.course is None else self.course.instants
+
+    @property
+    def longest_step(self) -> float:
+        """What resolves its course [s]."""
+        return math.inf if self.course is None else self.course.longest_step
+
+    @property
+    def course(self) -> Reference | None:
+        """Its course over time; None if it is constant."""
+        if self.frequency is not None:
+            return Sine(amplitude=1.0, frequency=self.frequency, phase=self.phase)
+        if self.time is not None and self.factors is not None:
+            return Table(time=self.time, values=self.factors, interpolation=self.interpolation)
+        return self.follows
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
@@ -91,25 +111,17 @@ class OutsideForce(Swing, AtPoint):
             "torque": self.torque,
             "world": self.axes == "world",
             "value": self.value,
-            "course": CONSTANT if self.frequency is None and self.time is None else self._course(),
-            "angular_frequency": self.angular_frequency,
-            "phase": self.phase,
-            "points": 0 if self.time is None else len(self.time),
+            "terms": len(self.tail()),
         }
 
-    def _course(self) -> int:
-        return SINE if self.time is None else TABLE
-
     def tail(self) -> tuple[float, ...]:
-        """Return the curve through the points of its table."""
-        if self.time is None or self.factors is None:
-            return ()
-        return cubics(self.time, self.factors, self.interpolation)
+        """Return its course for kernels."""
+        return () if self.course is None else self.course.terms()
 
     def check_span(self, place: str, begin: float, end: float) -> None:
-        """Refuse a run that the table does not cover."""
-        if self.time is not None:
-            check_covers(self.time, place, begin, end)
+        """Refuse a run in which its course is not known."""
+        if self.course is not None:
+            check_covers(self.course.known, place, begin, end)
 
     def words(self, slides: bool = False) -> str:
         """Return what it is in words."""
@@ -127,4 +139,6 @@ class OutsideForce(Swing, AtPoint):
         if self.time is not None:
             where = "" if self.file is None else f" of {self.file}"
             text += f", times a table{where} of {len(self.time)} points"
+        if self.follows is not None:
+            text += f", times {self.follows.words(slides)}"
         return text

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from antenna_pin._compile import inlined, record
-from antenna_pin.elements.curve_kernels import curve
 from antenna_pin.elements.desk_kernels import turned
+from antenna_pin.elements.term_kernels import course
 from antenna_pin.records import layout, words_of
 
+#: Behind it stand ``terms`` words of its course.
 LAYOUT = layout(
     ("force", "f8", (3,)),
     ("torque", "f8", (3,)),
     ("world", "i8"),
     ("value", "f8"),
-    ("course", "i8"),
-    ("angular_frequency", "f8"),
-    ("phase", "f8"),
-    ("points", "i8"),
+    ("terms", "i8"),
 )
 SIZE: Any = np.int64(words_of(LAYOUT))
-SINE, TABLE = 1, 2
 
 
 @inlined
@@ -31,10 +27,8 @@ def act(words: Any, at: int, t: float, desk: Any) -> None:
     """Write force and torque on the link."""
     own = record(words[at : at + SIZE], LAYOUT)
     value = own.value
-    if own.course == SINE:
-        value *= math.sin(own.angular_frequency * t + own.phase)
-    elif own.course == TABLE:
-        factor, _ = curve(words, at + SIZE, own.points, t)
+    if own.terms > 0:
+        factor, _, _ = course(words, at + SIZE, at + SIZE + own.terms, t)
         value *= factor
     link = desk[1][0]
     f, m = own.force, own.torque

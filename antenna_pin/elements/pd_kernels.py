@@ -6,12 +6,11 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, record
-from antenna_pin.elements.curve_kernels import curve
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.term_kernels import course
 from antenna_pin.records import layout, words_of
 
-#: Behind it stand ``terms`` words of what it follows, then, if it has points, the curve through the table.
+#: Behind it stand ``terms`` words of what it follows, its table among it.
 LAYOUT = layout(
     ("kp", "f8"),
     ("kd", "f8"),
@@ -21,7 +20,6 @@ LAYOUT = layout(
     ("amplitude", "f8"),
     ("angular_frequency", "f8"),
     ("phase", "f8"),
-    ("points", "i8"),
     ("terms", "i8"),
 )
 SIZE = words_of(LAYOUT)
@@ -36,16 +34,10 @@ def reference(words: Any, at: int, t: float) -> tuple[float, float]:
     turned = omega * t + pd.phase
     angle = pd.angle + pd.rate * t + pd.amplitude * math.sin(turned)
     rate = pd.rate + pd.amplitude * omega * math.cos(turned)
-    start = at + SIZE
     if pd.terms > 0:
-        own = course(words, start, start + pd.terms, t)
+        own = course(words, at + SIZE, at + SIZE + pd.terms, t)
         angle += own[0]
         rate += own[1]
-        start += pd.terms
-    if pd.points > 0:
-        value, slope = curve(words, start, pd.points, t)
-        angle += value
-        rate += slope
     return angle, rate
 
 

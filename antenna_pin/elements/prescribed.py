@@ -87,7 +87,7 @@ class PrescribedMotion(Course, Motion):
         return {"powers": len(self.coefficients), **Course.values(self)}
 
     def tail(self) -> tuple[float, ...]:
-        """Return the polynomial's coefficients, and the curve through the points of the table."""
+        """Return the polynomial's coefficients, and the terms of what it follows and of the table."""
         return (*self.coefficients, *Course.tail(self))
 
     def words(self, slides: bool) -> str:

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin._lanes import LANES
+from antenna_pin.elements import term_kernels as kernels
+from antenna_pin.elements.reference import term
 from antenna_pin.elements.shake import Shake
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
@@ -71,32 +73,37 @@ class RandomShake(Shake):
         frequency: Of the break points, rising [Hz].
         density: One-sided power spectral density of acceleration there, straight between them in double
             logarithmic axes; ``"0.04 g^2/Hz"`` is understood. The unit is that of (m/s^2)^2/Hz [m^2/s^3].
+        angular_density: Likewise of the angular acceleration, of a base that turns about an axis: that of
+            (rad/s^2)^2/Hz [rad^2/s^3].
         period: T, after which it repeats itself; lines are 1/T apart [s].
         seed: Of the random phases [-].
-        fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].
     """
 
-    kernels: ClassVar[str] = "random_kernels"
     at_start: ClassVar[tuple[str, ...]] = ("period", "seed", "fade_in")
 
     frequency: tuple[float, ...] = parameter("Hz", rule="positive", sizes=(0,))
-    density: tuple[float, ...] = parameter("m**2/s**3", rule="positive", sizes=(0,))
+    density: tuple[float, ...] | None = parameter("m**2/s**3", rule="positive", sizes=(0,), default=None)
+    angular_density: tuple[float, ...] | None = parameter(
+        "rad**2/s**3", rule="positive", sizes=(0,), default=None
+    )
     period: float = parameter("s", rule="positive")
     seed: int = parameter("1", rule="zero or more")
-    fade_in: float = parameter("s", rule="zero or more", default=0.0)
 
     def __post_init__(self) -> None:
         """Check the parts."""
         Shake.__post_init__(self)
-        if not self.slides:
-            rule = "left out: random vibration is along a direction, for its density is of an acceleration"
-            raise InvalidParameterError(self, "axis", rule)
+        own, other = ("density", "angular_density") if self.slides else ("angular_density", "density")
+        way = "along a direction" if self.slides else "about an axis"
+        if getattr(self, other) is not None:
+            raise InvalidParameterError(self, other, f"left out of what is shaken {way}; give {own}")
+        if getattr(self, own) is None:
+            raise InvalidParameterError(self, own, f"given of what is shaken {way}", said="none")
         if len(self.frequency) < 2:
             rule = "at least 2 break points"
             raise InvalidParameterError(self, "frequency", rule, said=f"{len(self.frequency)}")
-        if len(self.density) != len(self.frequency):
+        if len(self.powers) != len(self.frequency):
             rule = f"as many numbers as frequency, {len(self.frequency)}"
-            raise InvalidParameterError(self, "density", rule, said=f"{len(self.density)}")
+            raise InvalidParameterError(self, own, rule, said=f"{len(self.powers)}")
         for k, (before, after) in enumerate(pairwise(self.frequency), start=1):
             if not after > before:
                 rule = f"above the one before, {before!r}"
@@ -110,6 +117,11 @@ class RandomShake(Shake):
         if high - low + 1 > _MOST_LINES:
             rule = f"such that the band has {_MOST_LINES} lines 1/period apart or fewer, not {high - low + 1}"
             raise InvalidParameterError(self, "period", rule)
+
+    @property
+    def powers(self) -> tuple[float, ...]:
+        """Power spectral density at the break points, of acceleration or angular acceleration."""
+        return self.density or self.angular_density or ()
 
     @property
     def _range(self) -> tuple[int, int]:
@@ -126,36 +138,30 @@ class RandomShake(Shake):
     @property
     def instants(self) -> tuple[float, ...]:
         """The time at which it has faded in [s]."""
-        return (self.fade_in,) if self.fade_in else ()
+        return self.faded
 
     @property
     def rms(self) -> float:
-        """Root mean square of the acceleration [m/s^2]."""
-        return math.sqrt(band_power(self.frequency[0], self.frequency[-1], self.frequency, self.density))
+        """Root mean square of the acceleration [m/s^2], or of the angular one [rad/s^2]."""
+        return math.sqrt(band_power(self.frequency[0], self.frequency[-1], self.frequency, self.powers))
 
     def lines(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return frequency [Hz], amplitude of acceleration [m/s^2] and phase [rad] of the lines."""
+        """Return frequency [Hz], amplitude of acceleration [m/s^2, rad/s^2] and phase [rad] of lines."""
         first, last = self._range
         k = np.arange(first, last + 1)
         edges = (np.arange(first, last + 2) - 0.5) / self.period
         edges[0], edges[-1] = min(edges[0], self.frequency[0]), max(edges[-1], self.frequency[-1])
-        powers = [band_power(a, b, self.frequency, self.density) for a, b in pairwise(edges.tolist())]
+        powers = [band_power(a, b, self.frequency, self.powers) for a, b in pairwise(edges.tolist())]
         phases = 2.0 * math.pi * np.random.Generator(np.random.PCG64(int(self.seed))).random(len(k))
         return k / self.period, np.sqrt(2.0 * np.array(powers)), phases
 
     def carried(self) -> dict[str, Any]:
         """Return what a result carries of it: its density too."""
-        return Shake.carried(self) | {"frequency": list(self.frequency), "density": list(self.density)}
+        return Shake.carried(self) | {"frequency": list(self.frequency), "density": list(self.powers)}
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        first, last = self._range
-        groups = -(-(last - first + 1) // LANES)
-        return {"groups": groups, "lowest": first, "period": self.period, "fade_in": self.fade_in}
-
-    def tail(self) -> tuple[float, ...]:
-        """Return the lines of the displacement."""
-        return _tail(self)
+    def terms(self) -> tuple[float, ...]:
+        """Return the lines of the displacement for kernels."""
+        return _terms(self)
 
     def check_span(self, place: str, begin: float, end: float) -> None:
         """Refuse a run in which it would repeat itself."""
@@ -167,25 +173,27 @@ class RandomShake(Shake):
         """Return what it is in words."""
         slopes = [
             10.0 * math.log10(s2 / s1) / math.log2(f2 / f1)
-            for (f1, f2), (s1, s2) in zip(pairwise(self.frequency), pairwise(self.density), strict=True)
+            for (f1, f2), (s1, s2) in zip(pairwise(self.frequency), pairwise(self.powers), strict=True)
         ]
         said = ", ".join(f"{number(one + 0.0, 3)}" for one in slopes)
         band = f"{number(self.frequency[0], GIVEN)} to {number(self.frequency[-1], GIVEN)} Hz"
         first, last = self._range
-        faded = f", fades in within {readable(self.fade_in, 's', GIVEN)}" if self.fade_in else ""
+        unit = "m/s^2" if self.slides else "rad/s^2"
         lines = f"{last - first + 1} lines, repeats after {readable(self.period, 's', GIVEN)}"
         return (
-            f"{self.way()}: random, {band}, {readable(self.rms, 'm/s^2')} rms, {said} dB/octave, {lines}, "
-            f"seed {int(self.seed)}{faded}"
+            f"{self.way()}: random, {band}, {readable(self.rms, unit)} rms, {said} dB/octave, {lines}, "
+            f"seed {int(self.seed)}{self.said_fade()}"
         )
 
 
 @cache
-def _tail(shake: RandomShake) -> tuple[float, ...]:
+def _terms(shake: RandomShake) -> tuple[float, ...]:
     """Return the lines as kernels take them: in whole lanes, those that are none zero."""
     frequency, amplitude, phase = shake.lines()
     along = -amplitude / (2.0 * math.pi * frequency) ** 2
     both = np.zeros((2, -(-len(along) // LANES) * LANES))
     both[:, : len(along)] = along * np.cos(phase), along * np.sin(phase)
     lines = both.reshape(2, -1, LANES).transpose(1, 0, 2).ravel()
-    return (*np.eye(LANES).ravel().tolist(), *map(float, range(LANES)), *lines.tolist())
+    own = (*np.eye(LANES).ravel().tolist(), *map(float, range(LANES)), *lines.tolist())
+    lowest = round(float(frequency[0]) * shake.period)
+    return term(kernels.LINES, own, count=len(lines) // (2 * LANES), powers=lowest, span=shake.period)

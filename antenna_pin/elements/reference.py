@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from antenna_pin.elements import term_kernels as kernels
+from antenna_pin.elements.swept_pieces import SweptPiece
 from antenna_pin.parameters import check, parameters_of
 from antenna_pin.readable import GIVEN, readable
 
-__all__ = ["OverTime", "Reference", "pieces", "term"]
+__all__ = ["OverTime", "Reference", "pieces", "swept", "term"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,6 +107,15 @@ def pieces(
         coefficients: Of each piece, from the constant on, of the time since its begin.
         again: After what time all comes again [s]; 0: never, the end is held.
     """
-    padded = [list(row) + [0.0] * (kernels.POWERS - len(row)) for row in coefficients]
+    powers = max(map(len, coefficients))
+    padded = [list(row) + [0.0] * (powers - len(row)) for row in coefficients]
     own = (*times, *itertools.chain.from_iterable(padded))
-    return term(kernels.PIECES, own, count=len(padded), begin=times[0], span=again)
+    return term(kernels.PIECES, own, count=len(padded), powers=powers, begin=times[0], span=again)
+
+
+def swept(parts: Sequence[SweptPiece]) -> tuple[float, ...]:
+    """Return a sine whose frequency is swept for kernels; the last of its pieces has no end."""
+    found = np.zeros(len(parts), dtype=kernels.SWEPT_PIECE)
+    for k, part in enumerate(parts):
+        found[k] = tuple(part)
+    return term(kernels.SWEPT, found.view(np.float64).tolist(), count=len(parts))

@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-
-from antenna_pin.elements.composed_courses import Sum, Table
-from antenna_pin.elements.courses import Chirp, Constant, Polynomial, Ramp, Sine, Sines
-from antenna_pin.elements.reference import Reference
-from antenna_pin.elements.slews import RestToRest, SCurve, Trapezoid
+from antenna_pin._lazy import Classes
 
 __all__ = ["REFERENCES"]
 
-REFERENCES: Mapping[str, type[Reference]] = MappingProxyType(
+REFERENCES = Classes(
+    "antenna_pin.elements",
     {
-        "constant": Constant,
-        "ramp": Ramp,
-        "polynomial": Polynomial,
-        "sine": Sine,
-        "chirp": Chirp,
-        "sines": Sines,
-        "table": Table,
-        "trapezoid": Trapezoid,
-        "s-curve": SCurve,
-        "rest-to-rest": RestToRest,
-        "sum": Sum,
-    }
+        "constant": "courses.Constant",
+        "ramp": "courses.Ramp",
+        "polynomial": "courses.Polynomial",
+        "sine": "courses.Sine",
+        "chirp": "courses.Chirp",
+        "sines": "courses.Sines",
+        "table": "composed_courses.Table",
+        "trapezoid": "slews.Trapezoid",
+        "s-curve": "slews.SCurve",
+        "rest-to-rest": "slews.RestToRest",
+        "sum": "composed_courses.Sum",
+    },
 )
 """References by their ``kind`` in ``[references.NAME]``."""

@@ -8,44 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from antenna_pin.elements.angle_table import TableSpring
-from antenna_pin.elements.ball_bearing import BallBearing
-from antenna_pin.elements.bearing import AxialPreload, StiffnessBearing
-from antenna_pin.elements.belt import Belt, Cable
-from antenna_pin.elements.bouc_wen import BoucWen
-from antenna_pin.elements.bristle_friction import DahlFriction, GonthierFriction, LuGreFriction
-from antenna_pin.elements.constant import ConstantDrive
-from antenna_pin.elements.constant_spring import ConstantSpring
-from antenna_pin.elements.element import Element, ForceElement
-from antenna_pin.elements.given import CallableDrive
-from antenna_pin.elements.given_links import CallableElement, CallableForce
-from antenna_pin.elements.gravity_gradient import GravityGradient
-from antenna_pin.elements.harness import HarnessSpring
-from antenna_pin.elements.joint_friction import JointFriction
-from antenna_pin.elements.latch import Latch
-from antenna_pin.elements.maxwell_slip import MaxwellSlip
-from antenna_pin.elements.mesh import Gear, Rack, Spline
-from antenna_pin.elements.motor import Motor
-from antenna_pin.elements.outside_force import OutsideForce
-from antenna_pin.elements.pd import PDController
-from antenna_pin.elements.point_spring import PointSpring
-from antenna_pin.elements.prescribed import CallableMotion, DistanceMotion, PrescribedMotion
-from antenna_pin.elements.random_shake import RandomShake
-from antenna_pin.elements.rigid_latch import RigidLatch
-from antenna_pin.elements.rigid_stop import RigidStop
-from antenna_pin.elements.shake import SineShake, SweepShake
-from antenna_pin.elements.shaken_table import TableShake
-from antenna_pin.elements.sine import SineDrive
-from antenna_pin.elements.spring import JointSpring
-from antenna_pin.elements.sticking_friction import StickingFriction
-from antenna_pin.elements.stop import EndStop
-from antenna_pin.elements.tabulated import TableDrive
-from antenna_pin.elements.thruster import Thruster
+from antenna_pin._lazy import Classes
 from antenna_pin.errors import UnknownNameError
 
+if TYPE_CHECKING:
+    from antenna_pin.elements.element import ForceElement
+
+    ELEMENTS: tuple[type[ForceElement], ...]
+
 __all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "GEARS", "SHAKES", "SPRINGS", "Family", "kind_of"]
+
+_ROOM = "antenna_pin.elements"
 
 
 class Family(NamedTuple):
@@ -55,117 +30,155 @@ class Family(NamedTuple):
         word: One of them, as messages call it.
         kinds: Their classes by ``kind``.
         default: The kind of a table at a joint that names none; None where each must.
+        between: The kind of a table with ``first`` and ``second`` that names none; None where each must.
         among: The family that a system has its elements among, if it has none of its own of them.
-        in_python: Further classes, which only Python has.
+        in_python: Further classes by name, which only Python has.
     """
 
     word: str
-    kinds: Mapping[str, type[ForceElement]]
+    kinds: Classes
     default: str | None = None
+    between: str | None = None
     among: str | None = None
-    in_python: tuple[type[ForceElement], ...] = ()
+    in_python: Classes = Classes(_ROOM, {})
+
+    def has(self, element: object) -> bool:
+        """Whether an element is one of the family; its other classes are not loaded for that."""
+        return _name_of(type(element)) in (*self.kinds.places.values(), *self.in_python.places.values())
 
 
-DRIVES: Mapping[str, type[Element]] = MappingProxyType(
+DRIVES = Classes(
+    _ROOM,
     {
-        "constant": ConstantDrive,
-        "sine": SineDrive,
-        "table": TableDrive,
-        "pd": PDController,
-        "motion": PrescribedMotion,
-        "distance": DistanceMotion,
-        "motor": Motor,
-    }
+        "constant": "constant.ConstantDrive",
+        "sine": "sine.SineDrive",
+        "table": "tabulated.TableDrive",
+        "pd": "pd.PDController",
+        "motion": "prescribed.PrescribedMotion",
+        "distance": "prescribed.DistanceMotion",
+        "motor": "motor.Motor",
+    },
 )
 """Drives by their ``kind`` in ``[drives.NAME]``."""
 
-SPRINGS: Mapping[str, type[ForceElement]] = MappingProxyType(
+SPRINGS = Classes(
+    _ROOM,
     {
-        "spring": JointSpring,
-        "friction": JointFriction,
-        "between-points": PointSpring,
-        "bouc-wen": BoucWen,
-        "maxwell-slip": MaxwellSlip,
-        "constant-torque": ConstantSpring,
-        "table": TableSpring,
-        "harness": HarnessSpring,
-    }
+        "spring": "spring.JointSpring",
+        "friction": "joint_friction.JointFriction",
+        "between-points": "point_spring.PointSpring",
+        "bouc-wen": "bouc_wen.BoucWen",
+        "maxwell-slip": "maxwell_slip.MaxwellSlip",
+        "constant-torque": "constant_spring.ConstantSpring",
+        "table": "angle_table.TableSpring",
+        "harness": "harness.HarnessSpring",
+    },
 )
 """What stores and loses energy by its ``kind`` in ``[springs.NAME]``."""
 
-STOPS: Mapping[str, type[Element]] = MappingProxyType({"compliant": EndStop, "rigid": RigidStop})
+STOPS = Classes(_ROOM, {"compliant": "stop.EndStop", "rigid": "rigid_stop.RigidStop"})
 """End stops by their ``kind`` in ``[stops.NAME]``."""
 
-LATCHES: Mapping[str, type[Element]] = MappingProxyType({"compliant": Latch, "rigid": RigidLatch})
+LATCHES = Classes(_ROOM, {"compliant": "latch.Latch", "rigid": "rigid_latch.RigidLatch"})
 """Latches by their ``kind`` in ``[latches.NAME]``."""
 
-FRICTIONS: Mapping[str, type[ForceElement]] = MappingProxyType(
+FRICTIONS = Classes(
+    _ROOM,
     {
-        "sticking": StickingFriction,
-        "dahl": DahlFriction,
-        "lugre": LuGreFriction,
-        "gonthier-bristle": GonthierFriction,
-    }
+        "sticking": "sticking_friction.StickingFriction",
+        "dahl": "bristle_friction.DahlFriction",
+        "lugre": "bristle_friction.LuGreFriction",
+        "gonthier-bristle": "bristle_friction.GonthierFriction",
+    },
 )
 """Friction of joints by its ``kind`` in ``[frictions.NAME]``."""
-GEARS: Mapping[str, type[ForceElement]] = MappingProxyType(
+GEARS = Classes(
+    _ROOM,
     {
-        "gear": Gear,
-        "spline": Spline,
-        "rack": Rack,
-        "belt": Belt,
-        "cable": Cable,
-    }
+        "gear": "mesh.Gear",
+        "spline": "mesh.Spline",
+        "rack": "mesh.Rack",
+        "belt": "belt.Belt",
+        "cable": "belt.Cable",
+    },
 )
 """What goes from one joint to another by its ``kind`` in ``[gears.NAME]``."""
-BEARINGS: Mapping[str, type[Element]] = MappingProxyType(
-    {"stiffness": StiffnessBearing, "balls": BallBearing, "preload": AxialPreload}
+BEARINGS = Classes(
+    _ROOM,
+    {
+        "stiffness": "bearing.StiffnessBearing",
+        "balls": "ball_bearing.BallBearing",
+        "preload": "bearing.AxialPreload",
+    },
 )
 """Bearings, and what preloads them, by their ``kind`` in ``[bearings.NAME]``."""
 
-SHAKES: Mapping[str, type[Element]] = MappingProxyType(
-    {"sine": SineShake, "sweep": SweepShake, "random": RandomShake, "table": TableShake}
+SHAKES = Classes(
+    _ROOM,
+    {
+        "sine": "shake.SineShake",
+        "sweep": "shake.SweepShake",
+        "random": "random_shake.RandomShake",
+        "table": "shaken_table.TableShake",
+    },
 )
 """Motions of a shaken base by their ``kind`` in ``[shake.NAME]``."""
-FORCES: Mapping[str, type[ForceElement]] = MappingProxyType(
+FORCES = Classes(
+    _ROOM,
     {
-        "force": OutsideForce,
-        "thruster": Thruster,
-        "gravity-gradient": GravityGradient,
-    }
+        "force": "outside_force.OutsideForce",
+        "thruster": "thruster.Thruster",
+        "gravity-gradient": "gravity_gradient.GravityGradient",
+    },
 )
 """What acts on links by its ``kind`` in ``[forces.NAME]``."""
+
+_FORCES_IN_PYTHON = Classes(
+    _ROOM,
+    {"CallableElement": "given_links.CallableElement", "CallableForce": "given_links.CallableForce"},
+)
 
 FAMILIES: Mapping[str, Family] = MappingProxyType(
     {
         "drives": Family("drive", DRIVES),
-        "springs": Family("spring", SPRINGS, "spring"),
+        "springs": Family("spring", SPRINGS, "spring", between="between-points"),
         "stops": Family("stop", STOPS, "compliant"),
         "latches": Family("latch", LATCHES, "compliant"),
         "frictions": Family("friction", FRICTIONS, "sticking"),
         "gears": Family("gear", GEARS, "gear"),
         "bearings": Family("bearing", BEARINGS),
         "shake": Family("shake", SHAKES, among="drives"),
-        "forces": Family("force", FORCES, in_python=(CallableElement, CallableForce)),
+        "forces": Family("force", FORCES, in_python=_FORCES_IN_PYTHON),
     }
 )
 """Families by the table ``[FAMILY.NAME]`` that a scenario has for each; the order is that of programs."""
 
-ELEMENTS: tuple[type[ForceElement], ...] = (
-    *DRIVES.values(),
-    CallableDrive,
-    CallableMotion,
-    *(cls for table, family in FAMILIES.items() if table != "drives" for cls in family.kinds.values()),
-    *(cls for family in FAMILIES.values() for cls in family.in_python),
+# Python has some that a scenario has not.
+_ALL = (
+    DRIVES,
+    Classes(_ROOM, {"CallableDrive": "given.CallableDrive", "CallableMotion": "prescribed.CallableMotion"}),
+    *(family.kinds for table, family in FAMILIES.items() if table != "drives"),
+    *(family.in_python for family in FAMILIES.values()),
 )
-"""All elements there are; Python has some that a scenario has not."""
 
 # Blocks of a program with lower numbers are joints.
-_FIRST_KIND = 10
+_NUMBERS = {name: 10 + k for k, name in enumerate(name for one in _ALL for name in one.places.values())}
+
+
+def __getattr__(name: str) -> Any:
+    """Return ``ELEMENTS``, all that there are, which nobody needs but what tells of all or compiles them."""
+    if name == "ELEMENTS":
+        return tuple(cls for one in _ALL for cls in one.values())
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def _name_of(cls: type[Any]) -> str:
+    return f"{cls.__module__}.{cls.__qualname__}"
 
 
 def kind_of(element: type[ForceElement]) -> int:
     """Return the number of a kind of element in programs and kernels."""
-    if element not in ELEMENTS:
-        raise UnknownNameError("System", "kind of element", element.__name__, [e.__name__ for e in ELEMENTS])
-    return _FIRST_KIND + ELEMENTS.index(element)
+    if _name_of(element) not in _NUMBERS:
+        known = [name.rpartition(".")[2] for name in _NUMBERS]
+        raise UnknownNameError("System", "kind of element", element.__name__, known)
+    return _NUMBERS[_name_of(element)]

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.directions import A_DIRECTION
 from antenna_pin.elements.prescribed import Motion
+from antenna_pin.elements.reference import swept
 from antenna_pin.elements.swept_pieces import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
@@ -36,11 +37,15 @@ class Shake(Motion):
         direction: Along which the base moves, in world axes; only its ratio counts [-].
         axis: About which the base turns instead, in world axes [-].
         point: Through which that axis goes, in the world; its origin if left out [m].
+        fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].
     """
+
+    kernels: ClassVar[str] = "shaken_kernels"
 
     direction: tuple[float, ...] | None = parameter("1", rule=A_DIRECTION, sizes=(3,), default=None)
     axis: tuple[float, ...] | None = parameter("1", rule=A_DIRECTION, sizes=(3,), default=None)
     point: tuple[float, ...] | None = parameter("m", sizes=(3,), default=None)
+    fade_in: float = parameter("s", rule="zero or more", default=0.0)
 
     def __post_init__(self) -> None:
         """Check the parameters."""
@@ -62,6 +67,27 @@ class Shake(Motion):
             rule = f"one that {'slides' if self.slides else 'turns'}, as the motion says"
             raise InvalidParameterError(place, "joint", rule, self.joint)
 
+    def terms(self) -> tuple[float, ...]:
+        """Return its course for kernels (:mod:`antenna_pin.elements.term_kernels`), before it fades in."""
+        raise NotImplementedError
+
+    def values(self) -> dict[str, Any]:
+        """Return its numbers, by the names that its record has for them."""
+        return {"terms": len(self.terms()), "fade_in": self.fade_in}
+
+    def tail(self) -> tuple[float, ...]:
+        """Return its course."""
+        return self.terms()
+
+    @property
+    def faded(self) -> tuple[float, ...]:
+        """When it has faded in, if it does [s]."""
+        return (self.fade_in,) if self.fade_in else ()
+
+    def said_fade(self) -> str:
+        """Return how it fades in, in words."""
+        return f", fades in within {readable(self.fade_in, 's', GIVEN)}" if self.fade_in else ""
+
     def carried(self) -> dict[str, Any]:
         """Return what a result carries of it, for those who look at what answers to it."""
         return {"along": list(self.direction)} if self.direction else {"about": list(self.axis or ())}
@@ -80,13 +106,8 @@ class Shake(Motion):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Swept(Shake):
-    """Base of the sines: amplitudes of displacement, velocity and acceleration, of which the least counts.
+    """Base of the sines: amplitudes of displacement, velocity and acceleration, of which the least counts."""
 
-    Attributes:
-        fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].
-    """
-
-    kernels: ClassVar[str] = "swept_kernels"
     at_start: ClassVar[tuple[str, ...]] = (
         "displacement",
         "velocity",
@@ -100,8 +121,6 @@ class _Swept(Shake):
         "hertz_per_second",
         "dwell",
     )
-
-    fade_in: float = parameter("s", rule="zero or more", default=0.0)
 
     def pieces(self) -> tuple[SweptPiece, ...]:
         """Return the stretches of time that it is made of."""
@@ -127,23 +146,14 @@ class _Swept(Shake):
         name = min(given, key=lambda one: given[one] / omega ** _POWERS[one])
         return given[name], _POWERS[name]
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {"pieces": len(self.pieces()), "fade_in": self.fade_in}
-
-    def tail(self) -> tuple[float, ...]:
-        """Return its pieces."""
-        layout = self.compiled().PIECE
-        found = np.zeros(len(self.pieces()), dtype=layout)
-        for k, piece in enumerate(self.pieces()):
-            found[k] = tuple(piece)
-        return tuple(found.view(np.float64).tolist())
+    def terms(self) -> tuple[float, ...]:
+        """Return its pieces for kernels."""
+        return swept(self.pieces())
 
     @property
     def instants(self) -> tuple[float, ...]:
         """Times at which it goes over into another piece, or has faded in [s]."""
-        faded = self.fade_in
-        return tuple(sorted({piece.start for piece in self.pieces()[1:]} | ({faded} if faded else set())))
+        return tuple(sorted({*(piece.start for piece in self.pieces()[1:]), *self.faded}))
 
     def sines(self, time: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return frequency [Hz] and phase [rad], without what jumps by half turns, at times [s], (n,) each.
@@ -156,11 +166,6 @@ class _Swept(Shake):
         """Return the amplitudes in words."""
         said = [f"{self.said_in_own(name)} of {name}" for name in self.amplitudes()]
         return f"{'the least of ' if len(said) > 1 else ''}{' and '.join(said)}"
-
-    def said_fade(self) -> str:
-        """Return how it fades in, in words."""
-        faded = self.fade_in
-        return f", fades in within {readable(faded, 's', GIVEN)}" if faded else ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

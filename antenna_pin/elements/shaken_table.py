@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from antenna_pin.elements.curve import check_covers, check_table, cubics, points_and_middles
+from antenna_pin.elements.composed_courses import curve_term, going_on
+from antenna_pin.elements.curve import check_covers, check_table, points_and_middles
+from antenna_pin.elements.reference import pieces
 from antenna_pin.elements.shake import Shake
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
@@ -35,9 +37,8 @@ class TableShake(Shake):
         start_velocity: At the first time, of an acceleration [rad/s] ([m/s]).
     """
 
-    kernels: ClassVar[str] = "shaken_table_kernels"
     columns: ClassVar[tuple[str, str]] = ("time", "course")
-    at_start: ClassVar[tuple[str, ...]] = ("scale", "start_displacement", "start_velocity")
+    at_start: ClassVar[tuple[str, ...]] = ("scale", "start_displacement", "start_velocity", "fade_in")
 
     of: Literal["displacement", "velocity", "acceleration"]
     file: str | None = None
@@ -59,28 +60,25 @@ class TableShake(Shake):
     @property
     def instants(self) -> tuple[float, ...]:
         """Its points, where a derivative jumps, and the middles between them [s]."""
-        return points_and_middles(self.time)
+        return tuple(sorted({*points_and_middles(self.time), *self.faded}))
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {"points": len(self.time)}
-
-    def tail(self) -> tuple[float, ...]:
-        """Return the curve of the displacement: times, then four coefficients for each interval."""
-        t, given = np.array(self.time), self.scale * np.array(self.course)
+    def terms(self) -> tuple[float, ...]:
+        """Return the displacement for kernels: a cubic between points."""
+        given = self.scale * np.array(self.course)
         if self.of == "displacement":
-            return cubics(self.time, given.tolist(), "smooth")
-        steps, slopes = np.diff(t), np.diff(given) / np.diff(t)
-        pieces = np.zeros((len(steps), 4))
+            return curve_term(self.time, tuple(given.tolist()), "smooth")
+        steps = np.diff(self.time)
+        slopes = np.diff(given) / steps
+        found = np.zeros((len(steps), 4))
         place, speed = self.start_displacement, self.start_velocity
         for k, (step, slope, value) in enumerate(zip(steps, slopes, given[:-1], strict=True)):
             if self.of == "velocity":
-                pieces[k] = 0.0, slope / 2.0, value, place
+                found[k] = 0.0, slope / 2.0, value, place
             else:
-                pieces[k] = slope / 6.0, value / 2.0, speed, place
+                found[k] = slope / 6.0, value / 2.0, speed, place
                 speed += (slope / 2.0 * step + value) * step
-            place = float(np.polyval(pieces[k], step))
-        return (*self.time, *pieces.ravel().tolist())
+            place = float(np.polyval(found[k], step))
+        return pieces(going_on(self.time), found[:, ::-1].tolist())
 
     def check_span(self, place: str, begin: float, end: float) -> None:
         """Refuse a run that the table does not cover."""
@@ -93,4 +91,4 @@ class TableShake(Shake):
         way = ("m", "m/s") if self.slides else ("rad", "rad/s")
         ends = [readable(place, way[0]), readable(speed, way[1])]
         drift = "" if self.of == "displacement" else f", ends at {' and '.join(ends)}"
-        return f"{self.way()}: table{where} of {self.of}, {len(self.time)} points{drift}"
+        return f"{self.way()}: table{where} of {self.of}, {len(self.time)} points{drift}{self.said_fade()}"

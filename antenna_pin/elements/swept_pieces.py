@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,13 +23,13 @@ class SweptPiece(NamedTuple):
     height: float  # amplitude of the displacement, velocity or acceleration
     power: int  # 0, 1 or 2
 
-    def omega(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the angular frequency at times [rad/s]."""
+    def omega(self, t: Any) -> Any:
+        """Return the angular frequency at a time, or at times [rad/s]."""
         s = t - self.start
         return self.begin * np.exp(self.growth * s) if self.octaves else self.begin + self.growth * s
 
-    def turned(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the phase at times [rad]."""
+    def turned(self, t: Any) -> Any:
+        """Return the phase at a time, or at times [rad]."""
         s = t - self.start
         if self.octaves and self.growth:
             return self.phase + self.begin * np.expm1(self.growth * s) / self.growth

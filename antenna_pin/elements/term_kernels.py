@@ -1,6 +1,7 @@
-"""References over time, compiled: sums of terms, each a value with its first two derivatives.
+"""Courses over time, compiled: sums of terms, each a value with its first two derivatives.
 
-Before its begin a term has the value that it begins with, and stands still.
+Motions, controllers, forces and a shaken base follow them. Before its begin a term has the value that it
+begins with, and stands still.
 """
 
 from __future__ import annotations
@@ -9,37 +10,52 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.elements.lines_kernels import lines
 from antenna_pin.records import layout, words_of
 
-#: A term: what it is, how many words it has in all, how many pieces (swings) follow, when it begins [s], how
-#: long it lasts or after what time it comes again [s] (0: never), its size, and numbers of its own.
+#: A term: what it is, how many words it has in all, how many pieces (swings, lanes of lines) follow, how
+#: many coefficients a piece has (the number of the first line), when it begins [s], how long it lasts or
+#: after what time it comes again [s] (0: never), its size, angular frequency and phase.
 TERM = layout(
     ("kind", "i8"),
     ("length", "i8"),
     ("count", "i8"),
+    ("powers", "i8"),
     ("begin", "f8"),
     ("span", "f8"),
     ("amount", "f8"),
-    ("first", "f8"),
-    ("second", "f8"),
+    ("omega", "f8"),
     ("phase", "f8"),
 )
 SIZE = words_of(TERM)
-#: Pieces of polynomials: behind the record the times between them (count + 1), then ``POWERS`` coefficients
+#: Pieces of polynomials: behind the record the times between them (count + 1), then ``powers`` coefficients
 #: of each piece from the constant on, of the time since its begin. Beyond the last time its end is held; with
 #: a span all comes again after it.
 PIECES = 0
-#: ``amount`` sin(``first`` t + ``phase``), first an angular frequency.
+#: ``amount`` sin(``omega`` t + ``phase``).
 SINE = 1
-#: A sine whose angular frequency goes from ``first`` by ``second`` a second, over ``span``, and then stays.
-CHIRP = 2
-#: One whose angular frequency goes from ``first`` by factors: times exp(``second`` t).
-SWEEP = 3
+#: A sine whose frequency is swept, in pieces: ``SWEPT_PIECE``.
+SWEPT = 2
 #: From 0 to ``amount`` over ``span``, as a point of a wheel that rolls on: t/T - sin(2 pi t/T) / 2 pi.
-CYCLOID = 4
+CYCLOID = 3
 #: ``count`` sines: behind the record amplitude, angular frequency and phase of each.
-SINES = 5
+SINES = 4
+#: Many sines at equal spacing in frequency, which come again after ``span``: ``lines_kernels``.
+LINES = 5
+#: Most coefficients of a piece.
 POWERS = 8
+#: From ``start`` on the angular frequency is ``begin`` exp(growth s), or, where ``octaves`` is 0, ``begin`` +
+#: growth s, s since then; the amplitude is ``height`` over the ``power`` of that frequency.
+SWEPT_PIECE = layout(
+    ("start", "f8"),
+    ("begin", "f8"),
+    ("growth", "f8"),
+    ("octaves", "i8"),
+    ("phase", "f8"),
+    ("height", "f8"),
+    ("power", "i8"),
+)
+_PIECE_SIZE = words_of(SWEPT_PIECE)
 
 
 @inlined
@@ -59,8 +75,8 @@ def _pieces(words: Any, at: int, term: Any, t: float) -> tuple[float, float, flo
         else:
             high = middle
     s -= words[times + low]
-    c = times + n + 1 + POWERS * low
-    for k in range(POWERS - 1, -1, -1):
+    c = times + n + 1 + term.powers * low
+    for k in range(term.powers - 1, -1, -1):
         acceleration = acceleration * s + 2.0 * rate
         rate = rate * s + value
         value = value * s + words[c + k]
@@ -70,29 +86,45 @@ def _pieces(words: Any, at: int, term: Any, t: float) -> tuple[float, float, flo
 
 
 @inlined
-def _swing(size: float, angle: float, omega: float, growth: float) -> tuple[float, float, float]:
-    """Return size times the sine of an angle with a rate and its own rate, and two derivatives."""
+def _swing(size: float, angle: float, omega: float) -> tuple[float, float, float]:
+    """Return size times the sine of an angle with a rate, and two derivatives."""
     sine, cosine = size * math.sin(angle), size * math.cos(angle)
-    return sine, omega * cosine, growth * cosine - omega * omega * sine
+    return sine, omega * cosine, -omega * omega * sine
 
 
 @inlined
-def _chirp(term: Any, t: float) -> tuple[float, float, float]:
-    s = t - term.begin
-    if s < 0.0:
-        return term.amount * math.sin(term.phase), 0.0, 0.0
-    own = min(s, term.span)
-    growth = term.second if s < term.span else 0.0
-    if term.kind == CHIRP:
-        omega = term.first + term.second * own
-        angle = (term.first + 0.5 * term.second * own) * own
-    else:
-        # (exp(g t) - 1) / g by expm1: right where g t is small.
-        omega = term.first * math.exp(term.second * own)
-        angle = term.first * math.expm1(term.second * own) / term.second
-        growth *= omega
-    angle += omega * (s - own) + term.phase
-    return _swing(term.amount, angle, omega, growth)
+def _turned(p: Any, s: float) -> tuple[float, float, float, float]:
+    """Phase since the piece's start, angular frequency and its first two derivatives, s after the start."""
+    if p.octaves == 0 or p.growth == 0.0:
+        return (p.begin + 0.5 * p.growth * s) * s, p.begin + p.growth * s, p.growth, 0.0
+    # (exp(g s) - 1) / g by expm1: right where g s is small.
+    grown = p.begin * math.expm1(p.growth * s)
+    omega = p.begin + grown
+    return grown / p.growth, omega, p.growth * omega, p.growth * p.growth * omega
+
+
+@inlined
+def _swept(words: Any, at: int, term: Any, t: float) -> tuple[float, float, float]:
+    own = at + SIZE
+    for _ in range(term.count - 1):
+        if t < words[own + _PIECE_SIZE]:
+            break
+        own += _PIECE_SIZE
+    p = record(words[own : own + _PIECE_SIZE], SWEPT_PIECE)
+    turned, omega, slope, bend = _turned(p, t - p.start)
+    # The amplitude D = height omega^-power with its derivatives.
+    size, first, second = p.height, 0.0, 0.0
+    if p.power > 0:
+        for _ in range(p.power):
+            size /= omega
+        grows = slope / omega
+        first = -p.power * size * grows
+        second = p.power * size * ((p.power + 1) * grows * grows - bend / omega)
+    sine, cosine = math.sin(turned + p.phase), math.cos(turned + p.phase)
+    x = size * sine
+    v = first * sine + size * omega * cosine
+    a = (second - size * omega * omega) * sine + (2.0 * first * omega + size * slope) * cosine
+    return x, v, a
 
 
 @inlined
@@ -121,15 +153,20 @@ def course(words: Any, at: int, end: int, t: float) -> tuple[float, float, float
         if term.kind == PIECES:
             a, b, c = _pieces(words, at, term, t)
         elif term.kind == SINE:
-            a, b, c = _swing(term.amount, term.first * t + term.phase, term.first, 0.0)
+            a, b, c = _swing(term.amount, term.omega * t + term.phase, term.omega)
         elif term.kind == CYCLOID:
             a, b, c = _cycloid(term, t)
         elif term.kind == SINES:
             for k in range(at + SIZE, at + SIZE + 3 * term.count, 3):
-                one = _swing(words[k], words[k + 1] * t + words[k + 2], words[k + 1], 0.0)
+                one = _swing(words[k], words[k + 1] * t + words[k + 2], words[k + 1])
                 a, b, c = a + one[0], b + one[1], c + one[2]
+        elif term.kind == LINES:
+            spacing, turns = 2.0 * math.pi / term.span, t / term.span
+            turned = 2.0 * math.pi * (turns - math.floor(turns))
+            a, b, c = lines(words, at + SIZE, term.count, term.powers, turned)
+            b, c = spacing * b, spacing * spacing * c
         else:
-            a, b, c = _chirp(term, t)
+            a, b, c = _swept(words, at, term, t)
         value += a
         rate += b
         acceleration += c

@@ -1,8 +1,13 @@
 """How the steps of a run are made: their pace, and the compiled loop of them."""
 
-from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
-from antenna_pin.engine.pace import Pace, Sizes
-from antenna_pin.engine.slopes import Slopes
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
+
+if TYPE_CHECKING:
+    from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
+    from antenna_pin.engine.pace import Pace, Sizes
+    from antenna_pin.engine.slopes import Slopes
 
 __all__ = [
     "Compiled",
@@ -12,3 +17,12 @@ __all__ = [
     "Slopes",
     "check_compiled",
 ]
+
+loaded_when_used(
+    __name__,
+    {
+        "compiled": "Compiled CompiledStepper check_compiled",
+        "pace": "Pace Sizes",
+        "slopes": "Slopes",
+    },
+)

@@ -1,5 +1,6 @@
 """Studies of the contact laws: what they do in an impact, side by side, and against a measured joint."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.law_studies.certificates import (
     RestitutionRow,
     closed_form_peak_depth,
@@ -56,3 +57,5 @@ __all__ = [
     "reproduce_table",
     "restitution_table",
 ]
+
+only_public(__name__)

@@ -1,5 +1,6 @@
 """Small motions about a state: linearisation, modes, frequency responses."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.linear.eigen import Eigen, Kind, solve
 from antenna_pin.linear.forces import ForceDerivatives
 from antenna_pin.linear.linearisation import Linearisation, linearise
@@ -29,3 +30,5 @@ __all__ = [
     "swing",
     "targets_of",
 ]
+
+only_public(__name__)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin._views import ModesRecorder, ResponsePlotter, View, as_html
 from antenna_pin.arguments import takes
 from antenna_pin.dynamics import BASE, System
 from antenna_pin.errors import InvalidParameterError
@@ -30,13 +33,16 @@ COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 
 _TAU = 2.0 * np.pi
 
-# Modes that are shown in a shell.
+# Modes that are shown in a shell, and the shell's screen.
 _SHOWN = 12
+_COLUMNS, _LINES = 80, 24
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Modes:
     """The modes of a mechanism about a state.
+
+    They show themselves: ``plot(source, targets)``, a frequency response, and ``record("modes.html")``.
 
     Attributes:
         data: Along ``mode``, in rising order of frequency: ``frequency`` and ``damped_modulus`` [Hz],
@@ -56,6 +62,9 @@ class Modes:
     linearisation: Linearisation
     notes: tuple[str, ...]
     scenario: Scenario | None = None
+
+    plot = View[ResponsePlotter]()
+    record = View[ModesRecorder]()
 
     @property
     def frequency(self) -> Array:
@@ -111,19 +120,20 @@ class Modes:
         attributes, table = self.data.attrs, self.data
         modes = table["mode"].values
         title = ", case ".join(str(attributes[key]) for key in ("title", "case") if attributes.get(key))
-        lines = [f"Modes of {title or 'a system built in Python'}, {len(modes)} in all"]
+        whose = f"Modes of {title or 'a system built in Python'}, {len(modes)} in all"
+        lines = wrap(whose, _COLUMNS, subsequent_indent="  ")
         lines.append(f"{'mode':>6}{'frequency [Hz]':>17}{'damping ratio':>16}  kind")
         rows = zip(modes, self.frequency, self.damping_ratio, table["kind"].values, strict=True)
         for mode, frequency, ratio, kind in list(rows)[:_SHOWN]:
             lines.append(f"{int(mode):>6}{number(frequency, 6):>17}{number(ratio, 4):>16}  {kind}")
         if len(modes) > _SHOWN:
             lines.append(f"and {len(modes) - _SHOWN} more: data[['frequency', 'damping_ratio', 'kind']]")
-        return "\n".join([*lines, *(f"note: {one}" for one in self.notes)])
+        notes = (wrap(f"note: {one}", _COLUMNS, subsequent_indent="  ") for one in self.notes)
+        return "\n".join([*lines, *itertools.chain(*notes)][:_LINES])
 
     def _repr_html_(self) -> str:
         """Show the table in a notebook."""
-        columns = ["frequency", "damping_ratio", "kind"]
-        return str(self.data[columns].to_dataframe()[columns].to_html())
+        return as_html(self)
 
 
 def _plain(values: ArrayLike) -> Any:

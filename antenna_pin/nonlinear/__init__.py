@@ -1,5 +1,6 @@
 """What motions come to: sections, diagrams, periodic solutions, their stability, and how neighbours part."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.nonlinear.carry import carried
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError, OutOfReachError
 from antenna_pin.nonlinear.continuation import Bifurcation, Branch, Family, Point, check_steps, continued
@@ -15,6 +16,7 @@ from antenna_pin.nonlinear.lyapunov import (
     lyapunov_spectrum,
     open_exponents,
 )
+from antenna_pin.nonlinear.on_section import orbits_in_section
 from antenna_pin.nonlinear.orbit_table import branch_table, open_branch, open_orbit, orbit_table
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, periodic_orbit
 from antenna_pin.nonlinear.plan import DiagramPlan, list_plans, load_plan, values_of
@@ -62,9 +64,12 @@ __all__ = [
     "open_exponents",
     "open_orbit",
     "orbit_table",
+    "orbits_in_section",
     "periodic_orbit",
     "poincare",
     "save_table",
     "section_of",
     "values_of",
 ]
+
+only_public(__name__)

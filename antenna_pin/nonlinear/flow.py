@@ -89,13 +89,18 @@ class Flow:
         system: The system; its drives may depend on time.
         settings: How to integrate; of runs that are differentiated a tolerance near round-off.
         events: What happens in runs besides contacts.
+        scenario: What the system was made from; None for one built in Python.
     """
 
     def __init__(
-        self, system: System, settings: RunSettings | None = None, events: Sequence[Event] = ()
+        self,
+        system: System,
+        settings: RunSettings | None = None,
+        events: Sequence[Event] = (),
+        scenario: Scenario | None = None,
     ) -> None:
         """Take the settings over, without samples."""
-        self.system = system
+        self.system, self.scenario = system, scenario
         used = settings or RunSettings(rtol=_RTOL)
         self._settings, self._events = used, tuple(events)
 
@@ -307,5 +312,5 @@ def flow_of(
             rtol = min(own.rtol, _RTOL) if own.method == "dormand-prince-853" else _RTOL
         settings = dataclasses.replace(own, accuracy=None, method="dormand-prince-853", rtol=rtol)
     q, v = initial_state(scenario, system)
-    flow = Flow(system, settings, events_of(scenario))
+    flow = Flow(system, settings, events_of(scenario), scenario)
     return flow, flow.first(q, v, initial_angles(scenario, system))

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin._views import Plotter, Reporter, View, as_html
 from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
+from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow, Tangent
 from antenna_pin.nonlinear.frames import own_state
+from antenna_pin.scenario import Scenario
 from antenna_pin.state import State
 
 __all__ = ["NoOrbitError", "Orbit", "moving", "near_enough", "orbit_at", "periodic_orbit"]
@@ -62,6 +65,10 @@ class Orbit:
         free_period: Whether the period was found too: of a system that does not depend on time; one
             multiplier is 1 then, of the way along the orbit.
         onsets: Contacts that begin in a period, and events that happen, changes of mode among them.
+        system: Of the flow, which names the numbers.
+        scenario: Of the mechanism; None for a system built in Python.
+
+    It shows itself: ``plot()``, its multipliers, and ``report("orbit.html")``.
     """
 
     __repr__ = brief
@@ -77,6 +84,11 @@ class Orbit:
     tangent: Array
     free_period: bool
     onsets: tuple[int, int]
+    system: System | None = field(default=None, repr=False)
+    scenario: Scenario | None = field(default=None, repr=False)
+
+    plot = View[Plotter]()
+    report = View[Reporter]()
 
     @property
     def stable(self) -> bool | None:
@@ -93,6 +105,10 @@ class Orbit:
         """Floquet exponents, the real parts of the multipliers' logarithms over the period, (n,) [1/s]."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(np.abs(self.multipliers)) / self.period)
+
+    def _repr_html_(self) -> str:
+        """Show it in a notebook."""
+        return as_html(self)
 
 
 def moving(chart: Chart, matrix: Array, free_period: bool = False) -> NDArray[np.bool_]:
@@ -244,6 +260,8 @@ def orbit_at(flow: Flow, start: State, period: float, residual: float, count: in
         tangent=np.asarray(tangent.matrix),
         free_period=free,
         onsets=(way.onsets, way.events),
+        system=flow.system,
+        scenario=flow.scenario,
     )
 
 

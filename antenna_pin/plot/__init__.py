@@ -20,15 +20,23 @@ if TYPE_CHECKING:
     from antenna_pin.plot.audit import figure_energy, figure_momentum
     from antenna_pin.plot.base import BASE_QUANTITIES, figure_base, figure_joints
     from antenna_pin.plot.bodies import BODY_QUANTITIES, figure_body
+    from antenna_pin.plot.bore import figure_bore_load
     from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_figure
-    from antenna_pin.plot.closures import figure_closure_forces, figure_coupling_torques, figure_drive_efforts
+    from antenna_pin.plot.closures import (
+        figure_applied_forces,
+        figure_closure_forces,
+        figure_coupling_torques,
+        figure_drive_efforts,
+    )
     from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
+    from antenna_pin.plot.control import figure_control
     from antenna_pin.plot.eccentricity import figure_eccentricity
     from antenna_pin.plot.elastic import figure_deflection
     from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
     from antenna_pin.plot.exponents import figure_exponents
     from antenna_pin.plot.files import (
         FORMATS,
+        check_one_mechanism,
         folder_for_figures,
         processes_to_draw,
         rendered,
@@ -38,9 +46,10 @@ if TYPE_CHECKING:
     from antenna_pin.plot.forces import figure_contact_forces
     from antenna_pin.plot.gears import figure_gears
     from antenna_pin.plot.hysteresis import figure_hysteresis
+    from antenna_pin.plot.joint import figure_joint
     from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
     from antenna_pin.plot.motion import QUANTITIES, figure_motion
-    from antenna_pin.plot.orbit import figure_bore_load, figure_orbit
+    from antenna_pin.plot.orbit import figure_orbit
     from antenna_pin.plot.papers import (
         ATTRACTORS,
         PAPERS,
@@ -90,12 +99,15 @@ __all__ = [
     "RunFigure",
     "StudyFigure",
     "allowed_figures",
+    "check_one_mechanism",
     "figure_bifurcation",
+    "figure_applied_forces",
     "figure_base",
     "figure_body",
     "figure_bore_load",
     "figure_branch",
     "figure_closure_forces",
+    "figure_control",
     "figure_coupling_torques",
     "figure_contact_forces",
     "figure_contact_width",
@@ -108,6 +120,7 @@ __all__ = [
     "figure_experiment",
     "figure_exponents",
     "figure_force_curves",
+    "figure_joint",
     "figure_joint_load",
     "figure_joints",
     "figure_momentum",
@@ -153,18 +166,26 @@ loaded_when_used(
         "base": "BASE_QUANTITIES figure_base figure_joints",
         "bodies": "BODY_QUANTITIES figure_body",
         "catalogue": "CATALOGUE Allowed allowed_figures run_figure",
-        "closures": "figure_closure_forces figure_coupling_torques figure_drive_efforts",
+        "closures": (
+            "figure_applied_forces figure_closure_forces figure_coupling_torques figure_drive_efforts"
+        ),
+        "control": "figure_control",
         "contact": "figure_force_curves figure_restitution save_contact_figures",
         "eccentricity": "figure_eccentricity",
         "elastic": "figure_deflection",
         "hysteresis": "figure_hysteresis",
         "experiment": "figure_contact_width figure_experiment figures_of_experiment",
         "exponents": "figure_exponents",
-        "files": "FORMATS folder_for_figures processes_to_draw rendered save_figure save_figures",
+        "files": (
+            "FORMATS check_one_mechanism folder_for_figures processes_to_draw rendered save_figure "
+            "save_figures"
+        ),
         "forces": "figure_contact_forces",
+        "joint": "figure_joint",
         "loads": "figure_joint_load figure_steady_force",
         "motion": "QUANTITIES figure_motion",
-        "orbit": "figure_bore_load figure_orbit",
+        "bore": "figure_bore_load",
+        "orbit": "figure_orbit",
         "papers": ("ATTRACTORS PAPERS AttractorFigure Diagram DiagramFigure PaperFigure paper_figures"),
         "periodic": "figure_branch figure_multipliers",
         "phase": "figure_phase",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,10 @@ from antenna_pin.plot._style import (
     prefixed,
 )
 
+#: Share of a panel's height within which lines cannot be told apart [-].
+COINCIDE = 0.01
+# More rows than these are folded into half as many: panels that are lower, and twice as many in a row.
+_TALL = 4
 # Windows between whose spikes a size is looked for, and samples in each.
 _WINDOWS, _IN_WINDOW = 50, 41
 
@@ -126,6 +130,42 @@ def above_round_off(panels: Sequence[Panel], runs: Iterable[LabelledRun]) -> tup
     return shown, f"zero to round-off: {', '.join(left)}" if left else ""
 
 
+def with_differences(panels: Sequence[Panel]) -> list[Panel]:
+    """Return panels, each whose lines all coincide followed by one of what the others are less the first.
+
+    Lines coincide that a line's width covers: a hundredth of the height. Between its samples the first is
+    straight, for across impacts no curve is better.
+    """
+    found: list[Panel] = []
+    for panel in panels:
+        found.append(panel)
+        apart = _less_the_first(panel)
+        if apart is not None:
+            found.append(apart)
+    return found
+
+
+def _less_the_first(panel: Panel) -> Panel | None:
+    """Return what the lines of a panel are less its first one; None where they can be told apart."""
+    if panel.apart or len(panel.curves) < 2:
+        return None
+    first, *others = panel.curves
+    less = [replace(one, value=less_another(one, first)) for one in others]
+    values = np.concatenate([one.value[np.isfinite(one.value)] for one in panel.curves])
+    seen = COINCIDE * float(np.ptp(values)) if values.size else 0.0
+    sizes = [_largest(one) for one in less]
+    if not 0.0 < max(sizes) < seen:
+        return None
+    title = f"{panel.title}: less that of {first.label}"
+    return Panel(title, "difference", panel.unit, less, True)
+
+
+def less_another(one: Curve, first: Curve) -> Array:
+    """Return a line less another, at its own instants; NaN while the other does not last."""
+    own, index = np.unique(first.time, return_index=True)
+    return np.asarray(one.value - np.interp(one.time, own, first.value[index], left=np.nan, right=np.nan))
+
+
 def _largest(curve: Curve) -> float:
     return float(np.nanmax(np.abs(curve.value), initial=0.0))
 
@@ -136,12 +176,14 @@ def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: 
     Args:
         panels: What to draw.
         width: Named width.
-        columns: Panels in a row of a page; a column of print has one.
+        columns: Panels in a row of a page; a column of print has one. Of more than four rows twice as many.
         spikes: Whether scales are linear as far as the smooth lines reach, and logarithmic beyond.
     """
     columns = columns if width == "page" else 1
+    small = -(-len(panels) // columns) > _TALL
+    columns = 2 * columns if small else columns
     rows = -(-len(panels) // columns)
-    figure = new_figure(width, 12.0 + 42.0 * rows)
+    figure = new_figure(width, 12.0 + (34.0 if small else 42.0) * rows)
     grid = figure.add_gridspec(rows, columns)
     overall = max((panel.largest for panel in panels if not panel.apart), default=0.0)
     # A last panel across its row has a time axis of its own scale: those above it need their label, too.
@@ -152,27 +194,29 @@ def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: 
         alone = number == len(panels) - 1 and number % columns == 0
         axes = figure.add_subplot(grid[number // columns, :] if alone else grid[divmod(number, columns)])
         drawn.append(axes)
-        _draw(axes, panel, overall, spikes)
-        panel_title(axes, letter if len(panels) > 1 else "", panel.title)
-        if number // columns >= labelled_rows:
+        _draw(axes, panel, overall, spikes, small)
+        title = textwrap.fill(panel.title, 19, initial_indent="(a) ")[4:] if small else panel.title
+        panel_title(axes, letter if len(panels) > 1 else "", title)
+        if number // columns >= labelled_rows or number + columns >= len(panels):
             axes.set_xlabel("time [s]")
     figure.align_ylabels()
     legend_above(figure, drawn)
     return figure
 
 
-def _draw(axes: Axes, panel: Panel, overall: float, spikes: bool) -> None:
+def _draw(axes: Axes, panel: Panel, overall: float, spikes: bool, small: bool) -> None:
     """Draw a panel; those of one vector share their unit where their sizes are comparable."""
     alone = panel.apart or panel.largest < 1e-2 * overall
     factor, printed = prefixed(panel.unit, panel.largest if alone else overall)
     for curve in panel.curves:
         many = curve.many or curve.time.size > MANY
         axes.plot(curve.time, factor * curve.value, label=curve.label, rasterized=many, **curve.style)
-    label = literal(textwrap.fill(f"{panel.label} [{printed}]", 22))  # as long as a panel is high
+    # As long as a panel is high; of many small ones the titles say what they show.
+    label = f"[{printed}]" if small else literal(textwrap.fill(f"{panel.label} [{printed}]", 22))
     limit = linear_then_log([axes], factor * panel.core, factor * panel.largest) if spikes else None
     if limit is not None:
         label += f"\nlinear to ±{limit:g}"
         if all(np.nanmin(curve.value, initial=0.0) >= 0.0 for curve in panel.curves):
             axes.set_ylim(bottom=0.0)
     axes.set_ylabel(label)
-    few_ticks(axes, 6)
+    few_ticks(axes, 4 if small else 6, 4 if small else 5)

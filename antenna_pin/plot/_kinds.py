@@ -6,21 +6,28 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from antenna_pin.analysis import gears_of, shakes_of, stops_and_latches
+import numpy as np
+
+from antenna_pin.analysis import gears_of, is_round_off, shakes_of, stops_and_latches
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._runs import LabelledRun, long_enough
+from antenna_pin.trajectory import names_along
 
 __all__ = [
     "CLOSED",
+    "CONTROLLED",
     "COUPLED",
     "FLEXIBLE",
+    "FORCED",
     "FREE_BASE",
+    "GEARED",
+    "GUIDED",
     "LOOPED",
     "MOVING",
+    "PLAYLESS",
     "POINTED",
     "PRESCRIBED",
     "RANDOM",
-    "SEVERAL_JOINTS",
     "SHAKEN",
     "SLIDING",
     "STOPPED",
@@ -33,7 +40,12 @@ __all__ = [
     "choose_joint",
     "joints_of",
     "none_with",
+    "wanted_joints",
 ]
+
+
+# Samples at which a joint is looked at to tell whether it moves.
+_LOOKS = 500
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +56,15 @@ class JointKind:
         noun: What one is called in a refusal.
         words: What a run must have, after "with".
         names: Finds those of one run.
+        play: Whether figures are of those with play, where there is any; else they are of the others, each.
+        asked: Whether of mechanisms without play they are drawn only where they are asked for.
     """
 
     noun: str
     words: str
     names: Callable[[LabelledRun], list[str]]
+    play: bool = True
+    asked: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +99,27 @@ def _with_play(run: LabelledRun) -> list[str]:
     return list(dict.fromkeys([*run.clearance_joints, *_described(run, "clearance")]))
 
 
-TURNING = JointKind("joint", "a joint that turns about an axis", lambda run: run.joints)
-SLIDING = JointKind("sliding joint", "a joint that slides along its axis", lambda run: run.sliding_joints)
+def _moves(run: LabelledRun, joint: str) -> bool:
+    """Whether a joint's angle or position changes, by more than round-off."""
+    for dim, variable, unit in (("joint", "motion_angle", "rad"), ("sliding_joint", "slide_position", "m")):
+        if joint in names_along(run.data, dim) and variable in run.data:
+            some = run.data[variable].isel(time=slice(None, None, max(1, run.time.size // _LOOKS)))
+            way = float(np.ptp(some.sel({dim: joint}).values))
+            return way > 0.0 and not is_round_off(way, unit, {"rad": 1.0, "m": 1.0})
+    return False
+
+
+TURNING = JointKind("joint", "a joint that turns about an axis", lambda run: run.joints, asked=True)
+SLIDING = JointKind(
+    "sliding joint", "a joint that slides along its axis", lambda run: run.sliding_joints, asked=True
+)
+GUIDED = JointKind("joint", "a joint that turns or slides", lambda run: [*run.joints, *run.sliding_joints])
+PLAYLESS = JointKind(
+    "joint",
+    "a joint without play that moves",
+    lambda run: [name for name in GUIDED.names(run) if _moves(run, name)],
+    play=False,
+)
 TOUCHING = JointKind("joint with clearance", "contact in a joint", lambda run: run.clearance_joints)
 MOVING = JointKind(
     "joint", "a joint that moves", lambda run: [*run.joints, *run.sliding_joints, *_with_play(run)]
@@ -104,6 +139,10 @@ TRACED = RunKind(
 PRESCRIBED = RunKind("a prescribed motion", lambda run: "motion" in run.data.sizes)
 GEARED = RunKind("a gear, a belt or a cable", lambda run: bool(gears_of(run.data)))
 STOPPED = RunKind("an end stop or a latch", lambda run: any(stops_and_latches(run.data)))
+CONTROLLED = RunKind("a controller", lambda run: "tick_signal" in run.data or "control_reference" in run.data)
+FORCED = RunKind(
+    "a force on a link", lambda run: "force_place" in run.data.sizes and "applied_force" in run.data
+)
 SHAKEN = RunKind("a shaken base", lambda run: bool(shakes_of(run.data)))
 SWEPT = RunKind("a base that is swept through frequencies", lambda run: _sweeps(run))
 RANDOM = RunKind(
@@ -111,7 +150,6 @@ RANDOM = RunKind(
     lambda run: any("density" in one["shakes"] for one in shakes_of(run.data).values()),
 )
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
-SEVERAL_JOINTS = RunKind("two joints that turn or more", lambda run: len(run.joints) > 1)
 POINTED = RunKind("a scenario that says what looks where", lambda run: bool(_described(run, "pointing")))
 
 
@@ -128,15 +166,27 @@ def none_with(kind: JointKind | RunKind, runs: Sequence[LabelledRun]) -> Invalid
 def joints_of(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
     """Return the joints of a kind that runs are about.
 
-    Those with clearance in one of the runs; of ideal runs those whose clearance the scenario describes; of
+    Of a kind without play all that have none in any of the runs. Of another one those with clearance in one
+    of the runs; of ideal runs those whose clearance the scenario describes; of
     other runs the first of the kind. None if there is none of the kind.
     """
     known = _names(kind, runs)
+    if not kind.play:
+        play_in = {name for run in runs for name in _with_play(run)}
+        return [name for name in known if name not in play_in]
     for play in (lambda run: run.clearance_joints, _with_play):
         found = [name for name in dict.fromkeys(n for run in runs for n in play(run)) if name in known]
         if found:
             return found
     return known[:1]
+
+
+def wanted_joints(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
+    """Return the joints of a kind that have figures where none is asked for by name."""
+    found = joints_of(kind, runs)
+    if kind.asked and not any(name in _with_play(run) for run in runs for name in found):
+        return []
+    return found
 
 
 def choose_joint(kind: JointKind, runs: Sequence[LabelledRun], joint: str | None) -> str:

@@ -3,21 +3,36 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from antenna_pin.analysis import LONG, beside, resampled
+from antenna_pin.plot._compared import COINCIDE
 from antenna_pin.plot._kinds import SLIDING, JointKind
 from antenna_pin.plot._runs import LabelledRun
-from antenna_pin.plot._style import COLOURS, Array
+from antenna_pin.plot._style import Array, distinct
 from antenna_pin.plot._thinned import Columns
 
-__all__ = ["MotionCurve", "MotionQuantity", "Span", "curves_of", "drawn_columns", "from_rest", "zoom_of"]
+__all__ = [
+    "MotionCurve",
+    "MotionQuantity",
+    "Span",
+    "curves_of",
+    "drawn_columns",
+    "from_rest",
+    "less_the_first",
+    "seen_from_near_only",
+    "zoom_of",
+]
 
 Span = tuple[float, float]
+
+# Share of the height from which on a deviation is seen without a close view [-].
+_SEEN = 0.05
 
 
 class MotionQuantity(NamedTuple):
@@ -46,7 +61,7 @@ class MotionCurve:
     value: Array
     deviation: Array | None
     is_ideal: bool
-    colour: str
+    look: dict[str, Any]  # colour and dashes; the ideal run has its own
     spacing: float  # the run's commonest one of samples [s]
     many: bool = False
     linewidth: float = 1.0
@@ -57,13 +72,13 @@ def curves_of(
 ) -> list[MotionCurve]:
     """Return what is to be drawn, the ideal run last so that it lies on top."""
     curves: list[MotionCurve] = []
-    colours = iter(COLOURS * (1 + len(runs) // len(COLOURS)))
+    numbers = itertools.count()
     for run in runs:
         if joint not in what.of.names(run):
             continue
         is_ideal = _is(run, reference)
         value = run.values(what.variable, **{what.dim: joint})
-        colour = "black" if is_ideal else next(colours)
+        look = {} if is_ideal else distinct(next(numbers))
         curves.append(
             MotionCurve(
                 run.legend if is_ideal else run.label,
@@ -71,7 +86,7 @@ def curves_of(
                 value,
                 _deviation(run, value, reference, joint, what),
                 is_ideal,
-                colour,
+                look,
                 # Of a long run that of its first samples.
                 float(np.median(np.diff(run.whole.time[:LONG]))),
                 run.many,
@@ -141,6 +156,38 @@ def zoom_of(curves: Sequence[MotionCurve], what: MotionQuantity) -> Span | None:
     # The close view keeps its width at the ends of the span.
     centre = min(max(float(curve.time[at]), start + half), end - half)
     return centre - half, centre + half
+
+
+def seen_from_near_only(curves: Sequence[MotionCurve]) -> bool:
+    """Whether the largest deviation is less than a twentieth of the height: a close view tells more."""
+    spread = _spread(curves)
+    if spread is None:
+        return False
+    values = [curve.value[np.isfinite(curve.value)] for curve in curves]
+    height = max(float(v.max()) for v in values) - min(float(v.min()) for v in values)
+    return float(np.nanmax(np.abs(spread[1]), initial=0.0)) < _SEEN * height
+
+
+def less_the_first(curves: Sequence[MotionCurve]) -> tuple[str, list[MotionCurve]]:
+    """Return runs with play less the first of them, and its name; none where they can be told apart.
+
+    They are told apart by their deviations from the ideal run where there is one.
+    """
+    others = [curve for curve in curves if not curve.is_ideal]
+    if len(others) < 2:
+        return "", []
+    values = [curve.value if curve.deviation is None else curve.deviation for curve in others]
+    height = max(float(np.ptp(v[np.isfinite(v)])) if np.isfinite(v).any() else 0.0 for v in values)
+    first, *rest = others
+    own, index = np.unique(first.time, return_index=True)
+    less = [
+        dataclasses.replace(
+            one, value=one.value - np.interp(one.time, own, first.value[index], left=np.nan, right=np.nan)
+        )
+        for one in rest
+    ]
+    largest = max(float(np.nanmax(np.abs(one.value), initial=0.0)) for one in less)
+    return first.label, less if 0.0 < largest < COINCIDE * height else []
 
 
 def _spread(curves: Sequence[MotionCurve]) -> tuple[MotionCurve, Array] | None:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.analysis import between_samples
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.plot._style import COLOURS, IDEAL, MANY, Array
-from antenna_pin.trajectory import contacts_of, names_along, series
+from antenna_pin.plot._style import IDEAL, MANY, Array, distinct
+from antenna_pin.trajectory import contacts_of, elements_of, names_along, series
 
 
 class Recorded(Protocol):
@@ -59,8 +59,8 @@ class LabelledRun:
 
     @property
     def ideal(self) -> bool:
-        """True where no joint has contact, so the run is the one that others are compared with."""
-        return self.data.sizes.get("contact", 0) == 0
+        """True where neither a joint nor a gear has play, so the run is one that others are compared with."""
+        return self.data.sizes.get("contact", 0) == 0 and not _backlash(self.data)
 
     @property
     def legend(self) -> str:
@@ -106,6 +106,12 @@ class LabelledRun:
     def unit(self, name: str, default: str) -> str:
         """Return the unit of a variable."""
         return str(self.data[name].attrs.get("units", default)) if name in self.data else default
+
+
+def _backlash(data: xr.Dataset) -> bool:
+    """Whether a gear has play: where flanks touch is not one deflection."""
+    gears = [one["numbers"] for place, one in elements_of(data).items() if place.startswith("gears.")]
+    return any(one["plus"] > one["minus"] for one in gears if {"plus", "minus"} <= set(one))
 
 
 def samples_of(run: Run) -> xr.Dataset:
@@ -186,8 +192,8 @@ def smooth(run: LabelledRun, joint: str) -> LabelledRun:
 
 def styles(runs: Sequence[LabelledRun], reference: LabelledRun | None) -> list[dict[str, Any]]:
     """Return how each run's line looks: the reference black and dashed, the others in the palette's order."""
-    palette = itertools.cycle(COLOURS)
-    return [IDEAL if run is reference else {"color": next(palette), "linewidth": 0.7} for run in runs]
+    numbers = itertools.count()
+    return [IDEAL if run is reference else {**distinct(next(numbers)), "linewidth": 0.7} for run in runs]
 
 
 def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str) -> str:

@@ -15,7 +15,16 @@ from matplotlib.ticker import NullLocator
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import Array, literal, prefixed
 
-__all__ = ["Quantity", "broken", "cell_edges", "label_axis", "left_out", "names_of", "quantity_of"]
+__all__ = [
+    "Quantity",
+    "broken",
+    "cell_edges",
+    "is_spaced_by_factors",
+    "label_axis",
+    "left_out",
+    "names_of",
+    "quantity_of",
+]
 
 # Values of a parameter that its axis has room for.
 _MOST_TICKS = 7

@@ -85,11 +85,21 @@ RC: Any = {  # Any: the stubs want one literal type for every setting
     "svg.fonttype": "none",
     "svg.hashsalt": "antenna_pin",  # the same figure gives the same file
     "path.simplify": True,
+    "path.simplify_threshold": 0.3,  # in vector files points: a tenth of a millimetre
     "agg.path.chunksize": 20000,
 }
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+# Every sixth line has a colour that there is already: dashes tell it apart. Even ones are the ideal run's.
+_DASHES: tuple[Any, ...] = ("-", (0, (6, 1, 1, 1)), (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
+
+
+def distinct(number: int) -> dict[str, Any]:
+    """Return colour and dashes of the line of a number, from 0 on: of 24 no two look alike."""
+    turn, place = divmod(number, len(COLOURS))
+    return {"color": COLOURS[place], "linestyle": _DASHES[turn % len(_DASHES)]}
 
 
 def styled(function: Callable[P, R]) -> Callable[P, R]:
@@ -161,38 +171,6 @@ def new_figure(width: str, height: float) -> Picture:
     return figure
 
 
-def blocks(
-    runs: int, shared: Sequence[bool], width: str, height: float
-) -> tuple[Figure, list[list[Axes]], dict[Axes, str]]:
-    """Return a figure with one column of panels per run, in blocks of as many columns as the width takes.
-
-    Args:
-        runs: Number of runs.
-        shared: For each row of panels, whether all runs have the same value axis.
-        width: Named width.
-        height: Height of one panel with its labels [mm].
-
-    Returns:
-        The figure, its panels by row and run, and their letters in reading order.
-    """
-    columns = min(runs, 3 if width == "page" else 1)
-    stacked = -(-runs // columns)
-    rows = len(shared)
-    figure = new_figure(width, 12.0 + height * rows * stacked)
-    grid = figure.add_gridspec(rows * stacked, columns)
-    panels: list[list[Axes]] = []
-    for row, same in enumerate(shared):
-        line: list[Axes] = []
-        for run in range(runs):
-            place = grid[(run // columns) * rows + row, run % columns]
-            line.append(figure.add_subplot(place, sharey=line[0] if line and same else None))
-            line[-1].tick_params(labelleft=run % columns == 0 or not same)
-        panels.append(line)
-    every = [axes for line in panels for axes in line]
-    every.sort(key=lambda axes: axes.get_subplotspec().num1)  # type: ignore[union-attr]
-    return figure, panels, dict(zip(every, letters(), strict=False))
-
-
 def letters() -> Iterator[str]:
     """Yield the letters of panels: a to z, then aa, ab, and so on."""
     for size in itertools.count(1):
@@ -223,6 +201,7 @@ def legend_above(figure: Figure, panels: Iterable[Axes], formulas: bool = False)
         list(entries) if formulas else [literal(label) for label in entries],
         loc="outside upper center",
         ncols=-(-len(entries) // rows),  # rows of equal length
+        markerscale=2.0,  # dots in panels are small
     )
 
 
@@ -242,7 +221,17 @@ def panel_title(axes: Axes, letter: str, text: str) -> None:
     axes.set_title(rf"$\bf{{({letter})}}$ {plain}" if letter else plain)
 
 
-# --- units ---
+# --- units and names ---
+
+
+def parameter_words(key: str) -> str:
+    """Return what a key of a scenario is called by people: "radial clearance of pin"."""
+    table, *rest = key.split(".")
+    if not rest:
+        return table.replace("_", " ")
+    last = rest[-1].replace("_", " ")
+    return f"{last} of {rest[0].replace('_', ' ')}" if len(rest) > 1 else last
+
 
 _PREFIXES = (
     (1e6, "M"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
@@ -13,6 +14,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from antenna_pin.arguments import takes
 from antenna_pin.plot._kinds import FREE_BASE, none_with
+from antenna_pin.plot._layout import blocks, without_empty
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, too_short
 from antenna_pin.plot._style import (
@@ -20,7 +22,7 @@ from antenna_pin.plot._style import (
     IDEAL,
     Array,
     Width,
-    blocks,
+    distinct,
     few_ticks,
     footnote,
     legend_above,
@@ -72,6 +74,7 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
     drawn = [thinned(run, _ledger) for run in every if run.time.size > 1]
     figure, grid, letter = blocks(len(drawn), [True] * 3, width, 38.0)
     titles = ("energy", "losses", "largest error so far")
+    none: dict[str, list[str]] = {}
     for row, parts in enumerate((_STORED, _LOST)):
         books = [{entry[0]: _total(run, entry[0]) for entry in parts} for run in drawn]
         for book in books:
@@ -80,23 +83,23 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
         largest = max(float(np.nanmax(np.abs(v), initial=0.0)) for book in books for v in book.values())
         factor, printed = prefixed("J", largest)
         for axes, run, book in zip(grid[row], drawn, books, strict=True):
+            if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+                axes.set_ylabel(f"energy [{printed}]")
             for name, label, colour in parts:
                 if np.any(book[name]):
                     style = {**IDEAL, "zorder": 3} if colour == "black" else {"color": colour}
                     axes.plot(run.time, factor * book[name], label=label, **style)
             if not any(np.any(v) for v in book.values()):
-                axes.axhline(0.0, color="#999999", linewidth=0.6)
-                axes.text(0.5, 0.6, "none", transform=axes.transAxes, ha="center")
+                none.setdefault(titles[row], []).append(run.label)
+                continue
             axes.set_xlim(run.time[0], run.time[-1])
-            if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
-                axes.set_ylabel(f"energy [{printed}]")
             few_ticks(axes, 5)
     for axes, run in zip(grid[2], drawn, strict=True):
         # A run without drives has its largest energy as the measure.
         gross = sum(float(_total(run, name)[-1]) for name in ("drive_gross_work", "force_gross_work"))
         reference = gross if gross > 0.0 else float(np.nanmax(_total(run, "kinetic_energy"), initial=0.0))
         error = np.abs(run.values("energy_error")) / (reference or 1.0)
-        _log_line(axes, run, error, COLOURS[0], "")
+        _log_line(axes, run, error, {"linewidth": 0.7, "color": COLOURS[0]}, "")
         if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
             axes.set_ylabel("error / gross work [-]" if gross > 0.0 else "error / largest energy [-]")
         axes.set_xlabel("time [s]")
@@ -104,10 +107,12 @@ def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure
     _share_decades(grid[2])
     for panels, title in zip(grid, titles, strict=True):
         for axes, run in zip(panels, drawn, strict=True):
-            panel_title(axes, letter[axes], f"{run.label}, {title}")
+            if axes.lines:
+                panel_title(axes, letter[axes], f"{run.label}, {title}")
+    without_empty(figure)
     figure.align_ylabels()
     legend_above(figure, figure.axes)
-    footnote(figure, too_short(every))
+    footnote(figure, *(f"no {what}: {', '.join(names)}" for what, names in none.items()), too_short(every))
     return figure
 
 
@@ -134,11 +139,11 @@ def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figu
     figure = new_figure(width, 66.0 if page else 110.0)
     panels = figure.subplots(1 if page else 2, 2 if page else 1, sharey=True, squeeze=False).ravel()
     for letter, axes, (name, scale_name) in zip("ab", panels, _MOMENTA, strict=True):
-        for run, colour in zip(drawn, _colours(drawn), strict=True):
+        for run, look in zip(drawn, _looks(drawn), strict=True):
             momentum = _kept(run, name)
             scale = float(np.nanmax(run.values(scale_name), initial=0.0))
             drift = np.linalg.norm(momentum - momentum[0], axis=1) / (scale or 1.0)
-            _log_line(axes, run, drift, colour, run.legend)
+            _log_line(axes, run, drift, look, run.legend)
         panel_title(axes, letter, name.replace("_", " "))
         axes.set_xlabel("time [s]")
         few_ticks(axes, 6)
@@ -189,9 +194,8 @@ def _total(run: LabelledRun, name: str) -> Array:
     return values if values.ndim == 1 else np.asarray(values.sum(axis=1), dtype=float)
 
 
-def _log_line(axes: Axes, run: LabelledRun, value: Array, colour: str, label: str) -> None:
+def _log_line(axes: Axes, run: LabelledRun, value: Array, style: dict[str, Any], label: str) -> None:
     """Draw the largest of the values so far on a logarithmic scale; exact zeros lie on its floor."""
-    style: dict[str, Any] = IDEAL if colour == "black" else {"linewidth": 0.7, "color": colour}
     many = run.many
     so_far = np.fmax.accumulate(np.maximum(value, _FLOOR))
     axes.plot(run.time, so_far, label=label or None, rasterized=many, **style)
@@ -212,10 +216,10 @@ def _share_decades(panels: list[Axes]) -> None:
         axes.yaxis.set_minor_locator(NullLocator())
 
 
-def _colours(runs: list[LabelledRun]) -> list[str]:
-    """Return black for ideal runs and the palette for the others."""
-    palette = iter(COLOURS * (1 + len(runs) // len(COLOURS)))
-    return ["black" if run.ideal else next(palette) for run in runs]
+def _looks(runs: list[LabelledRun]) -> list[dict[str, Any]]:
+    """Return the look of each run's line: that of ideal runs for all that are."""
+    numbers = itertools.count()
+    return [IDEAL if run.ideal else {**distinct(next(numbers)), "linewidth": 0.7} for run in runs]
 
 
 FIGURES = (

@@ -16,8 +16,8 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis import base_motion, deviation_over_time
 from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
-from antenna_pin.plot._kinds import FREE_BASE, SEVERAL_JOINTS, none_with
+from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure, with_differences
+from antenna_pin.plot._kinds import FREE_BASE, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Array, Width, footnote, styled
@@ -111,6 +111,8 @@ def figure_base(
         ]
         title = "size of the deviation from the ideal run"
         panels.append(Panel(title, "deviation", _UNITS[quantity], curves, True))
+    else:
+        panels = with_differences(panels)
     panels, zero = above_round_off(panels, drawn)
     figure = panels_figure(panels, width, 2, spikes=quantity.endswith("acceleration"))
     footnote(
@@ -189,8 +191,9 @@ def figure_joints(
         ]
         if curves:
             panels.append(Panel(f"{words}: deviation", "deviation", unit, curves, True))
-    panels, zero = above_round_off(panels, drawn)
-    figure = panels_figure(panels, width, 2 if apart else 1, spikes=quantity == "acceleration")
+    panels, zero = above_round_off(panels if apart else with_differences(panels), drawn)
+    paired = any(panel.apart for panel in panels)
+    figure = panels_figure(panels, width, 2 if paired else 1, spikes=quantity == "acceleration")
     footnote(figure, "deviation: from the ideal run" if apart else "", zero, too_short(every))
     return figure
 
@@ -252,9 +255,7 @@ FIGURES = tuple(
         title=f"{quantity.capitalize()} of all joints",
         function=figure_joints,
         options={"quantity": quantity},
-        # What impacts do to joints without play is in their accelerations, not in figures of the one with it.
-        standard=quantity == "acceleration",
-        needs=SEVERAL_JOINTS if quantity == "acceleration" else None,
+        standard=False,
         reported=False,
     )
     for quantity in QUANTITIES

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from antenna_pin.analysis import body_deviation, body_motion, moved_body
 from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, UnknownNameError
-from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
+from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure, with_differences
 from antenna_pin.plot._kinds import LOOPED, MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, styles, too_short, with_reference
@@ -81,8 +81,9 @@ def figure_body(
         if curves:
             title = f"deviation along {component} from the ideal run"
             panels.append(Panel(title, "deviation", _UNITS[quantity], curves, True))
-    panels, zero = above_round_off(panels, drawn)
-    figure = panels_figure(panels, width, 2 if apart else 1, spikes=quantity == "acceleration")
+    panels, zero = above_round_off(panels if apart else with_differences(panels), drawn)
+    paired = any(panel.apart for panel in panels)
+    figure = panels_figure(panels, width, 2 if paired else 1, spikes=quantity == "acceleration")
     footnote(figure, "world axes", zero, too_short(every))
     return figure
 

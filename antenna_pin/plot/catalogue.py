@@ -19,7 +19,9 @@ from antenna_pin.plot import (
     base,
     between_runs,
     bodies,
+    bore,
     closures,
+    control,
     eccentricity,
     elastic,
     forces,
@@ -34,7 +36,8 @@ from antenna_pin.plot import (
     spectra,
     stops,
 )
-from antenna_pin.plot._kinds import MOVING, choose_joint, joints_of
+from antenna_pin.plot import joint as joint_figures
+from antenna_pin.plot._kinds import MOVING, choose_joint, joints_of, wanted_joints
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import Run, labelled, long_enough
 from antenna_pin.plot._style import Width
@@ -46,13 +49,16 @@ CATALOGUE: dict[str, RunFigure] = {
     figure.name: figure
     for figure in (
         *motion.FIGURES,
+        *joint_figures.FIGURES,
         *between_runs.FIGURES,
         *forces.FIGURES,
         *orbit.FIGURES,
+        *bore.FIGURES,
         *eccentricity.FIGURES,
         *scenarios.FIGURES,
         *loads.FIGURES,
         *closures.FIGURES,
+        *control.FIGURES,
         *stops.FIGURES,
         *gears.FIGURES,
         *elastic.FIGURES,
@@ -102,7 +108,7 @@ def allowed_figures(
     """Yield the figures that runs of their kind have.
 
     Those of a joint come joint by joint, of each that the runs are about: with clearance in one of them, or
-    in their scenario; or else the first.
+    in their scenario; or else the first. Every other joint that moves has one of all of its motion.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset or trajectory.
@@ -129,5 +135,8 @@ def allowed_figures(
             )
             continue
         known = {name for run in long for name in kind.names(run)}
-        for name in joints_of(kind, long) if joint is None else sorted({joint} & known):
+        found = joints_of(kind, long) if names is not None else wanted_joints(kind, long)
+        if not kind.play:
+            known &= set(found)
+        for name in found if joint is None else sorted({joint} & known):
             yield from (Allowed(each, name) for each in drawn)

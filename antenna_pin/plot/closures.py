@@ -1,4 +1,4 @@
-"""What loops, couplings and prescribed motions take: forces of closures, torques, efforts of drives."""
+"""What loops, couplings, motions and forces on links exert: sizes of forces, torques, efforts of drives."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from antenna_pin.analysis import closures_of, couplings_of, drive_power, drives_of, effort_unit
 from antenna_pin.arguments import takes
 from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
-from antenna_pin.plot._kinds import CLOSED, COUPLED, PRESCRIBED, RunKind, none_with
+from antenna_pin.plot._kinds import CLOSED, COUPLED, FORCED, PRESCRIBED, RunKind, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, left_out, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import Array, Width, footnote, styled
@@ -19,6 +19,7 @@ from antenna_pin.plot._thinned import thinned_beside
 from antenna_pin.trajectory import names_along
 
 _OF_CLOSURES = {"force": "N", "moment": "N m"}
+_OF_FORCES = {"force": "N", "torque": "N m"}
 _Pick = Callable[[LabelledRun], Array | None]
 
 
@@ -119,6 +120,36 @@ def figure_drive_efforts(
     return figure
 
 
+@takes()
+@styled
+def figure_applied_forces(
+    runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
+) -> Figure:
+    """Return the sizes of the force and of the torque at every place where forces on links act, in all runs.
+
+    What is zero to round-off in all runs has no panel. Scales are linear as far as the ideal run reaches and
+    logarithmic beyond, where there are spikes.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset; of any lengths.
+        ideal: The run to compare with; the first run without any contact if left out.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    every, drawn, reference, names = _along(
+        FORCED, "force_place", lambda name: [_applied(name, what) for what in _OF_FORCES], runs, ideal
+    )
+    panels = [
+        _panel(f"{name}, {what}", what, unit, drawn, reference, _applied(name, what))
+        for name in names
+        for what, unit in _OF_FORCES.items()
+    ]
+    panels = [panel for panel in panels if panel.largest > 0.0] or panels[:1]
+    panels, zero = above_round_off(panels, drawn)
+    figure = panels_figure(panels, width, 2, spikes=True)
+    footnote(figure, zero, too_short(every), left_out(every, drawn, f"without {FORCED.words}"))
+    return figure
+
+
 def _along(
     kind: RunKind,
     dimension: str,
@@ -180,6 +211,13 @@ def _size(name: str, what: str) -> _Pick:
     return _picked("closure", name, size)
 
 
+def _applied(name: str, what: str) -> _Pick:
+    def size(run: LabelledRun) -> Array:
+        return np.asarray(np.linalg.norm(run.values(f"applied_{what}", force_place=name), axis=1))
+
+    return _picked("force_place", name, size)
+
+
 def _torque(name: str) -> _Pick:
     return _picked("coupling", name, lambda run: run.values("coupling_torque", coupling=name))
 
@@ -210,5 +248,11 @@ FIGURES = (
         title="What the drives exert",
         function=figure_drive_efforts,
         needs=PRESCRIBED,
+    ),
+    RunFigure(
+        name="applied_forces",
+        title="Forces on links",
+        function=figure_applied_forces,
+        needs=FORCED,
     ),
 )

@@ -11,7 +11,9 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import journal_motion
 from antenna_pin.arguments import takes
+from antenna_pin.plot._blows import episodes_of, sharp
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
+from antenna_pin.plot._layout import blocks, without_empty
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
     LabelledRun,
@@ -28,7 +30,6 @@ from antenna_pin.plot._style import (
     PEAK,
     Array,
     Width,
-    blocks,
     few_ticks,
     footnote,
     legend_above,
@@ -47,6 +48,7 @@ _BOUNDED = (
     ("axial", "axial place", "axial place", "m", (-1.0, 1.0)),
     ("twist", "turn", "turn about the axis", "rad", (-1.0, 1.0)),
 )
+_WORDS = {name: label for name, label, *_ in _BOUNDED}
 _LIMIT: dict[str, Any] = {"color": "#666666", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 
 
@@ -58,7 +60,7 @@ def figure_eccentricity(
     """Return eccentricity, penetration depth and further play of the journal over time, a column a run.
 
     The eccentricity is over the clearance: 1 where the surfaces touch. The depth's dots are the largest of
-    every contact episode in the bore. Tilt, axial place, and turn about the axis are of joints in which they
+    every blow in the bore. Tilt, axial place, and turn about the axis are of joints in which they
     have a limit; dotted lines say how far rigid parts could go.
 
     Args:
@@ -84,6 +86,7 @@ def figure_eccentricity(
         factor, printed = prefixed(unit, _largest(motions, name))
         factors.append(factor)
         labels.append(f"{label} [{printed}]")
+    without: dict[str, list[str]] = {}
     titles = ("eccentricity", "penetration", *(title for _, _, title, _, _ in bounded))
     for column, (run, curve, motion) in enumerate(zip(drawn, curves, motions, strict=True)):
         time = curve.time
@@ -105,31 +108,35 @@ def figure_eccentricity(
             color=PEAK,
             markersize=2.4,
             markeredgewidth=0.0,
-            label="largest of each contact episode",
+            label="largest of each blow",
             rasterized=peaks.size > MANY // 20,
         )
         for axes, factor, (name, _, _, _, sides) in zip(panels[2:], factors, bounded, strict=True):
             limit = motion.attrs[f"{name}_limit"]
             if not np.isfinite(limit):
-                axes.text(0.5, 0.6, "none in this joint", transform=axes.transAxes, ha="center")
+                without.setdefault(name, []).append(run.label)
                 continue
             axes.plot(time, factor * motion[name].values, color=COLOURS[0], linewidth=0.5, rasterized=many)
             for side in sides:
                 axes.axhline(side * factor * limit, **_LIMIT)
         for axes, title in zip(panels, titles, strict=True):
+            if not axes.lines:
+                continue
             panel_title(axes, letter[axes], f"{run.label}, {title}")
             axes.set_xlim(run.time[0], run.time[-1])
             few_ticks(axes, 5, 4)
-        panels[-1].set_xlabel("time [s]")
+        panels[max(row for row, axes in enumerate(panels) if axes.lines)].set_xlabel("time [s]")
     for row, label in zip(grid, labels, strict=True):
         for axes in row:
             if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
                 axes.set_ylabel(label)
+    without_empty(figure)
     figure.align_ylabels()
     legend_above(figure, figure.axes)
     footnote(
         figure,
         "dotted: what rigid parts allow",
+        *(f"without a limit of the {_WORDS[name]}: {', '.join(runs)}" for name, runs in without.items()),
         too_short(every),
         left_out(every, drawn, "no clearance in this joint"),
     )
@@ -163,8 +170,7 @@ def _depths(run: LabelledRun, curve: LabelledRun, joint: str) -> tuple[Array, Ar
     sampled = _sampled_depth(curve, joint)
     if run.data.sizes.get("episode", 0) == 0:
         return sampled, np.empty(0), np.empty(0)
-    index = run.values("episode_contact").astype(int)
-    mine = np.isin(index, [run.contacts.index(name) for name in names])
+    mine = episodes_of(run, names) & sharp(run, curve)
     return sampled, run.values("peak_time")[mine], run.values("peak_depth")[mine]
 
 

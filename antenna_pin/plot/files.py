@@ -14,7 +14,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from antenna_pin.arguments import takes
-from antenna_pin.errors import AntennaPinError, OutputError, UnknownNameError
+from antenna_pin.errors import AntennaPinError, InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.files import replacing
 from antenna_pin.plot._runs import Run, labelled
 from antenna_pin.plot._style import MANY, Width, styled
@@ -44,9 +44,8 @@ def save_figures(
 ) -> list[Path]:
     """Draw the figures of the catalogue that the runs allow, write them, and return their paths.
 
-    Each file bears its figure's name in :data:`CATALOGUE`, and is whole or not there at all. Figures of a
-    joint are drawn of every joint that the runs are about; of the second and later ones they bear its name as
-    well, as in ``journal_orbit-lower``.
+    Each file bears its figure's name in :data:`CATALOGUE`, and that of the joint that it is of, as in
+    ``journal_orbit-lower``; it is whole or not there at all.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset or trajectory.
@@ -62,6 +61,7 @@ def save_figures(
     """
     check_formats(formats)
     given = list(runs)
+    check_one_mechanism(given)
     drawings: dict[str, Allowed] = {}
     for each in allowed_figures(given, joint, names):
         drawings[_free_name(each, drawings)] = each
@@ -94,11 +94,33 @@ def save_figures(
     return written
 
 
+@takes()
+def check_one_mechanism(runs: Iterable[Run]) -> None:
+    """Raise if two runs have no joint in common: figures compare runs of one mechanism.
+
+    Args:
+        runs: Trajectories, or pairs of a label and a dataset or trajectory.
+    """
+    first: tuple[str, set[str]] | None = None
+    for run in labelled(runs):
+        mine = {*run.joints, *run.sliding_joints, *run.clearance_joints}
+        if first is None or not mine or not first[1]:
+            first = first or (run.label, mine)
+        elif not mine & first[1]:
+            one, other = (", ".join(sorted(names)) for names in (first[1], mine))
+            raise InvalidParameterError(
+                "plot",
+                "runs",
+                "of one mechanism (draw others by a command of their own)",
+                said=f"{first[0]} with joints {one} and {run.label} with joints {other}",
+            )
+
+
 def _free_name(each: Allowed, taken: Collection[str]) -> str:
-    """Return the file's name for a figure: its own, with the joint's where a joint before has taken that."""
+    """Return the file's name for a figure: its own, of a joint with the joint's."""
     name = each.figure.name
-    if name in taken:
-        name += "-" + re.sub(r"[^\w.+-]", "_", str(each.joint))
+    if each.joint is not None:
+        name += "-" + re.sub(r"[^\w.+-]", "_", each.joint)
     while name in taken:
         name += "_"
     return name

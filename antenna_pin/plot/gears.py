@@ -119,7 +119,7 @@ def _deflection(axes: Axes, runs: Sequence[tuple[LabelledRun, dict[str, Any]]], 
             begin, end = factor * max(begin, low), factor * min(end, high)
             axes.axhspan(begin, end, color=colour, linewidth=0.0, zorder=0)
     for (run, look), value in zip(runs, values, strict=True):
-        axes.plot(run.time, factor * value, label=run.legend, rasterized=run.many, **look)
+        axes.plot(run.time, factor * value, label=run.label, rasterized=run.many, **look)
         onsets = np.array(_onsets(run, place)).reshape(-1, 2)
         axes.scatter(
             onsets[:, 0],

@@ -25,10 +25,12 @@ from antenna_pin.plot._motion_curves import (
     curves_of,
     drawn_columns,
     from_rest,
+    less_the_first,
+    seen_from_near_only,
     zoom_of,
 )
 from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, long_enough, too_short, with_reference
+from antenna_pin.plot._runs import Run, long_enough, too_short, with_reference
 from antenna_pin.plot._style import (
     IDEAL,
     MANY,
@@ -77,9 +79,10 @@ def figure_motion(
 ) -> Figure:
     """Return the motion of one joint in all runs: whole span, close view, deviation from the ideal joint.
 
-    The close view lies around the largest deviation from the ideal run. For the acceleration, whose contact
-    spikes dwarf the ideal curve, each run has a strip of its own with a scale that is linear as far as the
-    motion between spikes reaches and logarithmic beyond, and the deviation is left out.
+    The close view lies around the largest deviation from the ideal run, if the whole span does not show it.
+    What runs that coincide are less the first of them has a panel of its own. For the acceleration, whose
+    contact spikes dwarf the ideal curve, each run has a strip of its own with a scale that is linear as far
+    as the motion between spikes reaches and logarithmic beyond, and the deviation is left out.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset; of any lengths.
@@ -115,19 +118,27 @@ def figure_motion(
         windows = [given or zoom_of([from_rest(c)], what) for c in curves if not c.is_ideal]
         figure, still = _strips(seen(windows), windows, label, unit, width), ""
     else:
-        window = given or zoom_of(curves, what)
-        shown, still = _without_round_off(seen([window]), drawn, unit)
-        figure = _panels(shown, window, label, unit, width)
+        scales = round_off_scales(*(run.whole.data for run in drawn)) if len(drawn) > 1 else {}
+        plain, still = _without_round_off(curves, unit, scales)
+        window = given or (zoom_of(plain, what) if not still and seen_from_near_only(plain) else None)
+        shown, _ = _without_round_off(seen([window]), unit, scales)
+        first, less = less_the_first(shown)
+        if less and is_round_off(max(map(_size, less)), unit, scales):
+            less, still = [], "; ".join(filter(None, (still, f"less that of {first}: zero to round-off")))
+        figure = _panels(shown, window, label, unit, width, (first, less))
     footnote(figure, still, too_short(every))
     return figure
 
 
+def _size(curve: MotionCurve) -> float:
+    return float(np.nanmax(np.abs(curve.value), initial=0.0))
+
+
 def _without_round_off(
-    curves: Sequence[MotionCurve], runs: Sequence[LabelledRun], unit: str
+    curves: Sequence[MotionCurve], unit: str, scales: dict[str, float]
 ) -> tuple[list[MotionCurve], str]:
     """Return curves without deviations that are zero to round-off in all runs, and that in words."""
     sizes = [float(np.nanmax(np.abs(c.deviation), initial=0.0)) for c in curves if c.deviation is not None]
-    scales = round_off_scales(*(run.whole.data for run in runs)) if sizes else {}
     if not sizes or not is_round_off(max(sizes), unit, scales):
         return list(curves), ""
     bare = [dataclasses.replace(curve, deviation=None) for curve in curves]
@@ -149,9 +160,7 @@ def _draw(
         first = max(int(np.searchsorted(time, span[0])) - 1, 0)
         last = int(np.searchsorted(time, span[1], side="right")) + 1
         time, values = time[first:last], values[first:last]
-    style = (
-        IDEAL if curve.is_ideal else {"color": curve.colour, "linewidth": 0.6 if thin else curve.linewidth}
-    )
+    style = IDEAL if curve.is_ideal else {**curve.look, "linewidth": 0.6 if thin else curve.linewidth}
     many = time.size > MANY or (span is None and curve.many)
     axes.plot(time, values, label=curve.label, rasterized=many, **style)
 
@@ -166,56 +175,79 @@ def _widened(curves: Sequence[MotionCurve]) -> list[MotionCurve]:
 
 
 def _panels(
-    curves: Sequence[MotionCurve], window: Span | None, label: str, unit: str, width: Width
+    curves: Sequence[MotionCurve],
+    window: Span | None,
+    label: str,
+    unit: str,
+    width: Width,
+    differences: tuple[str, Sequence[MotionCurve]],
 ) -> Figure:
-    """Draw the whole span, the close view and the deviation."""
-    count = 1 + (window is not None) + any(curve.deviation is not None for curve in curves)
-    if width == "page" and count > 1:
-        figure = new_figure(width, 108.0)
-        grid = figure.add_gridspec(2, 2)
-        whole = figure.add_subplot(grid[0, :])
-        rest = (
-            [figure.add_subplot(grid[1, i]) for i in range(2)]
-            if count == 3
-            else [figure.add_subplot(grid[1, :])]
-        )
-    else:
-        figure = new_figure(width, 12.0 + 46.0 * count)
-        whole, *rest = figure.subplots(count, 1, squeeze=False)[:, 0]
-    largest = max((float(np.nanmax(np.abs(c.value), initial=0.0)) for c in curves), default=0.0)
-    factor, printed = prefixed(unit, largest)
-    curves = _widened(curves)
+    """Draw the whole span, the close view, the deviation, and what runs that coincide are less the first."""
     deviating = [curve for curve in curves if curve.deviation is not None]
-    for curve in curves:
+    first, less = differences
+    count = 1 + (window is not None) + bool(deviating) + bool(less)
+    figure, whole, rest = _places(width, count)
+    largest = max(map(_size, curves), default=0.0)
+    factor, printed = prefixed(unit, largest)
+    for curve in _widened(curves):
         _draw(whole, curve, factor * curve.value)
     panel_title(whole, "a" if rest else "", "whole span")
     whole.set_ylabel(f"{label} [{printed}]")
     few_ticks(whole, 10 if width == "page" else 6)
-    panels = iter(rest)
+    panels = zip(rest, "bcd", strict=False)
     if window is not None:
-        near = next(panels)
-        for curve in curves:
+        near, letter = next(panels)
+        for curve in _widened(curves):
             _draw(near, curve, factor * curve.value, window)
         near.set_xlim(window)
         _mark(whole, window)
-        panel_title(near, "b", "close view of the shaded span")
+        panel_title(near, letter, "close view of the shaded span")
         near.set_ylabel(f"{label} [{printed}]")
         few_ticks(near, 5)
     if deviating:
-        apart = next(panels)
-        largest = max(float(np.nanmax(np.abs(c.deviation), initial=0.0)) for c in deviating)  # type: ignore[arg-type]
-        factor, printed = prefixed(unit, largest)
-        for curve in deviating:
-            assert curve.deviation is not None
-            _draw(apart, curve, factor * curve.deviation, thin=len(deviating) < 2)
-        apart.axhline(0.0, **{**IDEAL, "linewidth": 0.6})
-        panel_title(apart, "c" if window is not None else "b", "deviation from the ideal joint")
-        apart.set_ylabel(f"deviation [{printed}]")
-        few_ticks(apart, 6)
+        axes, letter = next(panels)
+        shown = [dataclasses.replace(c, value=_known(c.deviation)) for c in _widened(deviating)]
+        _apart(axes, shown, "deviation", unit)
+        panel_title(axes, letter, "deviation from the ideal joint")
+    if less:
+        axes, letter = next(panels)
+        _apart(axes, less, "difference", unit)
+        panel_title(axes, letter, f"less that of {first}")
     for axes in (whole, *rest) if width == "column" or not rest else rest:
         axes.set_xlabel("time [s]")
     legend_above(figure, [whole])
     return figure
+
+
+def _known(values: Array | None) -> Array:
+    assert values is not None
+    return values
+
+
+def _places(width: Width, count: int) -> tuple[Figure, Axes, list[Axes]]:
+    """Return a figure, its first panel and the others: of a page the first has a row to itself."""
+    if width == "page" and count > 1:
+        figure = new_figure(width, 108.0)
+        grid = figure.add_gridspec(2, count - 1)
+        return (
+            figure,
+            figure.add_subplot(grid[0, :]),
+            [figure.add_subplot(grid[1, i]) for i in range(count - 1)],
+        )
+    figure = new_figure(width, 12.0 + 46.0 * count)
+    whole, *rest = figure.subplots(count, 1, squeeze=False)[:, 0]
+    return figure, whole, rest
+
+
+def _apart(axes: Axes, curves: Sequence[MotionCurve], label: str, unit: str) -> None:
+    """Draw how far lines are from another, on a scale of their own."""
+    largest = max(map(_size, curves))
+    factor, printed = prefixed(unit, largest)
+    for curve in curves:
+        _draw(axes, curve, factor * curve.value, thin=len(curves) < 2)
+    axes.axhline(0.0, **{**IDEAL, "linewidth": 0.6})
+    axes.set_ylabel(f"{label} [{printed}]")
+    few_ticks(axes, 5)
 
 
 def _strips(
@@ -234,10 +266,10 @@ def _strips(
         sharey=True,
         width_ratios=[1.5, 1.0][:columns] if width == "page" else None,
     )
-    largest = max(float(np.nanmax(np.abs(c.value), initial=0.0)) for c in others)
+    largest = max(map(_size, others))
     core = max(between_spikes(c.time, c.value) for c in others)
     if ideal is not None:
-        core = max(core, float(np.nanmax(np.abs(ideal.value), initial=0.0)))
+        core = max(core, _size(ideal))
     limit = linear_then_log(list(panels.flat), core, largest)
     letter = letters()
     for row, curve, window in zip(panels, others, windows, strict=True):

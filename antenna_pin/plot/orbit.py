@@ -1,4 +1,4 @@
-"""The journal in its bearing: its orbit inside the clearance circle, and the load around the bore."""
+"""The journal in its bearing: its orbit inside the clearance circle."""
 
 from __future__ import annotations
 
@@ -12,14 +12,13 @@ from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
-from matplotlib.projections.polar import PolarAxes
-from matplotlib.ticker import MaxNLocator
 
-from antenna_pin.analysis import blocks, bore_load, journal_motion
+from antenna_pin.analysis import blocks, journal_motion
 from antenna_pin.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._journal_path import JournalPath, farthest
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
+from antenna_pin.plot._layout import square_panels
 from antenna_pin.plot._lines import draw_parts, draw_pieces
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (
@@ -32,31 +31,24 @@ from antenna_pin.plot._runs import (
     too_short,
 )
 from antenna_pin.plot._style import (
-    COLOURS,
     MANY,
     SEQUENTIAL,
-    WIDTHS,
     Array,
     Width,
     few_ticks,
     footnote,
-    legend_above,
     letters,
-    new_figure,
     panel_title,
     prefixed,
     styled,
-    three_digits,
 )
 from antenna_pin.plot._upright import mark_axes, shown_axes
-from antenna_pin.trajectory import contact_ends, contact_kinds
 
 Shade = Literal["time", "load"]
 _FREE = "#B8B8B8"
 # Across, up: which axes of the bearing a panel shows.
 _ACROSS = ((0, 1),)
 _PROJECTIONS = ((0, 1), (0, 2), (1, 2))
-_MM = 25.4
 _ALIKE = 2.0  # clearances whose ratio is no larger are drawn on one scale [-]
 _PLACES = {"+": "end +", "-": "end \N{MINUS SIGN}", "centre": "centre"}
 
@@ -94,7 +86,7 @@ def figure_orbit(
     planes = [_PROJECTIONS if motion.attrs["spatial"] else _ACROSS for motion in motions]
     count = sum(motion.sizes["place"] * len(plane) for motion, plane in zip(motions, planes, strict=True))
     note = left_out(every, drawn, "no clearance in this joint")
-    figure, panels = _square_panels(width, count, 23.0 if note or too_short(every) else 18.0)
+    figure, panels = square_panels(width, count, 23.0 if note or too_short(every) else 18.0)
     # The whole play is in view, however little the journal has moved.
     sizes = [
         float(max(farthest(curve, joint), np.abs(motion.attrs["outline"]).max()))
@@ -215,118 +207,11 @@ def _loaded_line(axes: Axes, x: Array, y: Array, load: Array, norm: Normalize) -
     )
 
 
-def _square_panels(width: Width, count: int, more: float, **how: Any) -> tuple[Figure, list[Axes]]:
-    """Return a figure of square panels in rows, and the panels.
-
-    Args:
-        width: Named width.
-        count: Number of panels.
-        more: Height beside the panels, of legend and colour bar [mm].
-        how: What ``add_subplot`` is to know.
-    """
-    most = 4 if width == "page" else 2
-    columns = min(count, most)
-    if count > columns:  # rows of equal length where that is possible
-        columns = next((n for n in range(most, most // 2, -1) if count % n == 0), most)
-    rows = -(-count // columns)
-    # A single panel does not fill the width. Labels take some 14 mm across, and 18 mm with the title along.
-    room = WIDTHS.get(width, WIDTHS["page"]) * _MM
-    figure = new_figure(width, more + rows * (room / max(columns, 2.4 if width == "page" else 1.2) + 1.0))
-    grid = figure.add_gridspec(rows, columns)
-    return figure, [figure.add_subplot(grid[i // columns, i % columns], **how) for i in range(count)]
-
-
-@takes()
-@styled
-def figure_bore_load(
-    runs: Iterable[Run] | Run, *, joint: str | None = None, sectors: int = 36, width: Width = "page"
-) -> Figure:
-    """Return the load around the bore: the impulse of the normal force that each sector took.
-
-    Bars of the two ends of a bore stand on one another. The angle is that of the bearing's surface, from the
-    bearing's x axis towards its y axis. Under gravity "up" is against it, as far as the bearing keeps still.
-
-    Args:
-        runs: Trajectories, or pairs of a label and a dataset.
-        joint: Name of the joint with clearance; the first one if left out.
-        sectors: Number of equal sectors.
-        width: "column" (88 mm) or "page" (180 mm).
-    """
-    every = labelled(runs)
-    joint = choose_joint(TOUCHING, every, joint)
-    drawn = [run for run in long_enough(every) if joint in run.clearance_joints]
-    loads = [bore_load(run.data, joint, sectors) for run in drawn]
-    figure, panels = _square_panels(width, len(drawn), 14.0, projection="polar")
-    # Dark and light: told apart in grey as well.
-    looks = {
-        ("radial", "+"): ("end +", COLOURS[0]),
-        ("radial", "-"): ("end \N{MINUS SIGN}", COLOURS[4]),
-        ("radial", ""): ("bore", COLOURS[5]),
-        ("spherical", ""): ("socket", COLOURS[5]),
-    }
-    upright = False
-    for letter, axes, run, load in zip(letters(), panels, drawn, loads, strict=False):
-        assert isinstance(axes, PolarAxes)
-        impulse = load["impulse"].values
-        angle, turn = load["angle"].values, 2.0 * np.pi / sectors
-        factor, printed = prefixed("N s", float(impulse.sum(axis=0).max(initial=0.0)))
-        kinds, ends = contact_kinds(run.data), contact_ends(run.data)
-        stacked: dict[tuple[str, str], Array] = {}
-        for contact, taken in zip(load["contact"].values, factor * impulse, strict=True):
-            kind, end = kinds[str(contact)], ends[str(contact)]
-            key = (
-                ("radial", end[-2:-1]) if kind in ("wall", "key") else (kind, end)
-            )  # the corner's end of the slider
-            look = looks.get(key, (kind + end, COLOURS[2]))
-            stacked[look] = stacked.get(look, 0.0) + taken
-        below = np.zeros(sectors)
-        for (name, colour), taken in stacked.items():
-            bars: dict[str, Any] = {"width": turn, "color": colour, "edgecolor": "white", "linewidth": 0.25}
-            axes.bar(angle, taken, label=name, bottom=below, **bars)
-            below = below + taken
-        if below.any():
-            axes.set_ylim(0.0, 1.05 * below.max())
-            # Numbers of the rings stand where the load is least.
-            quiet = int(np.argmin(np.convolve(np.tile(below, 3), np.ones(5), "same")[sectors : 2 * sectors]))
-            ticks = MaxNLocator(3, steps=[1, 2, 5, 10]).tick_values(0.0, below.max())
-            rings = [float(tick) for tick in ticks if 0.0 < tick <= below.max()]
-            axes.set_rgrids(rings, angle=np.degrees(angle[quiet]), fontsize=6.5)
-        else:
-            axes.text(0.5, 0.6, "no contact", transform=axes.transAxes, ha="center")
-            axes.set_yticks([])
-        names = ["x", "45°", "y", "135°", "180°", "225°", "270°", "315°"]
-        shown = shown_axes(run.data, joint, spatial=False)
-        if shown.up is not None:
-            axes.set_theta_offset(0.5 * np.pi - np.arctan2(shown.up[1], shown.up[0]))
-            upright = True
-        axes.set_thetagrids(np.arange(0, 360, 45), names, fontsize=6.5)
-        axes.tick_params(axis="x", pad=-1.0)
-        total, unit = prefixed("N s", float(impulse.sum()))
-        words = f"{run.label}\nin all {three_digits(total * float(impulse.sum()))} {unit}; rings in {printed}"
-        panel_title(axes, letter if len(drawn) > 1 else "", words)
-    legend_above(figure, panels)
-    footnote(
-        figure,
-        f"impulse of the normal force per sector of {360 / sectors:.3g}°",
-        "up: against gravity" if upright else "",
-        too_short(every),
-        left_out(every, drawn, "no clearance in this joint"),
-    )
-    return figure
-
-
 FIGURES = (
     RunFigure(
         name="journal_orbit",
         title="Orbit of the journal in {joint}",
         function=figure_orbit,
-        of=TOUCHING,
-        compares=False,
-    ),
-    RunFigure(
-        name="bore_load",
-        title="Load around the bore of {joint}",
-        function=figure_bore_load,
         of=TOUCHING,
         compares=False,
     ),

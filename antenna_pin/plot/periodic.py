@@ -23,6 +23,8 @@ from antenna_pin.plot._style import (
     letters,
     new_figure,
     panel_title,
+    parameter_words,
+    prefixed,
     styled,
 )
 from antenna_pin.readable import printed_unit
@@ -46,7 +48,7 @@ _KINDS = {
 }
 
 
-class _Track(NamedTuple):
+class Track(NamedTuple):
     """A branch in one number: pieces of one stability each, and where something happens to it.
 
     Attributes:
@@ -58,7 +60,7 @@ class _Track(NamedTuple):
     marks: list[tuple[str, float, float]]
 
 
-def track(branch: xr.Dataset, numbers: Array) -> _Track:
+def track(branch: xr.Dataset, numbers: Array) -> Track:
     """Return a branch in one number of its orbits, (points,).
 
     What happens to it lies on the line between the points about it, at its value of the parameter; a fold, or
@@ -97,7 +99,7 @@ def track(branch: xr.Dataset, numbers: Array) -> _Track:
             pieces.append((said[k], np.array(x), np.array(y)))
             x, y = x[-1:], y[-1:]
     pieces.append((said[-1], np.array(x), np.array(y)))
-    return _Track(pieces, marks)
+    return Track(pieces, marks)
 
 
 def _to_one(sizes: Array, k: int) -> float:
@@ -139,8 +141,12 @@ def _labelled(text: str, unit: str) -> str:
     return f"{text} [{printed}]" if printed else text
 
 
-def _over(branch: xr.Dataset) -> str:
-    return _labelled(str(branch.attrs["parameter"]), str(branch["value"].attrs.get("units", "")))
+def _over(branch: xr.Dataset) -> tuple[float, str]:
+    """Return what values of the parameter are multiplied with, and the label of their axis."""
+    largest = float(np.nanmax(np.abs(branch["value"].values), initial=0.0))
+    factor, unit = prefixed(str(branch["value"].attrs.get("units", "")), largest)
+    words = parameter_words(str(branch.attrs["parameter"]))
+    return factor, f"{words} [{unit}]" if unit else words
 
 
 @takes()
@@ -163,29 +169,50 @@ def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: W
     shown.append(("size of the largest\nmultiplier [-]", _largest(branch)))
     figure = new_figure(width, 20.0 + 46.0 * len(shown))
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False).ravel()
+    across, over = _over(branch)
     for letter, axes, (label, numbers) in zip(letters(), panels, shown, strict=False):
-        _draw(axes, track(branch, numbers))
+        draw_track(axes, track(branch, numbers), (across, 1.0))
         axes.set_ylabel(label)
         axes.margins(x=0.03, y=0.08)
         panel_title(axes, letter, "")
         few_ticks(axes)
     panels[-1].axhline(1.0, color="#999999", linewidth=0.6, zorder=0.8)
-    panels[-1].set_xlabel(_over(branch))
+    panels[-1].set_xlabel(over)
     legend_above(figure, panels)
-    footnote(figure, f"{branch.sizes['point']} orbits; {branch.attrs['message']}")
+    footnote(
+        figure,
+        f"{branch.sizes['point']} orbits over {branch.attrs['parameter']}; {branch.attrs['message']}",
+    )
     return figure
 
 
-def _draw(axes: Axes, found: _Track) -> None:
+def draw_track(
+    axes: Axes, found: Track, scale: tuple[float, float] = (1.0, 1.0), black: bool = False
+) -> None:
+    """Draw a branch: stable pieces solid, unstable ones dashed, what happens to it marked by kind.
+
+    Args:
+        axes: Where.
+        found: Of :func:`track`.
+        scale: What values of the parameter and of the number are multiplied with.
+        black: Whether lines are black, as over dots that have colours of their own.
+    """
+    across, factor = scale
     for said, x, y in found.pieces:
         axes.plot(
-            x, y, color="C0" if said == "stable" else "#555555", linestyle=_LINES[said], label=_WORDS[said]
+            across * x,
+            factor * y,
+            color="black" if black else "C0" if said == "stable" else "#555555",
+            linestyle=_LINES[said],
+            linewidth=0.9,
+            zorder=3.0 if black else 2.0,
+            label=f"orbit, {_WORDS[said]}" if black else _WORDS[said],
         )
     for kind, at, level in found.marks:
         shape, colour = _MARKS[kind]
         axes.plot(
-            at,
-            level,
+            across * at,
+            factor * level,
             linestyle="none",
             marker=shape,
             markersize=4.0,
@@ -223,11 +250,12 @@ def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Figure:
         said = f"{found['stability'].item()}; multipliers to {float(found['doubt'].item()):.1g}"
         said += f"; period {float(found['period'].item()):.6g} s"
     else:
-        over = np.broadcast_to(np.asarray(found["value"].values, dtype=float)[:, None], real.shape)
+        across, words = _over(found)
+        over = np.broadcast_to(across * np.asarray(found["value"].values, dtype=float)[:, None], real.shape)
         points = axes.scatter(
             real.ravel(), imaginary.ravel(), c=over.ravel(), cmap=SEQUENTIAL, s=9.0, linewidths=0.0, zorder=3
         )
-        bar: Any = figure.colorbar(points, ax=axes, label=_over(found), shrink=0.7, aspect=36.0, pad=0.02)
+        bar: Any = figure.colorbar(points, ax=axes, label=words, shrink=0.7, aspect=36.0, pad=0.02)
         bar.outline.set_linewidth(0.4)
         said = f"{found.sizes['point']} orbits"
     farthest = float(np.nanmax([np.abs(real), np.abs(imaginary)], initial=1.0))

@@ -33,6 +33,7 @@ from antenna_pin.plot._style import (
 PhaseShade = Literal["time", "density"]
 _CELLS = 2000  # across a figure: what lies in one cell is one place to the eye
 _BINS, _EVEN = 160, 1_000_000
+_SLIVER = 4.0  # sides of an axes with one scale, the longer over the shorter, at most
 _MANY = 2500  # pieces beyond which a line is drawn as pixels in a vector file
 
 
@@ -41,7 +42,8 @@ _MANY = 2500  # pieces beyond which a line is drawn as pixels in a vector file
 def figure_phase(portrait: PhasePortrait, *, shade: PhaseShade = "time", width: Width = "page") -> Figure:
     """Return a phase portrait (:func:`antenna_pin.analysis.phase_portrait`), in the plane or in space.
 
-    Of a long series, points that follow one another in the same two thousandth of the axes are drawn as one.
+    Two quantities of one unit, as a journal's path has, have axes of one scale, unless one is far smaller. Of
+    a long series, points that follow one another in the same two thousandth of the axes are drawn as one.
 
     Args:
         portrait: Two or three quantities.
@@ -54,7 +56,10 @@ def figure_phase(portrait: PhasePortrait, *, shade: PhaseShade = "time", width: 
     spatial = len(portrait.quantities) == 3
     if spatial and shade == "density":
         raise InvalidParameterError("figure", "shade", "time for three quantities", shade)
-    columns, labels = zip(*(_scaled(one) for one in portrait.quantities), strict=True)
+    alike = len({one.units for one in portrait.quantities}) == 1 and bool(portrait.quantities[0].units)
+    sizes = [float(np.nanmax(np.abs(one.values), initial=0.0)) for one in portrait.quantities]
+    sizes = [max(sizes)] * len(sizes) if alike else sizes
+    columns, labels = zip(*map(_scaled, portrait.quantities, sizes), strict=True)
     points = np.column_stack(columns)
     figure = new_figure(width, 120.0 if width == "page" else 82.0)
     if shade == "density":
@@ -64,6 +69,9 @@ def figure_phase(portrait: PhasePortrait, *, shade: PhaseShade = "time", width: 
         words = "time [s]"
     axes.set_xlabel(labels[0])
     axes.set_ylabel(labels[1])
+    ways = [float(np.ptp(axis)) for axis in (axes.get_xlim(), axes.get_ylim())]
+    if alike and not isinstance(axes, Axes3D) and max(ways) < _SLIVER * min(ways):
+        axes.set_aspect("equal", adjustable="box")
     if isinstance(axes, Axes3D):
         axes.set_zlabel(labels[2])
     # Beside a portrait in space a bar would cover the label of the third axis.
@@ -75,9 +83,9 @@ def figure_phase(portrait: PhasePortrait, *, shade: PhaseShade = "time", width: 
     return figure
 
 
-def _scaled(one: Quantity) -> tuple[Array, str]:
-    """Return values in a readable unit, and the label of their axis."""
-    factor, unit = prefixed(one.units, float(np.nanmax(np.abs(one.values), initial=0.0)))
+def _scaled(one: Quantity, largest: float) -> tuple[Array, str]:
+    """Return values up to some size in a readable unit, and the label of their axis."""
+    factor, unit = prefixed(one.units, largest)
     return factor * one.values, f"{one.name} [{unit}]" if unit else one.name
 
 

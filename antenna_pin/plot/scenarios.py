@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.analysis import scenario_spans
@@ -115,19 +117,29 @@ def _bars(axes: Axes, spans: xr.Dataset, kind: str, window: _Span) -> Array:
     for value in range(shares.size):
         mine = (seen == value) & (length > 0.0)
         shares[value] = length[mine].sum() / (window[1] - window[0])
-        bars = list(zip(start[mine], length[mine], strict=True))
         # An edge as thin as the finest line, so that an impact of a tenth of a millisecond is still seen.
-        axes.broken_barh(
-            bars,
-            (value - 0.38, 0.76),
-            facecolor=_COLOURS[value],
-            edgecolor=_COLOURS[value],
-            linewidth=0.25,
-            rasterized=len(bars) > MANY // 20,
+        axes.add_patch(
+            PathPatch(
+                _rectangles(start[mine], length[mine], value - 0.38, 0.76),
+                facecolor=_COLOURS[value],
+                edgecolor=_COLOURS[value],
+                linewidth=0.25,
+                rasterized=bool(np.count_nonzero(mine) > MANY // 20),
+            )
         )
         axes.axhline(value, color="#DDDDDD", linewidth=0.4, zorder=0.4)
     axes.set_xlim(window)
     return shares
+
+
+def _rectangles(start: Array, length: Array, below: float, height: float) -> Path:
+    """Return rectangles as one path, which in a file takes a fraction of the room of as many."""
+    x, above = np.stack([start, start + length], axis=1), below + height
+    corners = np.empty((start.size, 5, 2))
+    corners[:, :, 0] = x[:, [0, 0, 1, 1, 0]]
+    corners[:, :, 1] = [below, above, above, below, below]
+    codes = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
+    return Path(corners.reshape(-1, 2), np.tile(codes, start.size).astype(Path.code_type))
 
 
 def _busiest(spans: xr.Dataset, start: float, end: float) -> _Span:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Literal, NamedTuple
@@ -61,7 +62,7 @@ _SPECTRUM_DECADES = 8
 _SPECTROGRAM_DECADES = 5
 # Above this share of the sample rate impacts are not resolved by the samples.
 _RESOLVED = 0.2
-_NOT_RESOLVED = "shaded: above a fifth of the sample rate, impacts not resolved"
+_ABOVE = "above a fifth of the sample rate, impacts not resolved"
 
 
 class _Density(NamedTuple):
@@ -130,7 +131,7 @@ def figure_spectra(
     drawn_ones = [each.run for kind in kinds for each in found[kind]]
     footnote(
         figure,
-        _NOT_RESOLVED,
+        f"shaded: {_ABOVE}",
         "; ".join(dict.fromkeys(each.window for kind in kinds for each in found[kind] if each.window)),
         too_short(every),
         left_out(every, drawn_ones, "no such signal or fewer than 16 samples"),
@@ -149,8 +150,8 @@ def figure_spectrogram(
 ) -> Figure:
     """Return how the spectral density of a signal changes over the run, one panel per run with contact.
 
-    Runs without any contact are drawn if there is no other. Shaded, as in the spectra, is what samples do not
-    resolve of impacts.
+    Runs without any contact are drawn if there is no other. What samples do not resolve of impacts, above a
+    fifth of the sample rate, is not drawn.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset.
@@ -201,13 +202,12 @@ def figure_spectrogram(
     norm = LogNorm(largest / 10.0**_SPECTROGRAM_DECADES, largest)
     colours = matplotlib.colormaps["Blues"]  # none is white, much is dark
     for letter, axes, run, (time, frequency, density) in zip(letters(), panels, drawn, maps, strict=False):
-        shown = np.maximum(density, float(norm.vmin or 0.0))
+        known = frequency <= 2.0 * _RESOLVED * frequency[-1]  # the last is half the sample rate
+        frequency, shown = frequency[known], np.maximum(density[known], float(norm.vmin or 0.0))
+        axes.set_ylim(0.0, frequency[-1])
         axes.pcolormesh(time, frequency, shown, norm=norm, cmap=colours, shading="nearest", rasterized=True)
-        # Half the sample rate is the last frequency. The veil lets the map be seen through it.
-        top = float(frequency[-1])
-        axes.axhspan(2.0 * _RESOLVED * top, top, facecolor=SHADE, edgecolor="none", alpha=0.65, zorder=2)
         axes.grid(visible=False)
-        axes.set_xlim(run.time[0], run.time[-1])
+        axes.set_xlim(time[0], time[-1])
         few_ticks(axes, 5)
         panel_title(axes, letter if len(drawn) > 1 else "", f"{run.label}, {_words(signal, joint)}")
         place = axes.get_subplotspec()
@@ -226,7 +226,7 @@ def figure_spectrogram(
     bar.outline.set_linewidth(0.4)
     footnote(
         figure,
-        _NOT_RESOLVED,
+        f"not drawn: {_ABOVE}",
         *windows,
         too_short(every),
         left_out(candidates, drawn, "no such signal or fewer than 64 samples"),
@@ -243,11 +243,12 @@ def _spectrum(run: LabelledRun, values: Array) -> xr.Dataset:
 
 
 def _spectrogram(run: LabelledRun, values: Array) -> xr.Dataset:
-    """Return the spectrogram of a signal, of a short run with fewer windows."""
-    try:
-        return spectrogram(run.time, values)
-    except AntennaPinError:
-        return spectrogram(run.time, values, segment=0.25 * float(run.time[-1] - run.time[0]))
+    """Return the spectrogram of a signal, in windows of a fortieth of the run; of a short run in longer."""
+    span = float(run.time[-1] - run.time[0])
+    for share in (0.025, 0.05):
+        with contextlib.suppress(AntennaPinError):
+            return spectrogram(run.time, values, segment=share * span)
+    return spectrogram(run.time, values, segment=0.25 * span)
 
 
 def _label(kind: Signal) -> str:

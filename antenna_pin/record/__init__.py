@@ -1,5 +1,6 @@
 """Recordings of runs in 3D, and pictures and videos of them by a real browser."""
 
+from antenna_pin._lazy import only_public
 from antenna_pin.record._browser import BrowserPrograms, find_browser
 from antenna_pin.record.bending import bending_magnification
 from antenna_pin.record.page import SharedHead, shared_head
@@ -24,3 +25,5 @@ __all__ = [
     "save_video",
     "shared_head",
 ]
+
+only_public(__name__)

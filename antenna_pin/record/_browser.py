@@ -62,7 +62,6 @@ _FLAGS = (
     "--disable-search-engine-choice-screen",
     "--disable-sync",
     "--disable-features=MediaRouter,OptimizationHints,Translate",
-    "--host-resolver-rules=MAP * ~NOTFOUND",
     "--disable-dev-shm-usage",  # /dev/shm is small in containers
     "--force-color-profile=srgb",
     "--force-device-scale-factor=1",
@@ -205,7 +204,7 @@ class Browser:
 
 @contextlib.contextmanager
 def open_browser(
-    programs: BrowserPrograms | None = None, *, logs: bool = False, timeout: float = 60.0
+    programs: BrowserPrograms | None = None, *, logs: bool = False, timeout: float = 60.0, here: bool = False
 ) -> Iterator[Browser]:
     """Start a browser without a screen, with settings of its own, and end it afterwards.
 
@@ -213,6 +212,7 @@ def open_browser(
         programs: Which; found if not given.
         logs: Whether to keep the console's messages and the network's requests.
         timeout: For a page to load and for a script to return [s].
+        here: Whether pages may reach servers on this machine; none reaches another.
 
     Yields:
         The browser, with an empty page.
@@ -236,7 +236,7 @@ def open_browser(
         config = ClientConfig(address, proxy=direct, timeout=int(2 * timeout))
         connection = ChromeRemoteConnection(address, client_config=config)
         try:
-            driver = Remote(command_executor=connection, options=_options(programs.browser, own, logs))
+            driver = Remote(command_executor=connection, options=_options(programs.browser, own, logs, here))
         except Exception as error:
             raise MissingToolError(
                 f"{programs.browser} must start with {programs.driver}, got: {_reason(error)}; {_INSTALL}, "
@@ -297,7 +297,7 @@ def _running_driver(program: str, folder: str) -> Iterator[str]:
         group.wait()
 
 
-def _options(browser: str, folder: str, logs: bool) -> ChromeOptions:
+def _options(browser: str, folder: str, logs: bool, here: bool) -> ChromeOptions:
     from selenium.webdriver import ChromeOptions
 
     options = ChromeOptions()
@@ -305,6 +305,7 @@ def _options(browser: str, folder: str, logs: bool) -> ChromeOptions:
     for flag in _FLAGS:
         options.add_argument(flag)
     options.add_argument(f"--user-data-dir={folder}/profile")
+    options.add_argument(f"--host-resolver-rules=MAP * ~NOTFOUND{', EXCLUDE 127.0.0.1' * here}")
     if hasattr(os, "geteuid") and os.geteuid() == 0:  # Chromium's sandbox refuses root
         options.add_argument("--no-sandbox")
     if logs:

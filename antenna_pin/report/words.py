@@ -292,3 +292,5 @@ def _computation(run: ReportedRun) -> Iterator[tuple[str, str]]:
         f"contact; {counts.evaluations} evaluations",
     )
     yield "time taken", readable(counts.wall_seconds, "s", 3)
+    if counts.compile_seconds:
+        yield "compiling, once", readable(counts.compile_seconds, "s", 3)

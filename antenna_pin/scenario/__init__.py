@@ -13,6 +13,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from antenna_pin.scenario._choices import COUPLING_SPECS
     from antenna_pin.scenario._made import MadeSpec
     from antenna_pin.scenario.clearance import (
         ClearanceSpec,
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
         StateFeedbackSpec,
     )
     from antenna_pin.scenario.couplings import (
-        COUPLING_SPECS,
         AnyCoupling,
         CouplingSpec,
         DifferentialSpec,
@@ -83,7 +83,7 @@ _HOMES = {
     "ClosureSpec": "closures",
     "ContactClearance": "clearance",
     "AnyCoupling": "couplings",
-    "COUPLING_SPECS": "couplings",
+    "COUPLING_SPECS": "_choices",
     "CouplingSpec": "couplings",
     "DifferentialSpec": "couplings",
     "PlanetarySpec": "couplings",
@@ -234,4 +234,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

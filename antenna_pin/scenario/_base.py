@@ -194,7 +194,8 @@ class Spec(BaseModel):
     ``OutputSpec(rate="1 kHz")`` works from Python too. What is wrong is refused with one line.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    # Built when it is used: of most tables of a file there is none, and what is in one is built with it.
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     # Fields that no file gives: what the loader adds.
     carried: ClassVar[frozenset[str]] = frozenset()

@@ -8,12 +8,10 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
 from antenna_pin.units import shown
 
 __all__ = [
-    "TAGGED",
     "Line",
     "Location",
     "Place",
@@ -26,12 +24,6 @@ __all__ = [
 Location = tuple[str | int, ...]
 """Where a value stands: the keys and indices that lead to it."""
 
-# Tables whose entries are one of several classes; pydantic puts the class into the location, after the name.
-TAGGED: dict[str, tuple[str, ...]] = {
-    **{table: tuple(family.kinds) for table, family in FAMILIES.items()},
-    "couplings": ("ratio", "differential", "planetary"),
-    "flexible": ("modes", "petals", "modal-data"),
-}
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -90,8 +82,6 @@ def located_lines(error: ValidationError) -> list[Line]:
     lines: list[Line] = []
     for detail in error.errors(include_url=False):
         location = tuple(item for item in detail["loc"] if item != "[key]")
-        if len(location) > 2 and location[2] in TAGGED.get(str(location[0]), ()):
-            location = (*location[:2], *location[3:])
         lines.append((location, detail))
     return lines
 

@@ -12,11 +12,10 @@ from pydantic import ValidationError
 
 from antenna_pin.errors import ScenarioError, nearest
 from antenna_pin.files import absence, decoded
-from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
 from antenna_pin.scenario._base import Spec, unknown_key
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
+from antenna_pin.scenario._modal_file import has_modal_file, modal_stand_in
 from antenna_pin.scenario.drives import WITH_FILES, file_columns
-from antenna_pin.scenario.flexible import has_modal_file, modal_stand_in
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.table_file import BadTableError, read_table
@@ -185,6 +184,8 @@ def _with_modes(name: str, table: Any, folder: Path, source: Source) -> Any:
         return table
     if not isinstance(table["file"], str):
         return table | modal_stand_in()  # refused for its file
+    from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
+
     place = ("flexible", name, "file")
     text = _read_file(table["file"], folder, source, *place)
     try:

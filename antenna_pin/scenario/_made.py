@@ -18,22 +18,19 @@ from dataclasses import MISSING
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, Union, get_args, get_type_hints
 
-from pydantic import BeforeValidator, ConfigDict, Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameters_of
 from antenna_pin.scenario._base import Quantity, Spec, Vector, read_quantity, refuse
 
-__all__ = ["MadeSpec", "made_of", "reads"]
+__all__ = ["MadeSpec", "made_of", "name_of_table", "reads"]
 
 _Spec = TypeVar("_Spec", bound="MadeSpec")
 
 
 class MadeSpec(Spec):
     """A table that fills a class; see :func:`reads`."""
-
-    # Built when it is used: pydantic would build twice, with and without the keys.
-    model_config = ConfigDict(defer_build=True)
 
     # The class that it fills, and the field of each key where that has another name.
     fills: ClassVar[type[Any]]
@@ -138,7 +135,7 @@ def made_of(
     """
     names = {item.name for item in dataclasses.fields(cls)} - {*without}
     table = create_model(
-        f"{cls.__name__.removeprefix('Joint')}Spec",
+        name_of_table(cls.__name__),
         __base__=base,
         __doc__=cls.__doc__,
         __module__=module,
@@ -147,6 +144,11 @@ def made_of(
     )
     table.fills = cls
     return table
+
+
+def name_of_table(name: str) -> str:
+    """Return what the table of one of many kinds is called, by the name of the class that it fills."""
+    return f"{name.rpartition('.')[2].removeprefix('Joint')}Spec"
 
 
 def _keys(cls: type[Any], names: Collection[str], nested: Mapping[str, Any]) -> dict[str, Any]:

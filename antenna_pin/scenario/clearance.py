@@ -18,13 +18,14 @@ from antenna_pin.scenario._clearance import (
     Variant,
     check_play,
 )
-from antenna_pin.scenario._explained import TAGGED
+from antenna_pin.scenario._kinds import Tables
 from antenna_pin.scenario.laws import LawSpec, needs_materials
 
 if TYPE_CHECKING:
     from antenna_pin.geometry import ClearanceGeometry
 
 __all__ = [
+    "CLEARANCES",
     "ClearanceSpec",
     "ContactClearance",
     "CylindricalClearance",
@@ -322,6 +323,9 @@ ClearanceSpec = (
 )
 """A joint with play; ``model`` says which class it is."""
 
-TAGGED["clearance"] = tuple(
-    model for cls in get_args(ClearanceSpec) for model in get_args(cls.model_fields["model"].annotation)
-)
+_MODELS = {
+    model: cls for cls in get_args(ClearanceSpec) for model in get_args(cls.model_fields["model"].annotation)
+}
+
+CLEARANCES = Tables(_MODELS, _MODELS.__getitem__)
+"""Joints with play by their ``model``."""

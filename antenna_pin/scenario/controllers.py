@@ -8,7 +8,6 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, model_validator
 
 from antenna_pin.control import (
-    CONTROLLERS,
     AttitudeFeedback,
     BangBang,
     Matrix,
@@ -17,7 +16,6 @@ from antenna_pin.control import (
     StateFeedback,
 )
 from antenna_pin.scenario._base import read_quantity, refuse
-from antenna_pin.scenario._explained import TAGGED
 from antenna_pin.scenario._joint import Motion
 from antenna_pin.scenario._made import MadeSpec, reads
 from antenna_pin.units import matching_unit, shown
@@ -168,8 +166,6 @@ class BangBangSpec(_BangBang):
 
 ControllerSpec = PidSpec | StateFeedbackSpec | AttitudeSpec | BangBangSpec
 """A controller; ``kind`` says which class it is."""
-
-TAGGED["controllers"] = tuple(CONTROLLERS)
 
 
 def check_commands(controllers: Mapping[str, Any], families: Mapping[str, Mapping[str, Any]]) -> None:

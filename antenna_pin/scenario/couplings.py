@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from antenna_pin.scenario._base import Quantity, Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.units import matching_unit
 
-__all__ = ["COUPLING_SPECS", "AnyCoupling", "CouplingSpec", "DifferentialSpec", "PlanetarySpec"]
+__all__ = ["AnyCoupling", "CouplingSpec", "DifferentialSpec", "PlanetarySpec"]
 
 _RATIOS = ("1", "m/rad", "rad/m")
 
@@ -96,11 +96,5 @@ class PlanetarySpec(Spec):
     ratio: Annotated[float, Quantity("1")]
 
 
-AnyCoupling = Annotated[CouplingSpec | DifferentialSpec | PlanetarySpec, Field(discriminator="kind")]
-
-#: Tables of couplings by their kind; the first is that of a table that does not say.
-COUPLING_SPECS: dict[str, type[CouplingSpec] | type[DifferentialSpec] | type[PlanetarySpec]] = {
-    "ratio": CouplingSpec,
-    "differential": DifferentialSpec,
-    "planetary": PlanetarySpec,
-}
+AnyCoupling = CouplingSpec | DifferentialSpec | PlanetarySpec
+"""A coupling; ``kind`` says which class it is."""

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, create_model, model_validator
 
-from antenna_pin.elements import FAMILIES, AtPoint, BetweenJoints, BetweenPoints, ForceElement, OnLinks
+from antenna_pin.elements import (
+    FAMILIES,
+    AtPoint,
+    BetweenJoints,
+    BetweenPoints,
+    Family,
+    ForceElement,
+    OnLinks,
+)
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
-from antenna_pin.scenario._made import MadeSpec, made_of
+from antenna_pin.scenario._kinds import OneOf, Tables
+from antenna_pin.scenario._made import MadeSpec, made_of, name_of_table
 from antenna_pin.scenario.closures import PlaceSpec
 from antenna_pin.scenario.references import reference_file_columns
 
@@ -133,18 +142,20 @@ _BASES: tuple[tuple[type[ForceElement], type[_ForceSpec], tuple[str, ...]], ...]
 )
 
 
-def _specs(kinds: Mapping[str, type[ForceElement]], default: bool) -> dict[str, type[_ForceSpec]]:
-    """Return the tables of some kinds of elements by kind; with their kind as a default, or without."""
-    found: dict[str, type[_ForceSpec]] = {}
-    for kind, cls in kinds.items():
-        key: Any = (Literal[kind], kind if default else ...)
+def _specs(family: Family) -> Tables:
+    """Return the tables of a family's kinds of elements; with their kind as a default, or without."""
+
+    def made(kind: str) -> type[_ForceSpec]:
+        cls = family.kinds[kind]
+        key: Any = (Literal[kind], kind if family.default is not None else ...)
         base, places = next((spec, places) for of, spec, places in _BASES if issubclass(cls, of))
         named: dict[str, Any] = {"follows": str | None} if "follows" in cls.__dataclass_fields__ else {}
-        found[kind] = made_of(cls, base, key, __name__, (*places, *cls.own_keys()), **named)
-    return found
+        return made_of(cls, base, key, __name__, (*places, *cls.own_keys()), **named)
+
+    return Tables(family.kinds, made)
 
 
-FAMILY_SPECS = {table: _specs(one.kinds, one.default is not None) for table, one in FAMILIES.items()}
+FAMILY_SPECS = {table: _specs(family) for table, family in FAMILIES.items()}
 """The tables of each family by their kind."""
 
 DRIVE_SPECS = FAMILY_SPECS["drives"]
@@ -153,17 +164,21 @@ DRIVE_SPECS = FAMILY_SPECS["drives"]
 SPRING_SPECS = FAMILY_SPECS["springs"]
 """The tables of springs by their kind."""
 
-# A scenario that is pickled names its classes as this module does.
-globals().update({spec.__name__: spec for specs in FAMILY_SPECS.values() for spec in specs.values()})
 
-if TYPE_CHECKING:
-    DriveSpec = ElementSpec
-    AnySpring = ElementSpec | PointsSpec
-else:
-    DriveSpec = Union[tuple(DRIVE_SPECS.values())]  # noqa: UP007 - of values
-    """A drive; ``kind`` says which class it is."""
-    AnySpring = Union[tuple(SPRING_SPECS.values())]  # noqa: UP007 - of values
-    """A spring; ``kind`` says which class it is."""
+def __getattr__(name: str) -> Any:
+    """Return the class of a table by its name, by which a scenario that is pickled finds it again."""
+    for table, family in FAMILIES.items():
+        for kind, place in family.kinds.places.items():
+            if name_of_table(place) == name:
+                return FAMILY_SPECS[table][kind]
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+DriveSpec = ElementSpec
+"""A drive; ``kind`` says which class it is."""
+
+AnySpring = ElementSpec | PointsSpec
+"""A spring; ``kind`` says which class it is."""
 
 
 if TYPE_CHECKING:
@@ -179,9 +194,7 @@ else:
         __module__=__name__,
         **{
             table: (
-                dict[str, Annotated[Union[tuple(specs.values())], Field(discriminator="kind")]]  # noqa: UP007
-                if len(specs) > 1
-                else dict[str, *specs.values()],
+                dict[str, Annotated[_ForceSpec, OneOf(specs)]],
                 Field(default_factory=dict),
             )
             for table, specs in FAMILY_SPECS.items()
@@ -196,9 +209,9 @@ WITH_FILES = (*FAMILIES, "references")
 
 def kind_in(family: str, table: Mapping[str, Any]) -> str | None:
     """Return the kind of a table that names none, if its family has one: with an end it is between points."""
-    between = [kind for kind in FAMILIES[family].kinds if is_between_points(family, kind)]
-    if between and not {"first", "second"}.isdisjoint(table):
-        return between[0]
+    between = FAMILIES[family].between
+    if between is not None and not {"first", "second"}.isdisjoint(table):
+        return between
     return FAMILIES[family].default
 
 

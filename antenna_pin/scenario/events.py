@@ -16,7 +16,6 @@ from antenna_pin.scenario._base import (
     refuse_name,
     unknown_key,
 )
-from antenna_pin.scenario._explained import TAGGED
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.units import shown
 
@@ -137,10 +136,6 @@ class ForceEvent(_Event):
 
 EventSpec = AngleEvent | RateEvent | TimeEvent | GapEvent | ForceEvent
 """An event; ``kind`` says which class it is."""
-
-TAGGED["events"] = tuple(
-    kind for cls in get_args(EventSpec) for kind in get_args(cls.model_fields["kind"].annotation)
-)
 
 
 def number_to_set(event: EventSpec, tables: Mapping[str, Mapping[str, Spec]], *place: str) -> float:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from antenna_pin.flexible import EffectiveMode, EffectiveModes, ModalData, Petals
 from antenna_pin.scenario._base import Spec, refuse
@@ -18,8 +18,6 @@ __all__ = [
     "ModeSpec",
     "ModesSpec",
     "PetalsSpec",
-    "has_modal_file",
-    "modal_stand_in",
 ]
 
 
@@ -84,15 +82,5 @@ class ModalDataSpec(_OfLink, MadeSpec):
         return data
 
 
-FlexibleSpec = Annotated[ModesSpec | PetalsSpec | ModalDataSpec, Field(discriminator="kind")]
+FlexibleSpec = ModesSpec | PetalsSpec | ModalDataSpec
 """A flexible link; ``kind`` says how."""
-
-
-def has_modal_file(table: object) -> bool:
-    """Whether the table of a flexible link may take its numbers from a file that it names."""
-    return isinstance(table, Mapping) and table.get("kind") == "modal-data" and "file" in table
-
-
-def modal_stand_in() -> dict[str, tuple[float, ...]]:
-    """Return the least that modal data need in place of a file that is not to be read."""
-    return {"frequency": (1.0,), "participation": (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)}

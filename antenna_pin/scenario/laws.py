@@ -7,7 +7,7 @@ law is built once to see that it accepts them.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field, model_serializer, model_validator
@@ -56,8 +56,8 @@ class LawSpec(Spec):
             return data
         table = _nested(data)
         if "law" in table and not table.keys() - {"law", "dissipation", "parameters"}:
-            known = laws("normal") | laws("friction")
-            check_law_name(table["law"], known, "law")
+            check_law_name(table["law"], [*laws("normal"), *laws("friction")], "law")
+            known = laws("friction" if table["law"] in laws("friction") else "normal")
             dissipation = table.get("dissipation")
             check_dissipation(dissipation, table["law"], "dissipation")
             table["parameters"] = read_parameters(
@@ -98,12 +98,12 @@ def _names(spec: LawSpec | LawChange) -> dict[str, Any]:
     return {key: name for key, name in names.items() if name is not None}
 
 
-def laws(family: Family) -> dict[str, type[Any]]:
+def laws(family: Family) -> Mapping[str, type[Any]]:
     """Return the laws of a family by name."""
     # Imported on first use: compiled laws take a quarter of a second, and listing scenarios needs none.
     from antenna_pin import contact
 
-    return dict(contact.NORMAL_LAWS if family == "normal" else contact.FRICTION_LAWS)
+    return contact.NORMAL_LAWS if family == "normal" else contact.FRICTION_LAWS
 
 
 def declared_parameters(
@@ -133,7 +133,7 @@ def check_dissipation(name: object, law: str, *location: str) -> None:
         refuse(f"must be left out, for law {law} brings its own; elastic laws are {elastic}", *location)
 
 
-def check_law_name(name: object, known: Mapping[str, type[Any]], *location: str) -> None:
+def check_law_name(name: object, known: Collection[str], *location: str) -> None:
     """Refuse what is not the name of a known law."""
     if not isinstance(name, str):
         refuse(f"must be text, got {shown(name)}", *location, value=name)

@@ -20,8 +20,8 @@ from antenna_pin.scenario._layers import (
     read_layer,
     stand_in,
 )
+from antenna_pin.scenario._modal_file import has_modal_file, modal_stand_in
 from antenna_pin.scenario.drives import WITH_FILES, file_columns
-from antenna_pin.scenario.flexible import has_modal_file, modal_stand_in
 from antenna_pin.scenario.merge import Overrides, merge
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import find_scenario, read_toml

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import Any, Literal
 
-from antenna_pin.elements import REFERENCES, Reference
-from antenna_pin.elements import Sum as SumOfReferences
+from antenna_pin.elements import REFERENCES
 from antenna_pin.scenario._base import refuse, refuse_name
 from antenna_pin.scenario._joint import JointTable
-from antenna_pin.scenario._made import MadeSpec, made_of
+from antenna_pin.scenario._kinds import Tables
+from antenna_pin.scenario._made import MadeSpec, made_of, name_of_table
 
-__all__ = ["REFERENCE_SPECS", "AnyReference", "ReferenceSpec", "check_references", "reference_file_columns"]
+__all__ = ["REFERENCE_SPECS", "ReferenceSpec", "check_references", "reference_file_columns"]
 
 
 class ReferenceSpec(JointTable, MadeSpec):
@@ -24,32 +24,27 @@ class ReferenceSpec(JointTable, MadeSpec):
         return super().build(**more)
 
 
-def _specs() -> dict[str, type[ReferenceSpec]]:
-    found = {}
-    for kind, cls in REFERENCES.items():
-        key: Any = (Literal[kind], ...)
-        names: dict[str, Any] = {"parts": tuple[str, ...]} if cls is SumOfReferences else {}
-        found[kind] = made_of(cls, ReferenceSpec, key, __name__, (), **names)
-    return found
+def _spec(kind: str) -> type[ReferenceSpec]:
+    cls, key = REFERENCES[kind], (Literal[kind], ...)
+    names: dict[str, Any] = {"parts": tuple[str, ...]} if "parts" in cls.__dataclass_fields__ else {}
+    return made_of(cls, ReferenceSpec, key, __name__, (), **names)
 
 
-REFERENCE_SPECS = _specs()
+REFERENCE_SPECS = Tables(REFERENCES, _spec)
 """The tables of references by their kind."""
 
-# A scenario that is pickled names its classes as this module does.
-globals().update({spec.__name__: spec for spec in REFERENCE_SPECS.values()})
 
-if TYPE_CHECKING:
-    AnyReference = ReferenceSpec
-else:
-    AnyReference = Union[tuple(REFERENCE_SPECS.values())]  # noqa: UP007 - of values
-    """A reference; ``kind`` says which class it is."""
+def __getattr__(name: str) -> Any:
+    """Return the class of a table by its name, by which a scenario that is pickled finds it again."""
+    for kind, place in REFERENCES.places.items():
+        if name_of_table(place) == name:
+            return REFERENCE_SPECS[kind]
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def reference_file_columns(kind: object) -> tuple[str, ...] | None:
     """Return the columns of the file that a kind of reference may name instead of numbers; None if none."""
-    cls: type[Reference] | None = REFERENCES.get(kind) if isinstance(kind, str) else None
-    return getattr(cls, "columns", None)
+    return getattr(REFERENCES.get(kind) if isinstance(kind, str) else None, "columns", None)
 
 
 def check_references(references: Mapping[str, Any], followed: Mapping[tuple[str, ...], str]) -> None:

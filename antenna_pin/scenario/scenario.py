@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from antenna_pin._views import as_html
 from antenna_pin.brief import brief
 from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
-from antenna_pin.scenario._base import PositiveTime, Spec, Version, refuse, refuse_name
+from antenna_pin.scenario._base import PositiveTime, Version, refuse, refuse_name
+from antenna_pin.scenario._choices import CONTROLLER_SPECS, COUPLING_SPECS, EVENT_SPECS, FLEXIBLE_SPECS
 from antenna_pin.scenario._clearance import law_tables
+from antenna_pin.scenario._kinds import OneOf, Tables
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
-from antenna_pin.scenario.clearance import ClearanceSpec
+from antenna_pin.scenario.clearance import CLEARANCES, ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
-from antenna_pin.scenario.controllers import ControllerSpec, check_commands
-from antenna_pin.scenario.couplings import COUPLING_SPECS, AnyCoupling
 from antenna_pin.scenario.drives import (
+    DRIVE_SPECS,
     FAMILY_SPECS,
+    SPRING_SPECS,
     AnySpring,
     DriveSpec,
     FamilyTables,
@@ -27,13 +30,11 @@ from antenna_pin.scenario.drives import (
     is_between_points,
     kind_in,
 )
-from antenna_pin.scenario.events import EventSpec, number_to_set
-from antenna_pin.scenario.flexible import FlexibleSpec, ModesSpec
 from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
 from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, settings_key
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
 from antenna_pin.scenario.pointing import PointingSpec
-from antenna_pin.scenario.references import REFERENCE_SPECS, AnyReference, check_references
+from antenna_pin.scenario.references import REFERENCE_SPECS, ReferenceSpec, check_references
 from antenna_pin.scenario.rotors import RotorSpec
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.stops import with_urdf_limits
@@ -41,6 +42,12 @@ from antenna_pin.units import shown
 
 if TYPE_CHECKING:
     from antenna_pin.contact import Material
+    from antenna_pin.scenario.controllers import ControllerSpec
+    from antenna_pin.scenario.couplings import AnyCoupling
+    from antenna_pin.scenario.events import EventSpec
+    from antenna_pin.scenario.flexible import FlexibleSpec
+else:  # their classes are made when one is met
+    ControllerSpec = AnyCoupling = EventSpec = FlexibleSpec = Any
 
 __all__ = ["Scenario"]
 
@@ -88,18 +95,16 @@ class Scenario(FamilyTables):
     duration: PositiveTime
     mechanism: MechanismSpec
     materials: dict[str, MaterialSpec] = Field(default_factory=dict)
-    clearance: dict[str, Annotated[ClearanceSpec, Field(discriminator="model")]] = Field(default_factory=dict)
-    flexible: dict[str, FlexibleSpec] = Field(default_factory=dict)
+    clearance: dict[str, Annotated[ClearanceSpec, OneOf(CLEARANCES, "model")]] = Field(default_factory=dict)
+    flexible: dict[str, Annotated[FlexibleSpec, OneOf(FLEXIBLE_SPECS)]] = Field(default_factory=dict)
     closures: dict[str, ClosureSpec] = Field(default_factory=dict)
-    couplings: dict[str, AnyCoupling] = Field(default_factory=dict)
+    couplings: dict[str, Annotated[AnyCoupling, OneOf(COUPLING_SPECS)]] = Field(default_factory=dict)
     rotors: dict[str, RotorSpec] = Field(default_factory=dict)
-    references: dict[str, Annotated[AnyReference, Field(discriminator="kind")]] = Field(default_factory=dict)
-    drives: dict[str, Annotated[DriveSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
-    springs: dict[str, Annotated[AnySpring, Field(discriminator="kind")]] = Field(default_factory=dict)
-    events: dict[str, Annotated[EventSpec, Field(discriminator="kind")]] = Field(default_factory=dict)
-    controllers: dict[str, Annotated[ControllerSpec, Field(discriminator="kind")]] = Field(
-        default_factory=dict
-    )
+    references: dict[str, Annotated[ReferenceSpec, OneOf(REFERENCE_SPECS)]] = Field(default_factory=dict)
+    drives: dict[str, Annotated[DriveSpec, OneOf(DRIVE_SPECS)]] = Field(default_factory=dict)
+    springs: dict[str, Annotated[AnySpring, OneOf(SPRING_SPECS)]] = Field(default_factory=dict)
+    events: dict[str, Annotated[EventSpec, OneOf(EVENT_SPECS)]] = Field(default_factory=dict)
+    controllers: dict[str, Annotated[ControllerSpec, OneOf(CONTROLLER_SPECS)]] = Field(default_factory=dict)
     initial: InitialSpec = Field(default_factory=InitialSpec)
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     output: OutputSpec = Field(default_factory=OutputSpec)
@@ -114,6 +119,10 @@ class Scenario(FamilyTables):
     carried: ClassVar[frozenset[str]] = frozenset(
         {"name", "case", "description", "overrides", "folder", "urdf_text"}
     )
+
+    def _repr_html_(self) -> str:
+        """Show what it is in a notebook."""
+        return as_html(self)
 
     @property
     def urdf_path(self) -> Path:
@@ -136,6 +145,8 @@ class Scenario(FamilyTables):
         table = self.events[event]
         if table.action != "set":
             return None
+        from antenna_pin.scenario.events import number_to_set
+
         return number_to_set(table, self.families, "events", event)
 
     @property
@@ -221,14 +232,14 @@ class Scenario(FamilyTables):
         couplings = data.get("couplings")
         if isinstance(couplings, Mapping):
             done["couplings"] = {name: _at_its_carrier(name, table) for name, table in couplings.items()}
-        _check_choice(done, "couplings", "kind", tuple(COUPLING_SPECS.values()))
-        _check_choice(done, "references", "kind", tuple(REFERENCE_SPECS.values()))
-        _check_choice(done, "flexible", "kind", get_args(get_args(FlexibleSpec)[0]))
-        _check_choice(done, "clearance", "model", get_args(ClearanceSpec))
+        _check_choice(done, "couplings", "kind", COUPLING_SPECS)
+        _check_choice(done, "references", "kind", REFERENCE_SPECS)
+        _check_choice(done, "flexible", "kind", FLEXIBLE_SPECS)
+        _check_choice(done, "clearance", "model", CLEARANCES)
         for table, specs in FAMILY_SPECS.items():
-            _check_choice(done, table, "kind", tuple(specs.values()))
-        _check_choice(done, "events", "kind", get_args(EventSpec))
-        _check_choice(done, "controllers", "kind", get_args(ControllerSpec))
+            _check_choice(done, table, "kind", specs)
+        _check_choice(done, "events", "kind", EVENT_SPECS)
+        _check_choice(done, "controllers", "kind", CONTROLLER_SPECS)
         return done
 
     @model_validator(mode="after")
@@ -255,7 +266,10 @@ class Scenario(FamilyTables):
         check_references(self.references, followed)
         for name in self.events:
             self.to_set(name)
-        check_commands(self.controllers, self.families)
+        if self.controllers:
+            from antenna_pin.scenario.controllers import check_commands
+
+            check_commands(self.controllers, self.families)
         for name, link in self.flexible.items():
             self._check_shown(name, link)
         if self.mechanism.base == "fixed" and self.initial.base != InitialBaseSpec():
@@ -279,8 +293,7 @@ class Scenario(FamilyTables):
                     f"got {frequency:g} Hz; raise output.rate",
                     "flexible",
                     name,
-                    # The first is the kind, which messages leave out.
-                    *(("modes", "modes", part) if isinstance(link, ModesSpec) else ()),
+                    *(("modes", part) if link.kind == "modes" else ()),
                     "frequency",
                 )
 
@@ -314,9 +327,8 @@ def _at_its_carrier(name: str, table: object) -> object:
     return table if spec is None else {spec.roles["follower"]: name, **table}
 
 
-def _check_choice(data: Mapping[str, Any], place: str, key: str, classes: tuple[type[Spec], ...]) -> None:
+def _check_choice(data: Mapping[str, Any], place: str, key: str, values: Tables) -> None:
     """Refuse a table that does not say, by the value of a key, which class it is."""
-    values = [value for one in classes for value in get_args(one.model_fields[key].annotation)]
     names = ", ".join(values)
     tables = data.get(place)
     for name, table in tables.items() if isinstance(tables, Mapping) else ():

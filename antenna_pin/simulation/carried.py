@@ -24,7 +24,12 @@ from antenna_pin.readable import number
 __all__ = ["carried_joints", "mechanism_attributes"]
 
 
-_NAMES = {cls: name for names in (NORMAL_LAWS, DISSIPATIONS, FRICTION_LAWS) for name, cls in names.items()}
+# By the full name of the class: none is loaded that is not used.
+_NAMES = {
+    place: name
+    for names in (NORMAL_LAWS, DISSIPATIONS, FRICTION_LAWS)
+    for name, place in names.places.items()
+}
 
 
 def mechanism_attributes(system: System) -> dict[str, str]:
@@ -207,7 +212,9 @@ def _law(law: Any) -> dict[str, Any]:
             if "exponent" in unit:
                 unit = unit.replace("exponent", number(law.exponent, 6))
             parameters[item.name] = [float(value), unit]
-    return {"law": _NAMES.get(type(law), type(law).__name__), "parameters": parameters}
+    cls = type(law)
+    name = _NAMES.get(f"{cls.__module__}.{cls.__qualname__}", cls.__name__)
+    return {"law": name, "parameters": parameters}
 
 
 def _place(system: System, joint: ClearanceJoint) -> dict[str, Any]:

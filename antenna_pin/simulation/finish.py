@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from antenna_pin._compile_time import CompileClock
 from antenna_pin.errors import OutputError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.simulation.keeper import Keeper
@@ -38,7 +40,12 @@ class UnsavedError(OutputError):
 
 
 def finished(
-    run: Run, scenario: Scenario | None, start: str, keeper: Keeper | None, began: float
+    run: Run,
+    scenario: Scenario | None,
+    start: str,
+    keeper: Keeper | None,
+    began: float,
+    compiling: CompileClock | None = None,
 ) -> Trajectory:
     """Return the result of a run that has made its last step; written, if it has a keeper.
 
@@ -48,6 +55,7 @@ def finished(
         start: Where from, if not from the scenario's start: in words.
         keeper: Who has kept the record, and where the result is to be.
         began: When the recording began, by ``time.perf_counter`` [s].
+        compiling: What knows how long was compiled for it; None if nothing was.
 
     Raises:
         OutputError: The result cannot be written. Then it is in memory (:class:`UnsavedError`), or can be
@@ -56,6 +64,8 @@ def finished(
     title = scenario.title if scenario is not None else run.system.mechanism.name
     case = (scenario.case or "") if scenario is not None else ""
     lean = run.settings.output_form == "lean"
+    compiled = CompileClock() if compiling is None else compiling
+    before = compiled.seconds
 
     def result(data: xr.Dataset) -> Trajectory:
         if start:
@@ -64,13 +74,13 @@ def finished(
             data.attrs["advice"] = run.oversight.advice
         data.attrs["finished"] = datetime.now(UTC).isoformat(timespec="seconds")
         nonlocal began
-        now = time.perf_counter()
+        now = time.perf_counter() - (compiled.seconds - before)
         run.wall, began = run.wall + now - began, now
         return Trajectory(
             data=data,
             outcome=run.outcome,
             message=run.message,
-            counts=run.counts(),
+            counts=replace(run.counts(), compile_seconds=compiled.seconds),
             scenario=scenario,
             end=run.state,
         )

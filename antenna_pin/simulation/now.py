@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.directions import direction as unit_of
-from antenna_pin.dynamics import Workspace
+from antenna_pin.dynamics import Workspace, acting_on_links
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.simulation.moment import Moment
 
@@ -102,7 +102,7 @@ class Sight(Moment):
         """Return force [N] and moment [N m] that a joint passes to its child, (6,), in the joint's axes.
 
         What drives and springs at the joint do is in it. It follows from the motion of all that the joint
-        carries, so that nothing else may act on that: no closures, no springs between points.
+        carries, less what forces on links do to that; there may be no closures and no springs between points.
         """
         system = self.system
         if system.closures or system.point_springs:
@@ -111,5 +111,12 @@ class Sight(Moment):
         slot = system.mechanism.joint(joint)
         self._workspace.derivative(self.time, self._y, self._rates)
         self._evaluated, self._measured, self._placed = True, False, False
-        pin.rnea(system.mechanism.model, self._data, self.q, self.v, self._rates[: self._nv].copy())
-        return np.asarray(self._data.f[slot.joint_id].vector).copy()
+        model, data = system.mechanism.model, self._data
+        pin.forwardKinematics(model, data, self.q)
+        outside = [pin.Force.Zero() for _ in range(model.njoints)]
+        for link, wrench in acting_on_links(system, self._workspace.program):
+            if link != "world":
+                carries = model.frames[system.mechanism.frame(link)].parentJoint
+                outside[carries] += data.oMi[carries].actInv(pin.Force(wrench))
+        pin.rnea(model, data, self.q, self.v, self._rates[: self._nv].copy(), outside)
+        return np.asarray(data.f[slot.joint_id].vector).copy()

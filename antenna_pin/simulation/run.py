@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from antenna_pin._compile_time import compiling_timed
 from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.control import Controller
@@ -238,13 +239,15 @@ def simulate(
         if stood is not None:
             check_same(stood, about)
         keeper = Keeper(out, system, about, checkpoint, stood)
-    with keeper or contextlib.nullcontext():
+    with keeper or contextlib.nullcontext(), compiling_timed() as compiling:
         run = Run(system, first, begin + float(span), used, events, begin, controllers=controllers)
         if stood is not None:
             stood.give_to(run)
         with interruptible() as interrupted:
+            before = compiling.seconds  # the run's own time begins with its first step
             run.advance(progress, interrupted, keeper)
-            return finished(run, scenario, told, keeper, time.perf_counter())
+            run.wall -= compiling.seconds - before
+            return finished(run, scenario, told, keeper, time.perf_counter(), compiling)
 
 
 def check_scenario(scenario: Scenario) -> None:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from antenna_pin._views import StudyFigures, StudyReporter, View, as_html
 from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.scenario import Scenario
@@ -92,9 +93,14 @@ class Study(RunsFile):
         results: Whose full result files are kept: ``none``, those of runs that ``failed``, or ``all``.
         name: Of the study: that of its file.
         folder: Of the study file.
+
+    When it has been run it shows itself: ``study.plot(name)`` and ``study.report("report.html")``.
     """
 
     __repr__ = __str__ = brief
+
+    plot: ClassVar[View[StudyFigures]] = View()
+    report: ClassVar[View[StudyReporter]] = View()
 
     suffix: ClassVar[str] = ".study.toml"
     word: ClassVar[str] = "study"
@@ -107,6 +113,10 @@ class Study(RunsFile):
     results: Literal["none", "failed", "all"] = "none"
     name: str = "study"
     folder: Path = Path()
+
+    def _repr_html_(self) -> str:
+        """Show what it varies and keeps in a notebook."""
+        return as_html(self)
 
     @model_validator(mode="before")
     @classmethod

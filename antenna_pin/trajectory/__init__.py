@@ -1,37 +1,42 @@
 """One run, sampled: labelled arrays by a schema, how the run ended, and the file that holds both."""
 
-from antenna_pin.trajectory.blows import blow_counts, blow_numbers, surfaces
-from antenna_pin.trajectory.file import FORMAT, write_blocks
-from antenna_pin.trajectory.meshes import Span, mesh_spans, mesh_touches, met_by_meshes
-from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
-from antenna_pin.trajectory.read import (
-    contact_ends,
-    contact_joints,
-    contact_kinds,
-    contacts_of,
-    is_lean,
-    names_along,
-    series,
-)
-from antenna_pin.trajectory.result import Trajectory, library_versions
-from antenna_pin.trajectory.table import (
-    FORMATS,
-    KINDS,
-    TableKind,
-    format_of,
-    kind_of,
-    open_table,
-    save_table,
-    table_attributes,
-)
-from antenna_pin.trajectory.touches import (
-    ModeChange,
-    Touch,
-    elements_of,
-    latch_changes,
-    mode_changes,
-    touches,
-)
+from typing import TYPE_CHECKING
+
+from antenna_pin._lazy import loaded_when_used
+
+if TYPE_CHECKING:
+    from antenna_pin.trajectory.blows import blow_counts, blow_numbers, surfaces
+    from antenna_pin.trajectory.file import FORMAT, write_blocks
+    from antenna_pin.trajectory.meshes import Span, mesh_spans, mesh_touches, met_by_meshes
+    from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
+    from antenna_pin.trajectory.read import (
+        contact_ends,
+        contact_joints,
+        contact_kinds,
+        contacts_of,
+        is_lean,
+        names_along,
+        series,
+    )
+    from antenna_pin.trajectory.result import Trajectory, library_versions
+    from antenna_pin.trajectory.table import (
+        FORMATS,
+        KINDS,
+        TableKind,
+        format_of,
+        kind_of,
+        open_table,
+        save_table,
+        table_attributes,
+    )
+    from antenna_pin.trajectory.touches import (
+        ModeChange,
+        Touch,
+        elements_of,
+        latch_changes,
+        mode_changes,
+        touches,
+    )
 
 __all__ = [
     "ENDED_WELL",
@@ -70,3 +75,17 @@ __all__ = [
     "touches",
     "write_blocks",
 ]
+
+loaded_when_used(
+    __name__,
+    {
+        "blows": "blow_counts blow_numbers surfaces",
+        "file": "FORMAT write_blocks",
+        "meshes": "Span mesh_spans mesh_touches met_by_meshes",
+        "outcome": "Counts ENDED_WELL Outcome",
+        "read": "contact_ends contact_joints contact_kinds contacts_of is_lean names_along series",
+        "result": "Trajectory library_versions",
+        "table": "FORMATS KINDS TableKind format_of kind_of open_table save_table table_attributes",
+        "touches": "ModeChange Touch elements_of latch_changes mode_changes touches",
+    },
+)

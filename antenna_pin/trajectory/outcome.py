@@ -64,7 +64,8 @@ class Counts:
         rejected: Trial steps rejected by their error.
         relocated: Trial steps cut back to end at a change of contact.
         evaluations: Evaluations of the equations of motion.
-        wall_seconds: Time of the run, recording included [s].
+        wall_seconds: Time of the run, recording included, without compiling [s].
+        compile_seconds: Time in which kernels were compiled for it, which the next run finds compiled [s].
     """
 
     accepted: int = 0
@@ -72,6 +73,7 @@ class Counts:
     relocated: int = 0
     evaluations: int = 0
     wall_seconds: float = 0.0
+    compile_seconds: float = 0.0
 
 
 #: Those of a run that came to its end: every number of its result is one.

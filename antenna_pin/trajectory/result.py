@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import xarray as xr
 
-from antenna_pin.card import run_card
+from antenna_pin._views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.state import State
@@ -51,24 +51,12 @@ def library_versions() -> dict[str, str]:
     return dict(_versions())
 
 
-# What a run in a few words is counted by.
-_COUNTED = (
-    "time",
-    "joint",
-    "sliding_joint",
-    "clearance_joint",
-    "contact",
-    "closure",
-    "episode",
-    "event",
-    "sampled",
-    "tick",
-)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory:
     """One run, sampled.
+
+    It shows itself: ``run.plot("contact_forces")``, ``run.record("run.html")``,
+    ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.views`).
 
     Attributes:
         data: Labelled by time, contact, axis and more; units and long names on each (docs/trajectory.md).
@@ -85,6 +73,11 @@ class Trajectory:
     counts: Counts
     scenario: Scenario | None = None
     end: State | None = None
+
+    plot = View[RunFigures]()
+    record = View[Recorder]()
+    report = View[Reporter]()
+    analyse = View[RunNumbers]()
 
     @property
     def constraints(self) -> dict[str, Any]:
@@ -221,21 +214,12 @@ class Trajectory:
         return result
 
     def __repr__(self) -> str:
-        """Show in a few lines what was run and how it ended; ``summary()`` has all numbers."""
-        attributes, sizes = self.data.attrs, self.data.sizes
-        named = [str(attributes[key]) for key in ("title", "case") if attributes.get(key)]
-        held = ", ".join(f"{size} {name}" for name, size in sizes.items() if name in _COUNTED)
-        return "\n".join(
-            [
-                f"Trajectory of {', case '.join(named) or 'a system built in Python'}",
-                f"  {self.outcome.name}: {self.message}",
-                f"  data: {len(self.data.data_vars)} variables of {held}; numbers by summary()",
-            ]
-        )
+        """Show what was run, how it ended and what has happened; ``summary()`` has all numbers."""
+        return as_text(self)
 
     def _repr_html_(self) -> str:
-        """Show the run in a notebook: how it ended, key numbers, a sketch of the motion, and all data."""
-        return run_card(self.data, self.summary(), self.completed)
+        """Show the run in a notebook: how it ended, what has happened, its motion, what data there are."""
+        return as_html(self)
 
 
 def _scenario(text: str) -> Scenario:

@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, law_parameters
 from antenna_pin.parameters import attribute_docs
 from antenna_pin.scenario._base import Count, Quantity, Spec, Vector
+from antenna_pin.scenario._kinds import OneOf
 from antenna_pin.scenario.laws import LawChange, LawSpec
 
 __all__ = [
@@ -163,6 +164,9 @@ def _shapes(hint: Any, field: FieldInfo | None, key: str, doc: str) -> Iterator[
     for item in metadata:
         # Of a validator the annotation is asked that it belongs to.
         item = getattr(getattr(item, "func", None), "__self__", item)
+        if isinstance(item, OneOf):
+            yield Table(tuple(item.tables.values()))
+            return
         if isinstance(item, Quantity):
             units = item.unit if isinstance(item.unit, tuple) else (item.unit,)
             yield Number(units, item.rule)

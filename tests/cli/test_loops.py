@@ -40,10 +40,8 @@ def test_info_counts_what_holds_a_scenario(cli, folder):
     assert lines == [
         "driven, case ideal: Four-bar, its crank driven",
         "  fixed base, 3 moving joints, 3 freedoms",
-        "  joint drive_pin: continuous",
-        "  joint crank_pin: continuous",
-        "  joint ground_pin: continuous",
-        "  closure rocker_pin: revolute, coupler - rocker, 5 equations",
+        "  3 joints drive_pin, crank_pin, ground_pin: continuous",
+        "  closure rocker_pin (coupler - rocker): revolute, 5 equations",
         "  drive crank: motion 12\N{NO-BREAK SPACE}rad/s · t, at drive_pin",
         "  5 equations of closures, 2 independent (3 redundant, rocker_pin: along z, about x, about y); "
         "1 motion; mobility 1, of which the motion leaves 0",
@@ -216,7 +214,7 @@ def test_singular_positions_that_were_passed_are_named(cli, folder, singular):
 def test_commands_tell_what_is_coupled_and_what_that_carried(cli, tmp_path):
     path = write_coupled_fingers(tmp_path / "fingers")
     said = printed(cli("info", path)).replace("\N{NO-BREAK SPACE}", " ").splitlines()
-    assert said[5:8] == [
+    assert said[4:7] == [
         "  coupling finger: finger = −1 · thumb + 0.1 rad",
         "  coupling rack: rack = 10 mm/rad · thumb",
         "  2 equations of couplings, 2 independent; mobility 1",

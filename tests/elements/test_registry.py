@@ -192,7 +192,7 @@ EXAMPLES = {
     ),
     # Held, 0.1 rad beyond its flank.
     Latch: (
-        Latch(joint="a", angle=0.25, width=0.2, stiffness=10.0, damping=0.5, play=0.1, mode=2),
+        Latch(joint="a", angle=0.25, width=0.2, stiffness=10.0, damping=0.5, play=0.1, mode=2, flank=-1.0),
         "latch at 0.25 rad, window 0.2 rad to either side, stiffness 10 N m/rad, damping 0.5 N m s/rad, "
         "play 0.1 rad",
         10.0 * 0.1 - 0.5 * 0.2,

@@ -143,6 +143,30 @@ def test_a_random_base_has_the_mean_square_of_its_density():
         assert motion.at(t + 2.0) == pytest.approx(expected, rel=1e-9, abs=1e-9)  # the period
 
 
+def test_a_base_turns_at_random_as_another_slides():
+    """A density of angular acceleration, (rad/s^2)^2/Hz, makes the lines that one of acceleration makes."""
+    given = {"frequency": (20.0, 80.0, 200.0), "period": 2.0, "seed": 3, "fade_in": 0.1}
+    spectrum = ("1 (rad/s^2)^2/Hz", "4 rad^2/s^3", f"{(180 / math.pi) ** 2} (deg/s^2)^2/Hz")
+    turning = RandomShake(joint="x", axis=(0.0, 1.0, 0.0), point=(0, 0, 1), angular_density=spectrum, **given)
+    sliding = random(fade_in=0.1)
+    assert turning.angular_density == pytest.approx((1.0, 4.0, 1.0), rel=1e-15)  # of pi, twice
+    for t in (0.03, 0.317, 1.9):
+        assert turning.at(t) == pytest.approx(sliding.at(t), rel=1e-13)
+    assert "rad/s² rms" in turning.words(False) and turning.rms == pytest.approx(sliding.rms, rel=1e-14)
+    with pytest.raises(InvalidParameterError, match="a spectral density of angular acceleration"):
+        RandomShake(joint="x", axis=(0, 0, 1), angular_density=("1 g^2/Hz",) * 3, **given)
+
+
+def test_a_table_fades_in():
+    """From rest at zero, by the factor that sines have; past that it is the table, to the last bit."""
+    given = {"of": "displacement", "time": (0.0, 0.5, 1.0, 1.5), "course": (1.0, 2.0, 0.0, 1.0)}
+    plain, faded = TableShake(**ALONG, **given), TableShake(**ALONG, **given, fade_in=0.4)
+    assert faded.at(0.0) == (0.0, 0.0, 0.0)
+    assert faded.at(0.2)[0] == pytest.approx(0.5 * plain.at(0.2)[0], rel=1e-14)  # half way, a half
+    assert faded.at(0.4) == plain.at(0.4) and faded.at(1.1) == plain.at(1.1)
+    assert 0.4 in faded.instants and faded.words(True).endswith("fades in within 0.4\N{NO-BREAK SPACE}s")
+
+
 def test_a_density_falls_as_one_over_f():
     """Where the exponent is -1 the integral is a logarithm; beside it, close to that."""
     assert band_power(1.0, 8.0, (1.0, 8.0), (1.0, 0.125)) == pytest.approx(math.log(8.0), rel=1e-14)
@@ -193,7 +217,15 @@ REFUSED = {
         lambda: RandomShake(
             joint="x", axis=(0, 0, 1), frequency=(1.0, 2.0), density=(1.0, 1.0), period=9.0, seed=1
         ),
-        "axis must be left out",
+        "density must be left out of what is shaken about an axis; give angular_density",
+    ),
+    "a turn without a density": (
+        lambda: RandomShake(joint="x", axis=(0, 0, 1), frequency=(1.0, 2.0), period=9.0, seed=1),
+        "angular_density must be given of what is shaken about an axis",
+    ),
+    "a density of two kinds": (
+        lambda: random(angular_density=(1.0, 1.0, 1.0)),
+        "angular_density must be left",
     ),
     "a density without an end": (lambda: random(density=(1.0, 2.0)), "as many numbers as frequency, 3"),
     "a band that falls": (lambda: random(frequency=(20.0, 20.0, 30.0)), "must be above the one before, 20.0"),

@@ -1,5 +1,6 @@
 """The solar array and the reaction wheel under models/: what their READMEs promise."""
 
+import json
 import tomllib
 
 import numpy as np
@@ -196,3 +197,20 @@ def test_play_costs_time_and_changes_little_else(ideal):
     late = {name: time - captures(ideal)[name] for name, time in captures(run).items()}
     # Measured 11 ms; friction of some newtons at 10 mm against springs of a newton metre is a per mille.
     assert all(0.0 < value < 0.05 for value in late.values())
+    assert_largest_blow_is_the_laws(run.data)
+
+
+def assert_largest_blow_is_the_laws(data):
+    """The contact is struck again while it lasts: the law's closed form at the rate that it has then."""
+    blow = int(np.nanargmax(data.peak_force.values))
+    contact = int(data.episode_contact[blow])
+    assert str(data.contact.values[contact]) == "root.radial-"
+    law = json.loads(data.attrs["clearance_joints"])["root"]["contacts"]["root.radial-"]["normal_law"]
+    at = int(np.searchsorted(data.time.values, float(data.peak_time[blow])))
+    depth, time = data.depth.values[at : at + 2, contact], data.time.values[at : at + 2]
+    rate = float(np.diff(depth)[0] / np.diff(time)[0])
+    elastic = law["parameters"]["stiffness"][0] * depth[0] ** 1.5
+    expected = elastic * (1.0 + 0.75 * (1.0 - 0.5**2) * rate / float(data.approach_speed[blow]))
+    # The rate is a difference over a microsecond of a blow of tens of them.
+    assert float(data.peak_force[blow]) == pytest.approx(expected, rel=0.01)
+    assert expected > 15.0 * elastic and 0.5e3 < elastic < 0.7e3

@@ -43,6 +43,10 @@ def line(axes, label):
     return next(entry for entry in axes.lines if entry.get_label() == label)
 
 
+def titled(figure, words):
+    return next(axes for axes in figure.axes if axes.get_title("left").endswith(words))
+
+
 # --- motion ---
 
 
@@ -73,16 +77,43 @@ def test_ideal_run_lies_on_top_in_black(runs):
 
 
 def test_close_view_holds_the_largest_deviation(runs):
+    """Where that is less than a twentieth of the height; a larger one is seen without it."""
     ideal, run = runs[0], runs[2]
-    figure = figure_motion([ideal, run], "rate")
-    near = figure.axes[1]
-    start, end = near.get_xlim()
     # Both made-up runs have a sample at every millisecond; there they are compared directly.
     one, other = (data["motion_rate"].sel(joint="elevation") for _, data in (ideal, run))
-    apart = np.abs(other - np.interp(other["time"], one["time"], one))
-    at = float(apart["time"][int(np.argmax(apart.values))])
+    smooth = np.interp(other["time"], one["time"], one)
+    apart = other - smooth
+    at = float(apart["time"][int(np.argmax(np.abs(apart.values)))])
+    small = run[1].copy()
+    rates = small["motion_rate"].values.copy()
+    rates[:, 1] = smooth + 0.03 * np.ptp(smooth) * apart / np.abs(apart).max()
+    small["motion_rate"] = small["motion_rate"].dims, rates
+    whole, near, deviation = figure_motion([ideal, ("case3", small)], "rate").axes
+    start, end = near.get_xlim()
     assert start - 1e-3 <= at <= end + 1e-3
     assert end - start <= 0.1 * 5.0 + 1e-9
+    rates[:, 1] = smooth + 0.1 * np.ptp(smooth) * apart / np.abs(apart).max()
+    small["motion_rate"] = small["motion_rate"].dims, rates
+    titles = [axes.get_title("left") for axes in figure_motion([ideal, ("case3", small)], "rate").axes]
+    assert len(titles) == 2 and "deviation" in titles[1]
+
+
+def test_runs_that_coincide_are_less_the_first(runs):
+    """Beside an ideal run 1 rad off: 0.1 mrad and 1 % of it are both within a line of their deviations."""
+    ideal, run = runs[0], runs[1]
+    names = ["second", "third"]
+    others = [run[1].copy() for _ in names]
+    for other, size in zip(others, (1e-4, 1e-6), strict=True):
+        other["motion_angle"] = other["motion_angle"] + size * np.sin(other["time"])
+    figure = figure_motion([ideal, ("first", run[1]), *zip(names, others, strict=True)], "angle")
+    (apart,) = (axes for axes in figure.axes if axes.get_title("left").endswith("less that of first"))
+    assert "[µrad]" in apart.get_ylabel()
+    for name, size in zip(names, (100.0, 1.0), strict=True):
+        drawn = line(apart, name)
+        # A difference of two numbers of 10 rad is known to 2e-15 rad.
+        np.testing.assert_allclose(drawn.get_ydata(), size * np.sin(drawn.get_xdata()), atol=1e-8)
+    told = figure_motion([ideal, *runs[1:]], "angle")
+    assert not any("less that of" in axes.get_title("left") for axes in told.axes)
 
 
 def test_deviation_of_a_smooth_run_is_exact_between_the_samples_of_the_ideal_run(made_run):
@@ -161,7 +192,7 @@ def test_repeated_labels_are_told_apart(runs):
 
 def test_a_run_of_one_sample_is_named_below_the_panels(runs, stillborn):
     for figure in (figure_motion([*runs, stillborn], "rate"), figure_energy([*runs, stillborn])):
-        assert figure.get_supxlabel() == "not drawn, one sample only: stillborn"
+        assert figure.get_supxlabel().endswith("not drawn, one sample only: stillborn")
 
 
 def test_nothing_but_single_samples_is_refused_with_the_reason(stillborn):
@@ -187,14 +218,15 @@ def test_a_foreign_dataset_is_refused_in_one_line():
 def test_every_episode_has_its_peak_in_the_figure(runs):
     """Impacts last less than a sample; their peaks are drawn from the list of episodes."""
     figure = figure_contact_forces(runs)
-    radial, axial = figure.axes[1], figure.axes[3]  # of case3, the second run with contact
+    radial, axial = (titled(figure, f"case3, {kind}") for kind in ("radial", "axial"))
     data = runs[2][1]
     which = data["contact"].values[data["episode_contact"].values]
     for axes, kind in ((radial, "radial"), (axial, "axial")):
         dots = next(entry for entry in axes.lines if entry.get_marker() == ".")
         mine = np.array([f".{kind}" in name for name in which])
         np.testing.assert_array_equal(dots.get_xdata(), data["peak_time"].values[mine])
-        factor = 1e-3 if "[kN]" in figure.axes[0 if kind == "radial" else 2].get_ylabel() else 1.0
+        units = "".join(one.get_ylabel() for one in figure.axes if kind in one.get_ylabel())
+        factor = 1e-3 if "[kN]" in units else 1.0
         np.testing.assert_allclose(np.abs(dots.get_ydata()), factor * data["peak_force"].values[mine])
     signs = np.sign(next(entry for entry in axial.lines if entry.get_marker() == ".").get_ydata())
     ends = [1.0 if name.endswith("+") else -1.0 for name in which if ".axial" in name]
@@ -206,15 +238,16 @@ def test_sampled_resultant_is_split_across_and_along_the_axis(runs):
     figure = figure_contact_forces(runs[2:])
     force = data["joint_force"].sel(clearance_joint="elevation").values
     factors = [1e-3 if "[kN]" in axes.get_ylabel() else 1.0 for axes in figure.axes]
-    radial, axial = (line(axes, "resultant on the journal").get_ydata() for axes in figure.axes)
+    radial, axial = (line(axes, "resultant on the journal").get_ydata() for axes in figure.axes[:2])
     np.testing.assert_allclose(radial, factors[0] * np.hypot(force[:, 0], force[:, 1]))
     np.testing.assert_allclose(axial, factors[1] * force[:, 2])
 
 
 def test_planar_clearance_says_that_it_has_no_axial_contact(runs):
     figure = figure_contact_forces(runs)
-    texts = [text.get_text() for text in figure.axes[2].texts]
-    assert texts == ["no axial contact in this joint"]
+    assert "case2-planar, axial (no such contact in this joint)" in figure.get_supxlabel()
+    axial = [axes for axes in figure.axes if axes.get_title("left").endswith("axial")]
+    assert [axes.get_title("left").rpartition("$ ")[2] for axes in axial] == ["case3, axial"]
 
 
 def test_contact_forces_of_ideal_runs_or_unknown_joints_are_refused(runs):
@@ -225,7 +258,8 @@ def test_contact_forces_of_ideal_runs_or_unknown_joints_are_refused(runs):
 
 
 def test_a_single_run_may_stand_for_a_list(runs):
-    assert len(figure_contact_forces(runs[2]).axes) == 2
+    titles = [axes.get_title("left").partition("case3, ")[2] for axes in figure_contact_forces(runs[2]).axes]
+    assert titles[:2] == ["radial", "axial"] and titles[2].startswith("strongest blow")
 
 
 # --- audits ---
@@ -285,9 +319,10 @@ def test_no_window_system_is_touched():
 
 def test_the_whole_set_is_written(runs, tmp_path):
     written = save_figures(runs, tmp_path / "new" / "folder", ("png", "svg"))
-    names = ["motion_angle", "motion_rate", "motion_acceleration", "contact_forces"]
+    names = [f"motion_{quantity}-elevation" for quantity in ("angle", "rate", "acceleration")]
     # Made-up runs carry no mechanism and no contact points: what needs them is left out.
-    names += ["spectrogram", "joints_acceleration", "energy", "momentum"]
+    names += ["joint_motion-azimuth", "contact_forces-elevation", "spectrogram-elevation"]
+    names += ["energy", "momentum"]
     assert [path.name for path in written] == [
         f"{name}.{suffix}" for name in names for suffix in ("png", "svg")
     ]
@@ -308,7 +343,15 @@ def test_the_same_runs_give_the_same_files(runs, tmp_path):
 
 def test_runs_without_contact_have_no_figure_of_contact_forces(runs, tmp_path):
     written = save_figures(runs[:1], tmp_path)
-    assert "contact_forces.png" not in [path.name for path in written]
+    assert not any("contact_forces" in path.name for path in written)
+
+
+def test_runs_of_different_mechanisms_are_refused_in_one_line(runs, tmp_path):
+    other = runs[2][1].assign_coords(joint=["yoke", "hinge"], clearance_joint=["hinge"])
+    words = "plot: runs must be of one mechanism .*case3 with joints azimuth, .* and array with .*hinge"
+    with pytest.raises(AntennaPinError, match=words):
+        save_figures([runs[2], ("array", other)], tmp_path / "folder")
+    assert not (tmp_path / "folder").exists()
 
 
 def test_unknown_format_is_refused_before_any_work(runs, tmp_path):

@@ -65,7 +65,7 @@ def test_a_figure_of_a_branch():
     figure = figure_branch(branch())
     where, size = figure.axes
     assert where.get_ylabel() == "v[way]\nat the start [m/s]"
-    assert size.get_xlabel() == "drives.motor.amplitude [N]"
+    assert size.get_xlabel() == "amplitude of motor [N]"
     lines = [line for line in size.get_lines() if len(line.get_xdata()) > 2]
     assert [line.get_linestyle() for line in lines if line.get_label() == "stable"] == ["-", "-"]
     assert [line.get_linestyle() for line in lines if line.get_label() == "unstable"] == ["--"]

@@ -52,11 +52,14 @@ from antenna_pin.plot import (
 from antenna_pin.plot._compared import Curve, Panel, panels_figure
 from antenna_pin.plot._kinds import (
     CLOSED,
+    CONTROLLED,
     COUPLED,
     FLEXIBLE,
+    FORCED,
     GEARED,
     LOOPED,
     MOVING,
+    PLAYLESS,
     PRESCRIBED,
     RANDOM,
     SHAKEN,
@@ -244,7 +247,7 @@ def test_eccentricity_is_drawn_over_the_clearance(real_runs):
     ratio, depth = figure_eccentricity(("planar", data)).axes
     centre = np.hypot(*data["journal_position"].values[:, 0, :2].T)
     np.testing.assert_allclose(lines_of(ratio)["centre"].get_ydata()[sampled(data)], centre / 2e-4, rtol=1e-9)
-    peaks = lines_of(depth)["largest of each contact episode"]
+    peaks = lines_of(depth)["largest of each blow"]
     size = factor_of(depth.get_ylabel(), "m")
     np.testing.assert_allclose(peaks.get_ydata(), size * data["peak_depth"].values, rtol=1e-12)
     np.testing.assert_array_equal(peaks.get_xdata(), data["peak_time"].values)
@@ -253,12 +256,12 @@ def test_eccentricity_is_drawn_over_the_clearance(real_runs):
 def test_tilt_and_axial_place_are_of_joints_that_can_move_so(runs):
     figure = figure_eccentricity(runs)
     titles = {title_of(axes): axes for axes in figure.axes}
-    tilt = next(axes for title, axes in titles.items() if title.endswith("case3, tilt"))
-    size = factor_of(tilt.get_ylabel() or figure.axes[4].get_ylabel(), "rad")
+    tilt = titles["case3, tilt"]
+    size = factor_of(tilt.get_ylabel() or "[mrad]", "rad")
     drawn, recorded = tilt.lines[0].get_ydata(), size * runs[2][1]["journal_tilt"].values[:, 0]
     np.testing.assert_allclose(drawn[sampled(runs[2][1])], recorded, atol=1e-9 * recorded.max())
-    planar = next(axes for title, axes in titles.items() if title.endswith("case2-planar, tilt"))
-    assert [text.get_text() for text in planar.texts] == ["none in this joint"]
+    assert "case2-planar, tilt" not in titles
+    assert "without a limit of the tilt: case2-planar" in note_of(figure)
 
 
 def test_scenarios_fill_the_time_they_lasted(real_runs):
@@ -268,9 +271,9 @@ def test_scenarios_fill_the_time_they_lasted(real_runs):
     whole = figure_scenarios(("case3", data)).axes[::2]
     for axes, expected in zip(whole, (shares.sum(1), shares.sum(0)), strict=True):
         filled = []
-        for bars in axes.collections:
-            ends = np.array([path.vertices[:, 0] for path in bars.get_paths()])
-            filled.append((ends.max(axis=1) - ends.min(axis=1)).sum() / span if len(ends) else 0.0)
+        for bars in axes.patches[: len(expected)]:
+            corners = bars.get_path().vertices.reshape(-1, 5, 2)
+            filled.append(np.ptp(corners[:, :, 0], axis=1).sum() / span)
         np.testing.assert_allclose(filled, expected, atol=1e-12)
 
 
@@ -296,7 +299,7 @@ def test_force_through_a_joint_is_that_of_ideal_and_clearance_joint(runs):
 
 def test_contact_forces_of_a_ball_are_the_whole_force(real_runs):
     data = real_runs["floating"]
-    (axes,) = figure_contact_forces(("balls", data)).axes
+    axes, _ = figure_contact_forces(("balls", data)).axes
     size = factor_of(axes.get_ylabel(), "N")
     force = np.linalg.norm(data["joint_force"].sel(clearance_joint="upper").values, axis=1)
     drawn = axes.lines[0].get_ydata()[sampled(data, "upper")]
@@ -438,13 +441,11 @@ def test_the_steady_force_is_that_of_the_second_half(runs):
 
 MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
 SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
-CLOSURES = [
-    name
-    for name, figure in CATALOGUE.items()
-    if figure.needs in (CLOSED, COUPLED, PRESCRIBED, FLEXIBLE, TRACED, STOPPED, GEARED, SHAKEN, SWEPT, RANDOM)
-]
+_OF_OTHERS = (CLOSED, CONTROLLED, COUPLED, PRESCRIBED, FLEXIBLE, FORCED, TRACED, STOPPED, GEARED, SHAKEN)
+CLOSURES = [name for name, figure in CATALOGUE.items() if figure.needs in (*_OF_OTHERS, SWEPT, RANDOM)]
 LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
-# Other files have those of made-up runs, closures, flexible links, hysteresis, stops, gears and shaken bases.
+# Other files have those of made-up runs, closures, controllers, forces on links, flexible links, hysteresis,
+# stops, gears and shaken bases.
 FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES, *CLOSURES)]
 STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 
@@ -511,16 +512,20 @@ def test_the_standard_set_of_real_runs(runs, tmp_path, monkeypatch):
     monkeypatch.setattr("antenna_pin.plot.files._as_file", lambda figure, suffix: b"")  # takes the time
     said = []
     written = save_figures(runs[::2], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
-    assert [path.stem for path in written] == STANDARD
+    joints = {name: "azimuth" if figure.of is PLAYLESS else "elevation" for name, figure in CATALOGUE.items()}
+    stems = [f"{name}-{joints[name]}" if CATALOGUE[name].of else name for name in STANDARD]
+    assert [path.stem for path in written] == stems
     assert said == []
 
 
-def test_what_samples_do_not_resolve_is_shaded_in_both_figures_of_frequency(runs):
+def test_what_samples_do_not_resolve_is_shaded_in_spectra_and_not_in_spectrograms(runs):
     """Above a fifth of the sample rate, 1 kHz here, up to half of it."""
-    above, side = figure_spectrogram(runs[2]).axes[0].patches, figure_spectra(runs).axes[0].patches
-    for (patch,), axis in ((above, 1), (side, 0)):
-        low, high = patch.get_extents().transformed(patch.axes.transData.inverted()).get_points()[:, axis]
-        assert high == pytest.approx(2.5 * low, rel=1e-6)
+    (patch,) = figure_spectra(runs).axes[0].patches
+    low, high = patch.get_extents().transformed(patch.axes.transData.inverted()).get_points()[:, 0]
+    assert high == pytest.approx(2.5 * low, rel=1e-6)
+    axes = figure_spectrogram(runs[2]).axes[0]
+    # The map ends with the cell of the last frequency below 200 Hz.
+    assert not axes.patches and 0.9 * low < axes.get_ylim()[1] <= low * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize(
@@ -550,7 +555,7 @@ def test_figures_drawn_side_by_side_are_those_drawn_one_after_the_other(real_run
     )
     assert [path.name for path in one] == [path.name for path in two] != []
     assert [path.read_bytes() for path in one] == [path.read_bytes() for path in two]
-    assert alone == beside and [name for name, _ in alone] == ["motion_rate"]
+    assert alone == beside and [name for name, _ in alone] == ["motion_rate-elevation"]
 
 
 def test_every_joint_with_play_has_its_files(real_runs, tmp_path, monkeypatch):
@@ -560,9 +565,9 @@ def test_every_joint_with_play_has_its_files(real_runs, tmp_path, monkeypatch):
     assert len(joints) == 2
     names = ["journal_orbit", "momentum"]
     stems = [path.stem for path in save_figures(ball, tmp_path, ("svg",), names=names)]
-    assert stems == ["journal_orbit", f"journal_orbit-{joints[1]}", "momentum"]
+    assert stems == [f"journal_orbit-{joints[0]}", f"journal_orbit-{joints[1]}", "momentum"]
     alone = save_figures(ball, tmp_path, ("svg",), names=["journal_orbit"], joint=joints[1])
-    assert [path.stem for path in alone] == ["journal_orbit"]
+    assert [path.stem for path in alone] == [f"journal_orbit-{joints[1]}"]
 
 
 def test_what_runs_are_about_is_drawn_of_each_joint_with_clearance(runs, rigs):
@@ -573,16 +578,17 @@ def test_what_runs_are_about_is_drawn_of_each_joint_with_clearance(runs, rigs):
 
     names = [name for name, _ in drawn(runs)]
     assert names == STANDARD
-    assert {joint for _, joint in drawn(runs)} == {"elevation", None}
+    assert {joint for _, joint in drawn(runs)} == {"elevation", "azimuth", None}
+    assert [name for name, joint in drawn(runs) if joint == "azimuth"] == ["joint_motion"]
     alone = dict(drawn(runs[:1]))
     assert alone["motion_angle"] == alone["joint_load"] == "elevation" and "contact_forces" not in alone
     assert {name for name, joint in drawn(rigs[3:]) if joint} == {
         name for name, figure in CATALOGUE.items() if figure.standard and figure.of in (TOUCHING, MOVING)
     }
     unknown = [(label, data.drop_attrs(deep=False)) for label, data in runs[:1]]  # of what may have play
-    assert dict(drawn(unknown))["motion_rate"] == "azimuth" and len(drawn(unknown)) == len(
-        dict(drawn(unknown))
-    )
+    assert [joint for name, joint in drawn(unknown) if name == "joint_motion"] == ["azimuth", "elevation"]
+    assert "motion_rate" not in dict(drawn(unknown))  # of a mechanism without play only where it is asked for
+    assert drawn(unknown, names=["motion_rate"]) == [("motion_rate", "azimuth")]
     assert {"momentum", "pointing"} & {name for name, _ in drawn(runs)} == {"momentum", "pointing"}
     assert not {"pointing"} & {name for name, _ in drawn(rigs)}  # their scenarios do not say what looks where
     assert {joint for _, joint in drawn(runs, joint="azimuth")} == {"azimuth", None}
@@ -600,9 +606,9 @@ def test_what_the_data_do_not_allow_is_left_out_with_the_reason(real_runs, tmp_p
     data = real_runs["case2-planar"].drop_vars("journal_tilt").isel(time=slice(0, 12))
     written = save_figures([("cut", data)], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
     reasons = dict(said)
-    assert "no variable 'journal_tilt'" in reasons["eccentricity"]
-    assert "16 samples" in reasons["spectra"]
-    assert "contact_forces" in [path.stem for path in written]
+    assert "no variable 'journal_tilt'" in reasons["eccentricity-elevation"]
+    assert "16 samples" in reasons["spectra-elevation"]
+    assert "contact_forces-elevation" in [path.stem for path in written]
 
 
 # --- figures of papers ---

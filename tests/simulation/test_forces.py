@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,7 +13,17 @@ from scipy.spatial.transform import Rotation
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.analysis import joint_loads
 from antenna_pin.dynamics import JointSpring
-from antenna_pin.elements import CallableElement, CallableForce, OutsideForce, Thruster
+from antenna_pin.elements import (
+    CallableElement,
+    CallableForce,
+    Chirp,
+    Constant,
+    OutsideForce,
+    Sine,
+    Sum,
+    Thruster,
+)
+from antenna_pin.elements import Table as Points
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.simulation import Event, Set, Time
 
@@ -386,3 +397,52 @@ def test_the_compiled_engine_refuses_a_plain_function():
         AntennaPinError, match="force 'wind' is a function in Python; compile it with numba.njit"
     ):
         simulate(craft(wind=force), duration=0.2, settings=TIGHT)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_force_follows_a_reference(engine):
+    """Through the mass centre of a body at rest: its momentum is the integral of the chirp, by quadrature."""
+    chirp = Chirp(amplitude=2.0, first=1.0, last=9.0, duration=0.7, start=0.1, phase=0.4)
+    course = Sum(parts=(Constant(value=0.5), chirp))
+    push = OutsideForce(at=("hull", (0, 0, 0)), force=(0, 3.0, 0), axes="world", follows=course, value=-2.0)
+    settings = dataclasses.replace(TIGHT, engine=engine)
+    run = simulate(craft(push=push), duration=1.0, settings=settings)
+    marks = (0.0, *course.instants, 1.0)
+    exact = sum(quad(lambda t: course.at(t)[0], a, b, epsabs=1e-13)[0] for a, b in pairwise(marks))
+    # The steps' tolerance of 1e-12 over some hundred of them.
+    np.testing.assert_allclose(
+        run.data["linear_momentum"].values[-1], [0, -6.0 * exact, 0], rtol=1e-10, atol=1e-12
+    )
+    assert "times 0.5\N{NO-BREAK SPACE}rad + a linear chirp" in push.words() or "chirp" in push.words()
+
+
+@pytest.mark.parametrize(
+    ("own", "reference"),
+    [
+        ({"frequency": 3.0, "phase": 0.3}, Sine(amplitude=1.0, frequency=3.0, phase=0.3)),
+        (
+            {"time": (0.0, 0.3, 0.6), "factors": (0.0, 2.0, 1.0), "interpolation": "cubic"},
+            Points(time=(0.0, 0.3, 0.6), values=(0.0, 2.0, 1.0), interpolation="cubic"),
+        ),
+    ],
+    ids=["sine", "table"],
+)
+def test_its_own_course_is_such_a_reference(own, reference):
+    """Whichever way it is written, the motion is the same to the last bit."""
+    push = {"at": ("tip", (0.1, 0, 0)), "force": (1.0, 2.0, 0), "torque": (0, 0.1, 0)}
+    runs = [
+        simulate(craft(ARM, push=OutsideForce(**push, **more)), duration=0.6, settings=TIGHT)
+        for more in (own, {"follows": reference})
+    ]
+    np.testing.assert_array_equal(runs[0].data["q"].values, runs[1].data["q"].values)
+
+
+def test_a_force_has_one_course():
+    push = {"at": ("hull", (0, 0, 0)), "force": (1.0, 0, 0), "follows": Constant(value=1.0)}
+    with pytest.raises(AntennaPinError, match="frequency must be left out beside follows: a force has one"):
+        OutsideForce(**push, frequency=1.0)
+    with pytest.raises(AntennaPinError, match="time must be left out beside follows"):
+        OutsideForce(**push, time=(0.0, 1.0), factors=(0.0, 1.0))
+    short = OutsideForce(**push | {"follows": Points(time=(0.0, 1.0), values=(0.0, 1.0))})
+    with pytest.raises(AntennaPinError, match="covers the run from 0 to 2 s"):
+        simulate(craft(push=short), duration=2.0)

@@ -164,3 +164,36 @@ def test_modes_under_a_constant_force(written):
         assert found.data["frequency"].values[0] == pytest.approx(
             np.sqrt(stiffness / moment) / (2.0 * np.pi), rel=1e-7
         )
+
+
+FOLLOWS = """
+[forces.shaker]
+kind = "force"
+at = {link = "hull", point = [0, 0, 0]}
+force = [0, 0, "2 N"]
+follows = "sweep"
+[references.sweep]
+kind = "chirp"
+amplitude = 0.5
+first = "1 Hz"
+last = "20 Hz"
+duration = "300 ms"
+"""
+
+
+def test_a_force_follows_a_reference_by_name(tmp_path):
+    from antenna_pin.elements import Chirp
+
+    (tmp_path / "craft.urdf").write_text(URDF)
+    path = tmp_path / "scenario.toml"
+    path.write_text(TOML.format(base="free", rate="0 rad/s", more=FOLLOWS))
+    shaker = build_system(load_scenario(path)).families["forces"]["shaker"]
+    assert shaker.follows == Chirp(amplitude=0.5, first=1.0, last=20.0, duration=0.3)
+    for override, said in (
+        ("forces.shaker.follows=swep", "reference 'swep' is unknown; did you mean sweep"),
+        ("references.sweep.amplitude='1 deg'", "references.sweep: values must be pure numbers"),
+        ("forces.shaker.frequency=3", "frequency must be left out beside follows"),
+    ):
+        with pytest.raises(AntennaPinError, match=said) as refused:
+            build_system(load_scenario(path, overrides=[override]))
+        assert "\n" not in str(refused.value)

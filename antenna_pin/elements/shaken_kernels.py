@@ -1,16 +1,17 @@
-"""A shaken base's table, compiled: cubics between points, of which rate and acceleration are exact."""
+"""A motion of a shaken base, compiled: a course over time that fades in."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from antenna_pin._compile import inlined, record
-from antenna_pin.elements.curve_kernels import curvature, curve
+from antenna_pin.elements.fade_kernels import faded
 from antenna_pin.elements.ledger_kernels import write_work
+from antenna_pin.elements.term_kernels import course
 from antenna_pin.records import layout, words_of
 
-#: Behind it stands the curve.
-LAYOUT = layout(("points", "i8"))
+#: Behind it stand ``terms`` words of its course.
+LAYOUT = layout(("terms", "i8"), ("fade_in", "f8"))
 SIZE = words_of(LAYOUT)
 # Its power is known once the forces of constraint are.
 write_rates = write_work
@@ -18,10 +19,9 @@ write_rates = write_work
 
 @inlined
 def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
-    """Position, its rate and its acceleration at time t [s]."""
-    points = record(words[at : at + SIZE], LAYOUT).points
-    along, speed = curve(words, at + SIZE, points, t)
-    return along, speed, curvature(words, at + SIZE, points, t)
+    """Position, its rate and its acceleration at time t [s]: all exact of one another."""
+    m = record(words[at : at + SIZE], LAYOUT)
+    return faded(course(words, at + SIZE, at + SIZE + m.terms, t), t, m.fade_in)
 
 
 @inlined

@@ -1,0 +1,54 @@
+"""How long kernels were compiled: once on a machine, and no part of what a run takes."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+from numba.core import event
+
+__all__ = ["CompileClock", "compiling_timed"]
+
+_KIND = "numba:compile"
+
+
+class CompileClock(event.Listener):  # type: ignore[misc]
+    """Adds up the time that this thread compiles, what is compiled for something else counted once.
+
+    What is found compiled on the disk takes none.
+    """
+
+    def __init__(self) -> None:
+        """Stand at zero."""
+        #: Time so far [s].
+        self.seconds = 0.0
+        self._thread = threading.get_ident()
+        self._depth, self._began = 0, 0.0
+
+    def on_start(self, _: Any) -> None:
+        """Hear that something is to be compiled."""
+        if threading.get_ident() == self._thread:
+            if self._depth == 0:
+                self._began = time.perf_counter()
+            self._depth += 1
+
+    def on_end(self, _: Any) -> None:
+        """Hear that it is."""
+        if threading.get_ident() == self._thread and self._depth:
+            self._depth -= 1
+            if self._depth == 0:
+                self.seconds += time.perf_counter() - self._began
+
+
+@contextlib.contextmanager
+def compiling_timed() -> Iterator[CompileClock]:
+    """Take the time that is spent compiling."""
+    clock = CompileClock()
+    event.register(_KIND, clock)
+    try:
+        yield clock
+    finally:
+        event.unregister(_KIND, clock)

@@ -1,0 +1,63 @@
+"""``antenna-pin explore``: a scenario's numbers under sliders, its run beside them, in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from antenna_pin.cli._common import CaseOption, ScenarioArgument, SetOption, load, say
+from antenna_pin.cli._opening import browser_for_pages
+from antenna_pin.errors import MissingToolError
+
+
+def explore(
+    scenario: ScenarioArgument,
+    case: CaseOption = None,
+    settings: SetOption = None,
+    joint: Annotated[
+        str | None, typer.Option(help="Joint that is looked at first; the first one with play if left out.")
+    ] = None,
+    duration: Annotated[
+        str, typer.Option(metavar="TIME", help="How much of the run is made after each change.")
+    ] = "0.5 s",
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            help="Where 'Save as scenario' writes: a file, replaced each time, or a folder for numbered"
+            " files; the working folder if left out.",
+        ),
+    ] = None,
+    port: Annotated[int, typer.Option(help="Where it listens on this machine; a free port if 0.")] = 0,
+    browser: Annotated[
+        bool, typer.Option(help="Open the page, or only serve it and print its address.")
+    ] = True,
+) -> None:
+    """Turn a scenario's numbers in the browser and see what its run becomes.
+
+    The page is served to this machine only, to whoever has its whole address, until Ctrl-C.
+    """
+    from antenna_pin.live import check_bokeh
+
+    check_bokeh()
+    opened = (
+        browser_for_pages("explore", "--no-browser serves the page and prints its address")
+        if browser
+        else None
+    )
+    chosen = load(scenario, case, settings)
+
+    from antenna_pin.live import explore as serve
+
+    with serve(chosen, joint=joint, duration=duration, port=port, out=out) as exploration:
+        say(f"serving {exploration.url}")
+        say("Ctrl-C ends it")
+        if opened is not None and not opened.open(exploration.url):
+            raise MissingToolError("explore: a browser must start, got none; --no-browser prints the address")
+        try:
+            exploration.wait()
+        except KeyboardInterrupt:
+            exploration.stop()
+            say("ended")

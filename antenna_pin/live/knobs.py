@@ -1,0 +1,291 @@
+"""Numbers of a scenario that one may turn, with the range over which it makes sense to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from antenna_pin.arguments import takes
+from antenna_pin.numerals import bare
+from antenna_pin.parameters import parameters_of
+from antenna_pin.readable import GIVEN, readable
+from antenna_pin.scenario import LawChange, LawSpec, Scenario, TouchingSpec
+from antenna_pin.scenario.laws import declared_parameters, laws, needs_materials, unit_of
+from antenna_pin.units import quantity
+
+__all__ = ["Knob", "knobs_of", "play_names"]
+
+# How far a number may be turned, as a factor either way: a stiffness, anything else that is positive.
+_WIDE, _USUAL = 100.0, 20.0
+# Parts of the bore's radius that a play may come to.
+_WIDEST_PLAY = 0.5
+# Three digits are what a slider sets: a file of them can be read.
+_DIGITS = 3
+# The same number another way, or one that makes another unit of its neighbour's.
+_LEFT = frozenset({"exponent", "poisson", "on", "bearing_radius", "journal_radius", "length"})
+_FROM_0_TO_1 = frozenset({"restitution", "efficiency", "efficiency_back"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Knob:
+    """One number that may be turned.
+
+    Attributes:
+        group: What it belongs to, in words.
+        name: What it is, in words.
+        place: Where the scenario has it: ``clearance.elevation.radial_clearance``.
+        unit: SI unit, as a scenario writes it.
+        value: What the scenario has [unit].
+        low: Least value of the slider [unit].
+        high: Greatest [unit].
+        logarithmic: Whether the slider goes by factors.
+        start: What stands at the place is ``start + factor * value``: a journal's radius, for a play [unit].
+        factor: Likewise [-].
+        beside: What else has to be said with it, by place.
+    """
+
+    group: str
+    name: str
+    place: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    logarithmic: bool
+    start: float = 0.0
+    factor: float = 1.0
+    beside: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def settings(self, value: float) -> dict[str, Any]:
+        """Return what is laid over the scenario for a value [unit], by place."""
+        return {**self.beside, self.place: self.start + self.factor * value}
+
+    def read(self, text: str) -> float:
+        """Return a value that is typed, a number in SI units or with a unit.
+
+        Raises:
+            QuantityError: It is none, or of another dimension.
+        """
+        plain = text.replace("\N{MINUS SIGN}", "-").replace("\N{NO-BREAK SPACE}", " ")
+        return quantity(bare(plain), self.unit, self.place)
+
+    def told(self, value: float) -> str:
+        """Return a value as it is shown and may be typed: ``0.2 mm``."""
+        if self._is_plain:
+            return readable(value, self.unit, GIVEN).replace("\N{NO-BREAK SPACE}", " ")
+        return f"{value:.{GIVEN}g} {self.unit}".removesuffix(" 1").replace("**", "^")
+
+    @property
+    def _is_plain(self) -> bool:
+        """Whether the unit takes prefixes and reads the same printed."""
+        return self.unit in ("m", "s", "N", "Hz", "Pa", "rad", "1")
+
+    def to_slider(self, value: float) -> float:
+        """Return where a slider from 0 to 1 stands for a value, at its ends for one beyond its range."""
+        if self.logarithmic:
+            value = max(value, self.low)
+            share = math.log(value / self.low) / math.log(self.high / self.low)
+        else:
+            share = (value - self.low) / (self.high - self.low)
+        return min(max(share, 0.0), 1.0)
+
+    def from_slider(self, share: float) -> float:
+        """Return the value for a slider at 0 to 1, in three digits."""
+        if self.logarithmic:
+            value = self.low * (self.high / self.low) ** share
+        else:
+            value = self.low + share * (self.high - self.low)
+            if abs(value) < 0.5 * (self.high - self.low) * 10.0**-_DIGITS:
+                return 0.0
+        return float(f"{value:.{_DIGITS - 1}e}")
+
+
+def play_names(scenario: Scenario) -> list[str]:
+    """Return the joints of a scenario whose journal touches the bearing."""
+    return [name for name, one in scenario.clearance.items() if isinstance(one, TouchingSpec)]
+
+
+@takes()
+def knobs_of(scenario: Scenario, joint: str | None = None, sliding: Collection[str] = ()) -> list[Knob]:
+    """Return what may be turned: play and laws of a joint, all drives, and what else acts at the joint.
+
+    Args:
+        scenario: The scenario.
+        joint: The joint; without one drives alone.
+        sliding: Joints that slide, where the scenario's units do not say so.
+    """
+    found = [*_of_play(scenario, joint), *_of_laws(scenario, joint)]
+    for family, elements in scenario.families.items():
+        for name, spec in elements.items():
+            if family == "drives" or joint in _joints(spec):
+                found += _of_element(family, name, spec, sliding)
+    found += _of_start(scenario, sliding)
+    return found
+
+
+def _joints(spec: Any) -> tuple[Any, ...]:
+    """Return the joints that an element acts at."""
+    return tuple(getattr(spec, key, None) for key in ("joint", "input", "output"))
+
+
+def _ranged(value: float, wide: float = _USUAL) -> dict[str, Any]:
+    """Return the range of a number of which no more is known than its value."""
+    if value > 0.0:
+        return {"low": value / wide, "high": value * wide, "logarithmic": True}
+    reach = 3.0 * abs(value) or 1.0
+    return {"low": -reach, "high": reach, "logarithmic": False}
+
+
+def _words(key: str) -> str:
+    return key.replace("_", " ")
+
+
+def _of_play(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
+    """Yield how much play a joint has, whichever way its table gives it."""
+    spec = scenario.clearance.get(joint or "")
+    if not isinstance(spec, TouchingSpec):
+        return
+    sizes: dict[str, tuple[str, float, float]] = {
+        # key that stands in the table: what it is called, and start and factor of the play that it makes
+        "radial_clearance": ("radial play", 0.0, 1.0),
+        "journal_radius": ("radial play", spec.bearing_radius or 0.0, -1.0),
+        "axial_clearance": ("axial play", 0.0, 1.0),
+        "flange_distance": ("axial play", spec.bearing_length or 0.0, 2.0),
+        "slider_width": ("play across the width", spec.guide_width or 0.0, -2.0),
+        "slider_height": ("play across the height", spec.guide_height or 0.0, -2.0),
+    }
+    shown = {*sizes} if spec.kinds != ("radial",) else {*sizes} - {"axial_clearance", "flange_distance"}
+    widest = _WIDEST_PLAY * min(
+        size for size in (spec.bearing_radius, spec.guide_width, spec.guide_height) if size is not None
+    )
+    for key, (name, start, factor) in sizes.items():
+        written = getattr(spec, key)
+        if written is None or key not in shown:
+            continue
+        play = (written - start) / factor
+        about = _ranged(play)
+        if about["logarithmic"]:
+            about["high"] = min(about["high"], max(widest, play))
+        else:  # pressed, or with no play: up to what it may be
+            about = {"low": min(2.0 * play, 0.0), "high": 0.05 * widest, "logarithmic": False}
+        yield Knob(
+            group=f"Play in {joint}",
+            name=name,
+            place=f"clearance.{joint}.{key}",
+            unit="m",
+            value=play,
+            start=start,
+            factor=factor,
+            **about,
+        )
+
+
+def _of_laws(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
+    """Yield the numbers of a joint's contact and friction laws, and of the materials that they come from."""
+    spec = scenario.clearance.get(joint or "")
+    if not isinstance(spec, TouchingSpec):
+        return
+    if needs_materials(spec.radial_law):
+        for name in dict.fromkeys((spec.journal_material, spec.bearing_material)):
+            if name is not None:
+                yield _of_material(scenario, name, f"Contact in {joint}")
+    for table in ("normal", "radial", "axial", "friction"):
+        law: LawSpec | LawChange | None = getattr(spec, table)
+        if law is not None:
+            yield from _of_law(spec, f"clearance.{joint}.{table}", table, law, str(joint))
+
+
+def _of_law(
+    spec: TouchingSpec, place: str, table: str, law: LawSpec | LawChange, joint: str
+) -> Iterator[Knob]:
+    """Yield the numbers that a law's table gives."""
+    frictional = table == "friction"
+    known = laws("friction" if frictional else "normal")
+    common = spec.normal if spec.normal is not None and not frictional else law
+    name = law.law or common.law or ""
+    dissipation = law.dissipation or (common.dissipation if name == common.law else None)
+    declared = declared_parameters(name, known, dissipation)
+    values = {**(common.parameters if name == common.law else {}), **law.parameters}
+    for key, value in law.parameters.items():
+        if key in _LEFT or key not in declared:
+            continue
+        unit = unit_of(key, name, known, values, dissipation)
+        about = _ranged(value, _WIDE if key in ("stiffness", "modulus") else _USUAL)
+        if key in _FROM_0_TO_1:
+            about = {"low": 0.0, "high": 1.0, "logarithmic": False}
+        elif frictional and unit == "1":
+            about = {"low": 0.0, "high": max(1.0, 2.0 * value), "logarithmic": False}
+        word = {"radial": "bore, ", "axial": "flanges, "}.get(table, "")
+        yield Knob(
+            group=f"{'Friction' if frictional else 'Contact'} in {joint}",
+            name=word + _words(key) + (" friction" if frictional and key in ("static", "dynamic") else ""),
+            place=f"{place}.{key}",
+            unit=unit,
+            value=value,
+            **about,
+        )
+
+
+def _of_material(scenario: Scenario, name: str, group: str) -> Knob:
+    """Return the knob of a material's modulus; one that ships enters the scenario with all its numbers."""
+    material = scenario.material(name)
+    place = f"materials.{name}"
+    beside: dict[str, Any] = {}
+    if name not in scenario.materials:
+        for key in ("poisson", "density", "source"):
+            if getattr(material, key) not in (None, ""):
+                beside[f"{place}.{key}"] = getattr(material, key)
+    return Knob(
+        group=group,
+        name=f"Young's modulus, {name}",
+        place=f"{place}.young",
+        unit="Pa",
+        value=material.young,
+        beside=MappingProxyType(beside),
+        **_ranged(material.young, _WIDE),
+    )
+
+
+def _of_element(family: str, name: str, spec: Any, sliding: Collection[str]) -> Iterator[Knob]:
+    """Yield the numbers of an element that its table gives, or that are not zero."""
+    declared = parameters_of(type(spec).fills)
+    slides = getattr(spec, "motion", None) == "translation" or getattr(spec, "joint", None) in sliding
+    for key in type(spec).model_fields:
+        about = declared.get(type(spec).field_of(key))
+        value = getattr(spec, key, None)
+        if about is None or about.sizes or key in _LEFT or key == "phase":
+            continue
+        if not isinstance(value, float) or (value == 0.0 and not about.required):
+            continue
+        yield Knob(
+            group=f"{_words(family).removesuffix('s').capitalize()} {name}",
+            name=_words(key),
+            place=f"{family}.{name}.{key}",
+            unit=about.sliding if slides and about.sliding else about.unit,
+            value=value,
+            **(
+                {"low": 0.0, "high": 1.0, "logarithmic": False}
+                if key in _FROM_0_TO_1
+                else _ranged(value, _WIDE if key == "stiffness" else _USUAL)
+            ),
+        )
+
+
+def _of_start(scenario: Scenario, sliding: Collection[str]) -> Iterator[Knob]:
+    """Yield the speeds that joints start with, where the scenario gives some."""
+    for name, spec in scenario.initial.joints.items():
+        slides = spec.motion == "translation" or name in sliding
+        for key, unit, along in (("velocity", "rad/s", "m/s"), ("rate", "rad/s", "rad/s")):
+            value = getattr(spec, key)
+            if value:
+                yield Knob(
+                    group=f"Start of {name}",
+                    name=_words(key),
+                    place=f"initial.joints.{name}.{key}",
+                    unit=along if slides else unit,
+                    value=value,
+                    **_ranged(value),
+                )

@@ -1,0 +1,115 @@
+"""Runs one after the other in a thread of their own: the latest that is asked for wins."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.scenario import Scenario
+from antenna_pin.session import start
+from antenna_pin.trajectory import Outcome, Trajectory
+
+__all__ = ["Made", "Runner"]
+
+# Wall time [s]: between looks whether something else is asked for, and between pictures of a run on its way.
+_LOOK, _PICTURE = 0.04, 0.2
+_FIRST = 1.0 / 64.0  # of the run, before its pace is known
+_FASTER = 4.0  # by how much a piece may be longer than the one before
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """What came of something that was asked for.
+
+    Attributes:
+        number: Of what was asked.
+        run: The run as far as it is; None if it was refused.
+        done: Whether nothing more comes of it.
+        refused: Why there is none, in one line; empty if there is.
+        wall: Since it was asked for [s].
+    """
+
+    number: int
+    run: Trajectory | None
+    done: bool
+    refused: str
+    wall: float
+
+
+class Runner:
+    """Makes runs in a thread; one that nobody asks for any more is stopped.
+
+    Args:
+        told: Called in that thread with what came of the latest.
+    """
+
+    def __init__(self, told: Callable[[Made], None]) -> None:
+        """Start the thread, which waits."""
+        self._told = told
+        self._change = threading.Condition()
+        self._asked: tuple[int, Callable[[], Scenario], float] | None = None
+        self._number = 0
+        self._closed = False
+        self._thread = threading.Thread(target=self._work, name="antenna-pin explore", daemon=True)
+        self._thread.start()
+
+    def ask(self, scenario: Callable[[], Scenario]) -> int:
+        """Ask for the run of what a function returns, called in the thread; return the number of it."""
+        with self._change:
+            self._number += 1
+            self._asked = self._number, scenario, time.perf_counter()
+            self._change.notify()
+            return self._number
+
+    def close(self) -> None:
+        """Stop what runs, and the thread."""
+        with self._change:
+            self._closed = True
+            self._number += 1
+            self._change.notify()
+        if threading.current_thread() is not self._thread:
+            self._thread.join()
+
+    def _work(self) -> None:
+        while True:
+            with self._change:
+                self._change.wait_for(lambda: self._asked is not None or self._closed)
+                if self._closed:
+                    return
+                assert self._asked is not None
+                number, scenario, asked = self._asked
+                self._asked = None
+            try:
+                self._make(number, scenario, asked)
+            except AntennaPinError as error:
+                self._tell(Made(number, None, True, str(error), time.perf_counter() - asked))
+            except Exception as error:  # one of ours, which must not end all that comes after
+                said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+                self._tell(Made(number, None, True, said, time.perf_counter() - asked))
+
+    def _make(self, number: int, scenario: Callable[[], Scenario], asked: float) -> None:
+        """Make a run piece by piece, as one run bit for bit, unless something else is asked for."""
+        made = scenario()
+        session = start(made)
+        end, piece = made.duration, made.duration * _FIRST
+        told = time.perf_counter()
+        while session.time < end and session.outcome is Outcome.COMPLETED:
+            if number != self._number:
+                return
+            began = time.perf_counter()
+            left = end - session.time
+            session.run_until(end if left < 1.5 * piece else session.time + piece)
+            now = time.perf_counter()
+            piece *= min(max(_LOOK / max(now - began, 1e-6), 1.0 / _FASTER), _FASTER)
+            if now - told > _PICTURE and session.time < end:
+                told = now
+                self._tell(Made(number, session.trajectory(), False, "", now - asked))
+        run = session.trajectory()
+        self._tell(Made(number, run, True, "", time.perf_counter() - asked))
+
+    def _tell(self, made: Made) -> None:
+        if made.number == self._number:
+            self._told(made)

@@ -1,0 +1,180 @@
+"""A server on this machine for one user, whose pages explore a scenario."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import importlib
+import secrets
+import socket
+import threading
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from antenna_pin.arguments import takes
+from antenna_pin.errors import InvalidParameterError, MissingToolError, OutputError
+from antenna_pin.live.explored import SPAN, Explored
+from antenna_pin.scenario import Scenario
+
+__all__ = ["Exploration", "explore"]
+
+# Other machines do not reach it; other users of this one lack what the address has behind it.
+_HERE = "127.0.0.1"
+_HEIGHT = "980px"
+_PORTS = 65535
+
+
+@takes(duration="s")
+def explore(
+    scenario: Scenario,
+    *,
+    joint: str | None = None,
+    duration: float | str = SPAN,
+    port: int = 0,
+    out: Path | str | None = None,
+) -> Exploration:
+    """Serve a page with sliders for a scenario's numbers, on this machine only, until it is stopped.
+
+    In a notebook what is returned shows itself; else open its ``url`` in a browser.
+
+    Args:
+        scenario: Where it starts from.
+        joint: Which joint is looked at first; the first with play, or the first that moves.
+        duration: How much of the run is made after each change [s].
+        port: Where it listens; a free one if 0.
+        out: Where "Save as scenario" writes: a file, or a folder for numbered ones; the working folder if
+            left out.
+
+    Raises:
+        AntennaPinError: The scenario cannot be explored.
+        MissingToolError: Bokeh is not installed.
+        OutputError: The port is taken, or there is no such folder.
+    """
+    assert not isinstance(duration, str)  # read already, by `takes`
+    check_bokeh()
+    if not 0 <= port <= _PORTS:
+        raise InvalidParameterError("explore", "port", f"from 0 to {_PORTS}", port)
+    target = Path.cwd() if out is None else Path(out)
+    if not target.is_dir() and not target.absolute().parent.is_dir():
+        raise OutputError(f"{target}: the output's folder {str(target.parent)!r} does not exist; make it")
+    Explored(scenario, joint, duration).scenario()
+    return Exploration(scenario, joint, duration, port, target)
+
+
+def check_bokeh() -> None:
+    """Refuse to go on where Bokeh is missing."""
+    try:
+        importlib.import_module("bokeh.server.server")
+    except ImportError:
+        raise MissingToolError(
+            "explore needs bokeh; install it with pip install 'antenna-pin[explore]'"
+        ) from None
+
+
+class Exploration:
+    """A scenario that is being explored in a browser, served by a thread.
+
+    Attributes:
+        url: Where its page is, with the key that lets one in.
+    """
+
+    def __init__(self, scenario: Scenario, joint: str | None, duration: float, port: int, out: Path) -> None:
+        """Listen, and serve from now on."""
+        self._about = scenario, joint, duration, out
+        self._key = secrets.token_bytes(32)
+        self._ready = threading.Event()
+        self._failed: BaseException | None = None
+        self.url = ""
+        self._loop: Any = None
+        self._thread = threading.Thread(
+            target=self._serve, args=(port,), name="antenna-pin explore server", daemon=True
+        )
+        self._thread.start()
+        self._ready.wait()
+        if self._failed is not None:
+            raise self._failed
+
+    def _serve(self, port: int) -> None:
+        from bokeh.application import Application
+        from bokeh.application.handlers import FunctionHandler
+        from bokeh.server.server import BaseServer
+        from bokeh.server.tornado import BokehTornado
+        from bokeh.util.token import generate_session_id
+        from tornado.httpserver import HTTPServer
+        from tornado.ioloop import IOLoop
+
+        loop = asyncio.new_event_loop()
+        asyncio.set_event_loop(loop)
+        try:
+            listening = socket.create_server((_HERE, port))
+            listening.setblocking(False)
+            found = listening.getsockname()[1]
+            application = BokehTornado(
+                {"/": Application(FunctionHandler(self._fill))},
+                extra_websocket_origins=[f"{_HERE}:{found}", f"localhost:{found}"],
+                secret_key=self._key,
+                sign_sessions=True,
+                generate_session_ids=False,
+            )
+            http = HTTPServer(application)
+            http.add_sockets([listening])
+            server = BaseServer(IOLoop.current(), application, http)
+            server.start()
+        except OSError as error:
+            said = error.strerror or str(error)
+            self._failed = OutputError(
+                f"explore: port {port} must be free, got: {said}; leave --port out for a free one"
+            )
+            self._ready.set()
+            loop.close()
+            return
+        except BaseException as error:
+            self._failed = error
+            self._ready.set()
+            loop.close()
+            return
+        key = generate_session_id(self._key, signed=True)
+        self.url = f"http://{_HERE}:{found}/?bokeh-session-id={key}"
+        self._loop = loop
+        self._ready.set()
+        try:
+            loop.run_forever()
+        finally:
+            with contextlib.suppress(Exception):
+                server.unlisten()
+                server.stop()
+            loop.run_until_complete(loop.shutdown_asyncgens())
+            loop.close()
+
+    def _fill(self, document: Any) -> None:
+        from antenna_pin.live.page import Page
+
+        scenario, joint, duration, out = self._about
+        Page(document, scenario, joint, duration, out)
+
+    def wait(self) -> None:
+        """Return when it has been stopped; Ctrl-C comes through."""
+        while self._thread.is_alive():
+            self._thread.join(0.2)
+
+    def stop(self) -> None:
+        """Serve no longer."""
+        loop, self._loop = self._loop, None
+        if loop is not None:
+            loop.call_soon_threadsafe(loop.stop)
+            self._thread.join(5.0)
+
+    def __enter__(self) -> Exploration:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.stop()
+
+    def __repr__(self) -> str:
+        state = f"at {self.url}" if self._thread.is_alive() else "stopped"
+        return f"Exploration of {self._about[0].name} {state}"
+
+    def _repr_html_(self) -> str:
+        address = escape(self.url, quote=True)
+        return f'<iframe src="{address}" style="width:100%;height:{_HEIGHT};border:0"></iframe>'

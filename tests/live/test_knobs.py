@@ -1,0 +1,115 @@
+"""What may be turned: places that the scenario has, ranges around its numbers, text that reads back."""
+
+import pytest
+
+from antenna_pin import list_scenarios, load_scenario
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.live import knobs_of
+from antenna_pin.scenario import TouchingSpec
+
+CASES = [
+    ("bai2020", "case3", "elevation"),
+    ("bai2020", "case2-contact", "elevation"),  # pressed: no axial play
+    ("chen2021", None, "s2"),
+    ("pointing_gear", None, "motor"),
+    ("slider", None, "slide"),
+    ("solar_array", None, "root"),
+    ("spherical_pendulum", None, "upper"),
+    ("you2010", None, "joint2"),
+]
+
+
+EVERY = [
+    pytest.param(scenario, knob, id=f"{name}-{case}-{knob.place}")
+    for name, case, joint in CASES
+    for scenario in [load_scenario(name, case=case)]
+    for knob in knobs_of(scenario, joint)
+]
+
+
+@pytest.mark.parametrize(("scenario", "knob"), EVERY)
+def test_a_knob_at_its_value_is_the_scenario(scenario, knob):
+    """Laid over at its own value it changes no number; shown and read again it is that value."""
+    assert knob.low <= knob.value <= knob.high
+    turned = scenario.with_overrides(knob.settings(knob.value))
+    left = {"overrides", "materials"}  # a shipped material enters the scenario with all its numbers
+    before, after = (one.model_dump(exclude=left) for one in (scenario, turned))
+    flat_before, flat_after = flat(before), flat(after)
+    assert flat_after.keys() == flat_before.keys()
+    for place, value in flat_before.items():
+        if place.endswith((".motion", ".conversion")):
+            continue  # what the units of the file said, which does not bind numbers laid over it
+        if not isinstance(value, float):
+            assert flat_after[place] == value, place
+            continue
+        # A play that the radii give is a difference: round-off of them, 1e-16 of 0.02 m.
+        assert flat_after[place] == pytest.approx(value, rel=1e-12, abs=0.0), place
+    # Ten digits are shown.
+    assert knob.read(knob.told(knob.value)) == pytest.approx(knob.value, rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize(("scenario", "knob"), EVERY)
+def test_a_slider_goes_through_its_range_in_three_digits(scenario, knob):
+    shares = [k / 20 for k in range(21)]
+    values = [knob.from_slider(share) for share in shares]
+    assert values == sorted(values)
+    for share, value in zip(shares, values, strict=True):
+        # Three digits: half a thousandth of a value, which on the log scale of a range of 1e4 is less still.
+        reach = 5e-3 if knob.logarithmic else 5e-3 * max(abs(knob.low), abs(knob.high))
+        shown = knob.to_slider(value)
+        if knob.logarithmic:
+            assert shown == pytest.approx(share, rel=0.0, abs=reach)
+        else:
+            assert value == pytest.approx(knob.low + share * (knob.high - knob.low), rel=0.0, abs=reach)
+
+
+def flat(table, place=""):
+    if not isinstance(table, dict):
+        return {place: table}
+    return {key: value for name, one in table.items() for key, value in flat(one, f"{place}.{name}").items()}
+
+
+def test_every_joint_with_play_of_what_ships_has_its_play_stiffness_and_restitution():
+    for summary in list_scenarios():
+        scenario = load_scenario(summary.name)
+        for joint, spec in scenario.clearance.items():
+            if not isinstance(spec, TouchingSpec):
+                continue
+            names = [knob.name for knob in knobs_of(scenario, joint)]
+            assert any("play" in name for name in names), (summary.name, joint)
+            assert any("stiffness" in name or "modulus" in name for name in names), (summary.name, joint)
+
+
+def test_play_that_the_radii_give_is_turned_at_the_journal():
+    scenario = load_scenario("bai2020", case="case3")
+    own = scenario.clearance["elevation"]
+    text = {"radial_clearance": None, "journal_radius": 9.8e-3}
+    given = own.model_copy(update=text)
+    changed = scenario.model_copy(update={"clearance": {"elevation": given}})
+    knob = knobs_of(changed, "elevation")[0]
+    assert knob.place == "clearance.elevation.journal_radius"
+    assert knob.value == pytest.approx(0.2e-3, rel=1e-12, abs=0.0)  # a difference of radii of 0.01 m
+    assert knob.settings(0.5e-3) == {knob.place: own.bearing_radius - 0.5e-3}
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("0.2 N", "must be a length [m], got '0.2 N' (force)"),
+        ("wide", "must be a length [m]"),
+        ("", "must be"),
+    ],
+)
+def test_what_is_typed_wrong_is_refused_in_one_line(text, said):
+    knob = knobs_of(load_scenario("bai2020", case="case3"), "elevation")[0]
+    with pytest.raises(AntennaPinError) as refused:
+        knob.read(text)
+    assert said in str(refused.value) and "clearance.elevation.radial_clearance" in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_typed_units_and_signs_of_print_are_read():
+    knob = knobs_of(load_scenario("bai2020", case="case3"), "elevation")[0]
+    assert knob.read(" 150 µm ") == 150e-6
+    assert knob.read("\N{MINUS SIGN}0.1\N{NO-BREAK SPACE}mm") == -0.1e-3
+    assert knob.read("2e-4") == 2e-4

@@ -1,0 +1,197 @@
+"""The page in a real browser: a slider changes the curves, and their values are those of ``simulate``."""
+
+import itertools
+import re
+import signal
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from antenna_pin import explore, load_scenario, simulate
+from antenna_pin.analysis import journal_motion
+from antenna_pin.errors import OutputError
+
+pytest.importorskip("bokeh", reason="the extra explore is not installed: pip install 'antenna-pin[explore]'")
+
+PLAY = "clearance.elevation.radial_clearance"
+FAST = {"clearance.elevation.geometry": "closed-form", "integrator.engine": "compiled", "duration": 0.05}
+# Until the page has said something more, and no run is on its way; a first one may compile kernels.
+SHOWN = """
+for (let k = 0; k < 500; k++) {
+  const status = window.Bokeh?.documents[0]?.get_model_by_name('status');
+  if (status?.tags[0] > a[0] && !status.text.includes('on its way')) return [status.tags[0], status.text];
+  await new Promise((done) => setTimeout(done, 100));
+}
+return [0, 'nothing'];
+"""
+CURVE = """
+const data = Bokeh.documents[0].get_model_by_name(a[0]).data;
+return [Array.from(data.x), Array.from(data.y)];
+"""
+
+
+class Shown:
+    """A page that explores the antenna."""
+
+    def __init__(self, page, exploration):
+        self.page, self.url = page, exploration.url
+        self.count = 0
+
+    def open(self, width=1200, height=900):
+        self.page.open(self.url, width, height)
+        self.count = 0
+        return self.wait()
+
+    def wait(self):
+        self.count, said = self.page.run(SHOWN, self.count)
+        return said
+
+    def curve(self, name):
+        return np.array(self.page.run(CURVE, name if name.startswith("before ") else f"now {name}"))
+
+    def slide(self, place, share):
+        self.page.run("Bokeh.documents[0].get_model_by_name(a[0]).value = a[1];", place, share)
+        return self.wait()
+
+    def type(self, place, text):
+        self.page.run("Bokeh.documents[0].get_model_by_name(`${a[0]} typed`).value = a[1];", place, text)
+        return self.wait()
+
+    def value(self, place):
+        return self.page.run("return Bokeh.documents[0].get_model_by_name(`${a[0]} typed`).value;", place)
+
+    def click(self, name):
+        self.page.run(
+            "const model = Bokeh.documents[0].get_model_by_name(a[0]);"
+            "Bokeh.index.find_one(model).button_el.click();",
+            name,
+        )
+        return self.wait()
+
+
+@pytest.fixture
+def shown(local_page, tmp_path):
+    with explore(load_scenario("bai2020", case="case3"), duration=0.05, out=tmp_path) as exploration:
+        yield Shown(local_page, exploration)
+        local_page.open("about:blank")
+
+
+def check_same(shown, run):
+    """The page's numbers are the run's to the last bit: doubles go through as they are."""
+    acceleration = run.data["motion_acceleration"].sel(joint="elevation").values
+    assert np.array_equal(shown.curve("acceleration, elevation"), [run.data["time"].values, acceleration])
+    force = run.data["normal_force"].sel(contact=["elevation.radial+", "elevation.radial-"]).values
+    assert np.array_equal(shown.curve("radial")[1], force.sum(axis=1))
+    offset = journal_motion(run, "elevation")["offset"].values
+    assert np.array_equal(shown.curve("end +"), 1e3 * offset[:, 0, :2].T)  # in mm
+
+
+def test_a_slider_changes_the_curves_to_those_of_simulate(shown):
+    scenario = load_scenario("bai2020", case="case3", overrides=FAST)
+    assert "blows" in shown.open()
+    check_same(shown, simulate(scenario))
+    before = shown.curve("radial")
+    shown.slide(PLAY, 0.4)
+    assert shown.value(PLAY) == "0.11 mm"  # 0.01 mm times 400 to the power of 0.4, in three digits
+    assert not np.array_equal(shown.curve("radial"), before)
+    check_same(shown, simulate(scenario.with_overrides({PLAY: 110e-6})))
+    assert np.array_equal(shown.curve("before radial"), before)  # what it is compared with
+    assert shown.page.errors == []
+    assert all(one.startswith(shown.url.partition("?")[0]) for one in shown.page.requests if "ws:" not in one)
+
+
+def test_a_key_moves_a_slider(shown):
+    shown.open()
+    before = shown.value(PLAY)
+    shown.page.run(
+        "const found = Bokeh.index.find_one(Bokeh.documents[0].get_model_by_name(a[0]));"
+        "found.shadow_el.querySelector('.noUi-handle').focus();",
+        PLAY,
+    )
+    shown.page.press("ArrowRight")
+    shown.wait()
+    assert shown.value(PLAY) != before
+
+
+def test_a_refused_value_is_told_and_the_curves_stay(shown):
+    shown.open()
+    before = shown.curve("radial")
+    said = shown.type("clearance.elevation.normal.restitution", "1.3")
+    assert "normal.restitution must be in [0, 1], got 1.3" in said and "role='alert'" in said
+    assert np.array_equal(shown.curve("radial"), before)
+    assert "must be a length [m], got &#x27;2 N&#x27; (force)" in shown.type(PLAY, "2 N")
+    assert "refused" not in shown.type("clearance.elevation.normal.restitution", "0.5")
+
+
+def test_save_writes_a_file_that_makes_the_curves_and_reset_undoes(shown, tmp_path):
+    shown.open()
+    before = shown.curve("radial")
+    shown.type(PLAY, "0.15 mm")
+    for k in range(2):
+        name = f"bai2020-case3-explored{'-1' * k}.toml"
+        assert f"antenna-pin run {tmp_path / name}" in shown.click("save")
+        check_same(shown, simulate(load_scenario(tmp_path / name)))
+    shown.click("reset")
+    assert shown.value(PLAY) == "0.2 mm"
+    assert np.array_equal(shown.curve("radial"), before)
+
+
+def test_another_joint_has_other_curves(shown):
+    shown.open()
+    shown.page.run("Bokeh.documents[0].get_model_by_name('joint').value = 'azimuth';")
+    shown.wait()
+    run = simulate(load_scenario("bai2020", case="case3", overrides=FAST))
+    rate = run.data["motion_rate"].sel(joint="azimuth").values
+    assert np.array_equal(shown.curve("rate, azimuth")[1], rate)
+
+
+@pytest.mark.parametrize(("scheme", "dark"), [("light", False), ("dark", True)])
+def test_the_page_follows_the_systems_wish_and_fits_a_phone(shown, scheme, dark):
+    shown.page.open("about:blank")
+    shown.open(400, 800)
+    shown.page.resize(400, 800, mobile=True)
+    shown.page.prefer(scheme)
+    wide = shown.page.run(
+        "await new Promise((done) => setTimeout(done, 800));"
+        "return document.documentElement.scrollWidth - innerWidth;"
+    )
+    assert wide <= 0  # nothing to be moved sideways
+    picture = shown.page.screenshot()
+    assert (picture.mean() < 90.0) == dark  # most of it is paper
+    assert picture.std() > 5.0
+
+
+def test_nobody_gets_in_without_the_key(shown):
+    with pytest.raises(urllib.error.HTTPError) as refused:
+        urllib.request.urlopen(shown.url.partition("?")[0])
+    refused.value.close()
+    assert refused.value.code == 403
+    assert shown.url.startswith("http://127.0.0.1:")
+
+
+def test_a_taken_port_is_refused_in_one_line():
+    scenario = load_scenario("bai2020", case="case3")
+    with explore(scenario) as first:
+        port = int(re.search(r":(\d+)/", first.url)[1])
+        with pytest.raises(OutputError, match=f"explore: port {port} must be free"):
+            explore(scenario, port=port)
+
+
+def test_the_command_serves_until_ctrl_c(tmp_path):
+    command = [sys.executable, "-m", "antenna_pin.cli", "explore", "bai2020", "--no-browser"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as served:
+        said = "".join(itertools.islice(served.stdout, 2))
+        address = re.search(r"serving (\S+)", said)[1]
+        with urllib.request.urlopen(address) as answer:
+            assert "Dual-axis satellite antenna" in answer.read().decode()
+        served.send_signal(signal.SIGINT)
+        out, err = served.communicate(timeout=120)
+    assert (served.returncode, out, err) == (0, "ended\n", "")
+    assert list(Path(tmp_path).iterdir()) == []
