@@ -1,4 +1,4 @@
-"""Named tuples that are handed on by their address (:mod:`antenna_pin._by_address`), as Numba compiles them."""
+"""Named tuples handed on by their address (:mod:`antenna_pin._by_address`), as Numba compiles them."""
 
 from __future__ import annotations
 
@@ -68,22 +68,24 @@ def _unboxed(kind: Any, value: Any, c: Any) -> Any:
     address = c.context.get_value_type(kind)
     block = cgutils.alloca_once(c.builder, address.pointee)
     failed = cgutils.alloca_once_value(c.builder, cgutils.false_bit)
-    cleanups = []
+    natives = []
     for number, part in enumerate(kind.types):
         native = c.unbox(part, c.pyapi.tuple_getitem(value, number))
         with c.builder.if_then(native.is_error, likely=False):
             c.builder.store(cgutils.true_bit, failed)
-        if native.cleanup is not None:
-            cleanups.append(native.cleanup)
+        natives.append((part, native))
         data = c.context.data_model_manager[part].as_data(c.builder, native.value)
         c.builder.store(data, cgutils.gep_inbounds(c.builder, block, 0, number))
 
     def cleanup() -> None:
-        for one in reversed(cleanups):
-            one()
+        for part, native in reversed(natives):
+            if native.cleanup is not None:
+                native.cleanup()
+            if c.context.enable_nrt:  # whose wrapper gives back what it knows of: of this an address only
+                c.context.nrt.decref(c.builder, part, native.value)
 
     # What reads it counts on it as it is now: nothing may be read before it is written, nor where LLVM sees
     # that this is the place that has been written.
     seal = ir.InlineAsm(ir.FunctionType(address, [address]), "", "=r,0,~{memory}", side_effect=True)
     sealed = c.builder.call(seal, [block])
-    return NativeValue(sealed, cleanup=cleanup if cleanups else None, is_error=c.builder.load(failed))
+    return NativeValue(sealed, cleanup=cleanup, is_error=c.builder.load(failed))

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics import link_kernels as _links
 from antenna_pin.dynamics import point_kernels as _points
@@ -106,6 +107,7 @@ def _scenario(p: Any, b: int, pose: Any, table: Any, scratch: Any, out: Any) -> 
             out[0] = 1
 
 
+@by_address
 class Samples(NamedTuple):
     """The samples that are looked at.
 
@@ -120,6 +122,7 @@ class Samples(NamedTuple):
     memories: Any
 
 
+@by_address
 class Whole(NamedTuple):
     """A system, and room for its evaluation.
 
@@ -148,6 +151,7 @@ class Whole(NamedTuple):
     scratch: Any
 
 
+@by_address
 class Sights(NamedTuple):
     """What is seen at each of n samples.
 

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
 from antenna_pin.dynamics.outside_kernels import ask, ask_at
@@ -30,6 +31,7 @@ NORMAL_FORCE: Any = np.int64(2)
 ALL: Any = np.int64(-1)
 
 
+@by_address
 class Trial(NamedTuple):
     """A trial step as it is looked at: its dense output, and where the looking writes.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import turn_on
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
@@ -66,6 +67,7 @@ STRETCH = layout(
 )
 
 
+@by_address
 class Buffers(NamedTuple):
     """What a stretch writes for the record.
 
@@ -90,6 +92,7 @@ class Buffers(NamedTuple):
     out: Any
 
 
+@by_address
 class Search(NamedTuple):
     """What is looked for in a step (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`).
 
@@ -113,6 +116,7 @@ class Search(NamedTuple):
     difference: Any
 
 
+@by_address
 class Loop(NamedTuple):
     """All that the loop works on.
 
