@@ -14,7 +14,15 @@ from numba import types
 from numba.extending import lower_builtin, models, register_model, type_callable
 
 from antenna_pin._called import call_1, call_3, call_back
-from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
+from antenna_pin._lanes import (
+    LANES,
+    lane,
+    lane_of_row,
+    put_lane,
+    put_lane_of_row,
+    same_lane,
+    sum_of_lane,
+)
 from antenna_pin._record import record
 
 __all__: list[str] = []
@@ -92,6 +100,16 @@ def _type_of_put_lane(context: Any) -> Any:
     return lambda numbers, at, value: types.none
 
 
+@type_callable(lane_of_row)
+def _type_of_lane_of_row(context: Any) -> Any:
+    return lambda rows, r, k: _LANE
+
+
+@type_callable(put_lane_of_row)
+def _type_of_put_lane_of_row(context: Any) -> Any:
+    return lambda rows, r, k, value: types.none
+
+
 @type_callable(same_lane)
 def _type_of_same_lane(context: Any) -> Any:
     return lambda number: _LANE
@@ -116,6 +134,25 @@ def _lowered_lane(context: Any, builder: Any, signature: Any, arguments: Any) ->
 @lower_builtin(put_lane, types.Array, types.Integer, _Lane)
 def _lowered_put_lane(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     builder.store(arguments[2], _place(context, builder, signature, arguments), align=_ALIGNMENT)
+    return context.get_dummy_value()
+
+
+def _place_in_row(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Return the address of a lane in a row of an array."""
+    rows = context.make_array(signature.args[0])(context, builder, arguments[0])
+    width = builder.extract_value(rows.shape, 1)
+    at = builder.add(builder.mul(arguments[1], width), arguments[2])
+    return builder.bitcast(builder.gep(rows.data, [at]), _VECTOR.as_pointer())
+
+
+@lower_builtin(lane_of_row, types.Array, types.Integer, types.Integer)
+def _lowered_lane_of_row(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return builder.load(_place_in_row(context, builder, signature, arguments), align=_ALIGNMENT)
+
+
+@lower_builtin(put_lane_of_row, types.Array, types.Integer, types.Integer, _Lane)
+def _lowered_put_lane_of_row(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    builder.store(arguments[3], _place_in_row(context, builder, signature, arguments), align=_ALIGNMENT)
     return context.get_dummy_value()
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numba
 
+import antenna_pin._address_intrinsics  # noqa: F401 - which tells Numba of them
 import antenna_pin._intrinsics  # noqa: F401 - which tells Numba of them
 from antenna_pin._kernel_cache import FORMAT, keep
 from antenna_pin._stand_alone import stand_alone
@@ -29,6 +30,8 @@ def stamped_files() -> tuple[Path, ...]:
         "*/*kernels.py",
         "contact/records.py",
         "records.py",
+        "_address_intrinsics.py",
+        "_by_address.py",
         "_called.py",
         "_intrinsics.py",
         "_lanes.py",

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["LANES", "lane", "put_lane", "same_lane", "sum_of_lane"]
+__all__ = ["LANES", "lane", "lane_of_row", "put_lane", "put_lane_of_row", "same_lane", "sum_of_lane"]
 
 #: Numbers in a lane.
 LANES = 4
@@ -26,6 +26,16 @@ def lane(numbers: Any, at: int) -> Any:
 def put_lane(numbers: Any, at: int, value: Any) -> None:
     """Write a lane into ``numbers[at : at + LANES]`` of a contiguous array; nothing is checked."""
     numbers[at : at + LANES] = value
+
+
+def lane_of_row(rows: Any, r: int, k: int) -> Any:
+    """Return ``rows[r, k : k + LANES]`` of a contiguous array; nothing is checked."""
+    return rows[r, k : k + LANES].copy()
+
+
+def put_lane_of_row(rows: Any, r: int, k: int, value: Any) -> None:
+    """Write a lane into ``rows[r, k : k + LANES]`` of a contiguous array; nothing is checked."""
+    rows[r, k : k + LANES] = value
 
 
 def same_lane(number: float) -> Any:

@@ -74,6 +74,7 @@ def test_compiled_code_knows_numpy_numba_and_records():
     graph = grimp.build_graph("antenna_pin", include_external_packages=True, cache_dir=None)
     below = {
         "antenna_pin._compile",
+        "antenna_pin._by_address",
         "antenna_pin._called",
         "antenna_pin._lanes",
         "antenna_pin.records",

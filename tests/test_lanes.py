@@ -4,7 +4,15 @@ import numba
 import numpy as np
 
 import antenna_pin._intrinsics  # noqa: F401 - which tells Numba of lanes
-from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
+from antenna_pin._lanes import (
+    LANES,
+    lane,
+    lane_of_row,
+    put_lane,
+    put_lane_of_row,
+    same_lane,
+    sum_of_lane,
+)
 
 
 def combined(one, other, factor, out):
@@ -30,4 +38,25 @@ def test_lanes_are_four_loops_to_the_last_bit():
     for function in (combined, numba.njit(combined)):
         out = np.zeros(40)
         assert function(one, other, 0.3, out) == (ends[0] + ends[1]) + (ends[2] + ends[3])
+        assert np.array_equal(out, expected)
+
+
+def shifted(rows, factor, out):
+    """Write a lane of one row, and a multiple of it, into another array's rows."""
+    for r in range(rows.shape[0]):
+        own = lane_of_row(rows, r, r)
+        put_lane_of_row(out, r, 1, own)
+        put_lane_of_row(out, r, 1 + LANES, factor * own)
+
+
+def test_lanes_of_a_row_begin_anywhere_in_it():
+    """Rows of any length: where a lane stands is counted in numbers, not in lanes."""
+    rows = np.arange(21.0).reshape(3, 7)
+    expected = np.full((3, 10), -1.0)
+    for r in range(3):
+        expected[r, 1 : 1 + LANES] = rows[r, r : r + LANES]
+        expected[r, 1 + LANES : 1 + 2 * LANES] = 0.3 * rows[r, r : r + LANES]
+    for function in (shifted, numba.njit(shifted)):
+        out = np.full((3, 10), -1.0)
+        function(rows, 0.3, out)
         assert np.array_equal(out, expected)

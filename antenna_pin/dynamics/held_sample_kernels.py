@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import kernel
 from antenna_pin.constraints.factor_kernels import factorize
 from antenna_pin.constraints.force_kernels import write_holding
@@ -14,6 +15,7 @@ from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tree_kernels import PLACE
 
 
+@by_address
 class Held(NamedTuple):
     """Constraints, and room for their solution.
 
@@ -38,6 +40,7 @@ class Held(NamedTuple):
     applied: Any
 
 
+@by_address
 class Holding(NamedTuple):
     """What holds a system at each of n samples, with its motion.
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.peak_kernels import NODES, track_peaks
 from antenna_pin.dynamics.trial_kernels import (
-    ALL,
     DEPTH_RATE,
     GAP,
     NORMAL_FORCE,
+    apart_contacts_of,
     contacts_at,
     contacts_of,
     rise_of_tangents,
@@ -25,6 +25,17 @@ from antenna_pin.dynamics.trial_kernels import (
 from antenna_pin.integrate.kernels import START, STATE
 
 NODE_SIZE = 3
+
+
+@inlined
+def _may_cross(c: int, sign: float, level: float, nodes: Any) -> bool:
+    """Whether :func:`_crossing` has anything to look at: a gap past the level, or one that turns back."""
+    for k in range(NODES):
+        if sign * (nodes[GAP, k + 1, c] - level) > 0.0:
+            return True
+        if -sign * nodes[DEPTH_RATE, k, c] > 0.0 > -sign * nodes[DEPTH_RATE, k + 1, c]:
+            return True
+    return False
 
 
 @kernel
@@ -71,15 +82,19 @@ def _crossing(c: int, sign: float, level: float, h: float, nodes: Any, trial: An
 
 
 @kernel
-def fill_nodes(nodes: Any, trial: Any, from_last: bool) -> None:
+def fill_nodes(nodes: Any, trial: Any, from_last: bool, at_end: bool) -> None:
     """Write gap, depth rate and force of each contact at the points of the step.
 
     ``nodes`` is (NODE_SIZE, NODES + 1, contacts). Its ends are the states themselves, not those of the dense
     output: so a step may take over (``from_last``) what the last one has found at its end, if nothing has
-    changed since.
+    changed since, and (``at_end``) what the derivative has found of touching contacts, if it was asked last
+    at this one's end.
     """
     table = trial.table
     for k in range(NODES + 1):
+        if k == NODES and at_end:
+            _take_end(nodes, trial)
+            continue
         if k == 0 and from_last:
             for c in range(trial.memory.shape[0]):
                 nodes[GAP, 0, c] = nodes[GAP, NODES, c]
@@ -91,11 +106,23 @@ def fill_nodes(nodes: Any, trial: Any, from_last: bool) -> None:
         elif k == NODES:
             contacts_of(trial.start + STATE - START, trial)
         else:
-            contacts_at(k / NODES, trial, ALL, True)
+            contacts_at(k / NODES, trial)
         for c in range(trial.memory.shape[0]):
             nodes[GAP, k, c] = table[c].gap
             nodes[DEPTH_RATE, k, c] = table[c].rate
             nodes[NORMAL_FORCE, k, c] = table[c].force
+
+
+@inlined
+def _take_end(nodes: Any, trial: Any) -> None:
+    """Write the last point from what the derivative has found there; only contacts apart are located."""
+    apart_contacts_of(trial.start + STATE - START, trial)
+    for c in range(trial.memory.shape[0]):
+        touching = trial.memory[c].touching != 0.0
+        row = trial.own[c] if touching else trial.table[c]
+        nodes[GAP, NODES, c] = row.gap
+        nodes[DEPTH_RATE, NODES, c] = row.rate
+        nodes[NORMAL_FORCE, NODES, c] = row.force if touching else 0.0
 
 
 @kernel
@@ -108,7 +135,7 @@ def inspect_step(
     limits: Any,
     peaks: Any,
     trial: Any,
-    from_last: bool,
+    ends: tuple[bool, bool],
 ) -> tuple[int, float, bool]:
     """Return what happens first within the step: which contact, at what fraction, and whether it is too deep.
 
@@ -117,21 +144,22 @@ def inspect_step(
     then the peaks are tracked too.
 
     A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not
-    believed. ``from_last``: see :func:`fill_nodes`.
+    believed. ``ends``: what is known of them (``from_last`` and ``at_end`` of :func:`fill_nodes`).
     """
-    fill_nodes(nodes, trial, from_last)
+    fill_nodes(nodes, trial, ends[0], ends[1])
     memory = trial.memory
     first = -1
     when = until
     deep = False
     for c in range(memory.shape[0]):
         touching = memory[c].touching != 0.0
-        theta = _crossing(c, 1.0 if touching else -1.0, 0.0, h, nodes, trial)
+        sign = 1.0 if touching else -1.0
+        theta = _crossing(c, sign, 0.0, h, nodes, trial) if _may_cross(c, sign, 0.0, nodes) else 2.0
         if theta < when and not (ignore[c] == 2 and theta == 0.0):
             first = c
             when = theta
             deep = False
-        if touching:
+        if touching and _may_cross(c, -1.0, -limits[c], nodes):
             theta = _crossing(c, -1.0, -limits[c], h, nodes, trial)
             if theta < when:
                 first = c

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._called import call_back
 from antenna_pin._compile import inlined
 from antenna_pin.records import layout
@@ -43,6 +44,7 @@ ASKED = layout(
 )
 
 
+@by_address
 class Outside(NamedTuple):
     """Questions and answers.
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics import link_kernels as _links
 from antenna_pin.dynamics import point_kernels as _points
@@ -29,7 +30,7 @@ from antenna_pin.dynamics.kernels import (
 from antenna_pin.elements import kernels as elements
 from antenna_pin.geometry.kernels import BORE
 from antenna_pin.geometry.revolute_kernels import contact_scenario, revolute_contacts
-from antenna_pin.joints.kernels import apart_geometry, wrench_on_journal
+from antenna_pin.joints.kernels import apart_motion, wrench_on_journal
 from antenna_pin.joints.layout_kernels import ALL_COMPILED, CLEARANCE, joint_at, primitive_of, revolute_of
 from antenna_pin.joints.pose_kernels import journal_state, motion_angle
 from antenna_pin.mechanism.tree_kernels import unwrapped
@@ -57,13 +58,13 @@ DONE = layout(
 
 @inlined
 def _apart_in(y: Any, program: Any, memory: Any, pose: Any, table: Any) -> None:
-    """Fill gap, normal and point of the contacts that do not touch: the evaluation fills all the rest."""
+    """Fill what is known of the contacts that do not touch: the evaluation fills all the rest."""
     nq = head_of(program).nq
     b = HEADER
     while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
         j = joint_at(program, b)
         journal_state(j, y, nq, pose)
-        apart_geometry(program, b, pose, memory, table)
+        apart_motion(program, b, pose, memory, table)
         b += j.length
 
 
@@ -106,6 +107,7 @@ def _scenario(p: Any, b: int, pose: Any, table: Any, scratch: Any, out: Any) -> 
             out[0] = 1
 
 
+@by_address
 class Samples(NamedTuple):
     """The samples that are looked at.
 
@@ -120,6 +122,7 @@ class Samples(NamedTuple):
     memories: Any
 
 
+@by_address
 class Whole(NamedTuple):
     """A system, and room for its evaluation.
 
@@ -148,6 +151,7 @@ class Whole(NamedTuple):
     scratch: Any
 
 
+@by_address
 class Sights(NamedTuple):
     """What is seen at each of n samples.
 

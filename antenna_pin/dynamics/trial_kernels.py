@@ -6,13 +6,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
 from antenna_pin.dynamics.outside_kernels import ask, ask_at
-from antenna_pin.integrate.kernels import dense_joint, dense_plain
+from antenna_pin.integrate.kernels import dense_joint
 from antenna_pin.integrate.manifold_kernels import factor_of
-from antenna_pin.joints.kernels import contact_forces, contact_geometry, contact_rates
-from antenna_pin.joints.layout_kernels import BRISTLES, CLEARANCE, FORCES_GIVEN, joint_at
+from antenna_pin.joints.kernels import (
+    apart_motion,
+    contact_forces,
+    contact_geometry,
+    contact_motion,
+    contact_rates,
+    normal_force_of,
+)
+from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
 from antenna_pin.joints.pose_kernels import journal_state
 
 # What is known of a contact at a point of a step.
@@ -23,6 +31,7 @@ NORMAL_FORCE: Any = np.int64(2)
 ALL: Any = np.int64(-1)
 
 
+@by_address
 class Trial(NamedTuple):
     """A trial step as it is looked at: its dense output, and where the looking writes.
 
@@ -36,6 +45,7 @@ class Trial(NamedTuple):
         out: A state, as far as the layout goes, and scratch, (2, size).
         pose: Of one journal, POSE, (1,).
         table: Contact table, CONTACT, written.
+        own: The one that the derivative writes.
         rates: Written, and of no use.
         outside: Who measures gaps that no closed form knows, and asks laws in Python.
     """
@@ -49,20 +59,27 @@ class Trial(NamedTuple):
     out: Any
     pose: Any
     table: Any
+    own: Any
     rates: Any
     outside: Any
 
 
 @inlined
 def _look(b: int, y: Any, nq: int, nv: int, trial: Any) -> None:
-    """Fill the contact table for the joint whose block stands at b and the state y, forces included."""
-    program, pose, table = trial.program, trial.pose, trial.table
+    """Fill the contact table for the joint whose block stands at b and the state y, with normal forces."""
+    program, pose, table, memory = trial.program, trial.pose[0], trial.table, trial.memory
     j = joint_at(program, b)
-    journal_state(j, y, nq, pose[0])
-    contact_geometry(program, b, pose[0], table)
-    contact_rates(program, b, pose[0], table)
-    if j.mode < FORCES_GIVEN:
-        contact_forces(program, b, y, nq + nv, trial.memory, table, trial.rates, nv)
+    journal_state(j, y, nq, pose)
+    if j.distributed != 0:
+        contact_geometry(program, b, pose, table)
+        contact_rates(program, b, pose, table)
+        if j.mode < FORCES_GIVEN:
+            contact_forces(program, b, y, nq + nv, memory, table, trial.rates, nv)
+        return
+    for k in range(j.contacts):
+        contact_motion(program, b, k, pose, table)
+        if j.mode < FORCES_GIVEN:
+            normal_force_of(program, b, k, memory, table)
 
 
 @inlined
@@ -78,36 +95,28 @@ def _ask_outside(y: Any, contact: int, with_forces: bool, trial: Any) -> None:
         ask(outside, asked.forces, 0.0)
 
 
-@kernel
-def contacts_at(theta: float, trial: Any, contact: int, with_forces: bool) -> None:
-    """Fill the contact table at the fraction theta of a step, of a contact's joint, or of all (-1).
-
-    Forces of laws in Python are there only where they are asked for.
-    """
+@inlined
+def contacts_at(theta: float, trial: Any) -> None:
+    """Fill the contact table at the fraction theta of a step, normal forces included."""
     program, layout = trial.program, trial.layout
     head = head_of(program)
     nq, nv = head.nq, head.nv
     b = HEADER
     number = 0  # of the joint with play: the layout lists them in the order of their blocks
-    plain = False
     while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
         j = joint_at(program, b)
-        # (Of those that are held or carried, which have no contact, the layout knows nothing.)
-        if j.contacts > 0 and (contact < 0 or j.row <= contact < j.row + j.contacts):
-            if j.stride > BRISTLES and not plain:  # of x nothing but bristles is looked at
-                dense_plain(theta, layout, trial.dense, trial.work, trial.start, trial.out)
-                plain = True
+        if j.contacts > 0:  # of those that are held or carried, which have none, the layout knows nothing
             factor = factor_of(layout, number)
             dense_joint(theta, factor, nq, nv, trial.dense, trial.work, trial.start, trial.out)
             _look(b, trial.out[0], nq, nv, trial)
         number += 1
         b += j.length
-    _ask_outside(trial.out[0], contact, with_forces, trial)
+    _ask_outside(trial.out[0], ALL, True, trial)
 
 
 @kernel
 def contacts_of(row: int, trial: Any) -> None:
-    """Fill the contact table for the state in one of the stepper's rows, forces included."""
+    """Fill the contact table for the state in one of the stepper's rows, normal forces included."""
     program = trial.program
     head = head_of(program)
     b = HEADER
@@ -115,6 +124,23 @@ def contacts_of(row: int, trial: Any) -> None:
         _look(b, trial.work[row], head.nq, head.nv, trial)
         b += joint_at(program, b).length
     _ask_outside(trial.work[row], ALL, True, trial)
+
+
+@inlined
+def apart_contacts_of(row: int, trial: Any) -> None:
+    """Fill the contact table for the state in one of the stepper's rows, of contacts that are apart."""
+    program, memory = trial.program, trial.memory
+    head = head_of(program)
+    b = HEADER
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        j = joint_at(program, b)
+        apart = False
+        for r in range(j.row, j.row + j.contacts):
+            apart = apart or memory[r].touching == 0.0
+        if apart:
+            journal_state(j, trial.work[row], head.nq, trial.pose[0])
+            apart_motion(program, b, trial.pose[0], memory, trial.table)
+        b += j.length
 
 
 @kernel
@@ -142,9 +168,31 @@ def locate(y: Any, program: Any, pose: Any, table: Any, outside: Any) -> None:
 
 @kernel
 def value_at(column: int, theta: float, c: int, trial: Any) -> float:
-    """Gap, depth rate or normal force of contact c at theta."""
-    contacts_at(theta, trial, c, column == NORMAL_FORCE)
-    row = trial.table[c]
+    """Gap, depth rate or normal force of contact c at theta.
+
+    Of laws in Python forces are there only where they are asked for.
+    """
+    program, table = trial.program, trial.table
+    head = head_of(program)
+    nq, nv = head.nq, head.nv
+    b = HEADER
+    number = 0
+    while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
+        j = joint_at(program, b)
+        if j.row <= c < j.row + j.contacts:
+            factor, y = factor_of(trial.layout, number), trial.out[0]
+            dense_joint(theta, factor, nq, nv, trial.dense, trial.work, trial.start, trial.out)
+            if j.distributed != 0:
+                _look(b, y, nq, nv, trial)
+            else:
+                journal_state(j, y, nq, trial.pose[0])
+                contact_motion(program, b, c - j.row, trial.pose[0], table)
+                if column == NORMAL_FORCE and j.mode < FORCES_GIVEN:
+                    normal_force_of(program, b, c - j.row, trial.memory, table)
+        number += 1
+        b += j.length
+    _ask_outside(trial.out[0], c, column == NORMAL_FORCE, trial)
+    row = table[c]
     if column == GAP:
         return float(row.gap)
     if column == DEPTH_RATE:

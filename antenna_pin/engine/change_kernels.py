@@ -73,6 +73,7 @@ def _lack(loop: Loop, c: int, level: float) -> float:
     numbers = loop.numbers
     outside = numbers.outside
     if c < 0:
+        loop.stretch[0].ended = 0
         ask(outside, outside.asked[0].lack, loop.stretch[0].tried)
         return float(outside.asked[0].answer)
     end = loop.work[loop.tableau.weights.shape[0] + STATE]
@@ -88,7 +89,7 @@ def take_up(loop: Loop) -> int:
     """Accept a trial step that was made again, in which no contact changes."""
     s = loop.stretch[0]
     if loop.search.ignore.shape[0] > 0:
-        fill_nodes(loop.search.nodes, loop.trial, False)
+        fill_nodes(loop.search.nodes, loop.trial, False, s.ended != 0)
         track_peaks(s.t, s.tried, loop.search.nodes, loop.search.peaks, loop.trial)
         keep(loop)
     accept(loop)

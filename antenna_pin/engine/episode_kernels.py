@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
 from antenna_pin.dynamics.trial_kernels import locate
@@ -44,6 +45,7 @@ PLACES = layout(
 )
 
 
+@by_address
 class Book(NamedTuple):
     """The contacts of a run, and what is kept of them.
 

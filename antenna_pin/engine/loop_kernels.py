@@ -54,6 +54,7 @@ def go_on(loop: Loop) -> int:
     """Make steps until something happens that the loop outside has to see to; return what (see above)."""
     s = loop.stretch[0]
     s.known = 0
+    s.ended = 0
     s.turned = 0
     reason = GOES_ON
     while reason == GOES_ON:
@@ -147,6 +148,8 @@ def _try(loop: Loop) -> int:
     s.watched = 0
     watched = loop.watched
     events = watched.functions.shape[0] + watched.instants.shape[0] + watched.unknown
+    if events > 0:  # what is watched is evaluated
+        s.ended = 0
     if loop.search.ignore.shape[0] > 0 or events > 0 or samples_in(loop, tried) > 0:
         prepare(loop)
     if events > 0 and may_happen(
@@ -183,7 +186,7 @@ def _search(loop: Loop) -> int:
             search.limits,
             search.peaks,
             loop.trial,
-            s.known != 0,
+            (s.known != 0, s.ended != 0),
         )
         s.known = 0
         if has_failed(loop.numbers.outside):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import kernel
 from antenna_pin.records import layout
 
@@ -106,6 +107,7 @@ def hopeless(pace: Any, h: float) -> bool:
     return bool(h < pace[0].least or pace[0].adaptive == 0)
 
 
+@by_address
 class Sizes(NamedTuple):
     """Step sizes by pattern of touching contacts: impacts of one kind need steps of one size.
 

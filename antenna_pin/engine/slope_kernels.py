@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.constraints.rows_kernels import write_rows
@@ -17,6 +18,7 @@ from antenna_pin.engine.step_kernels import derivative
 from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of
 
 
+@by_address
 class Room(NamedTuple):
     """What derivatives are computed with.
 

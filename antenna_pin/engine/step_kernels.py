@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.layout_kernels import applied_in
 from antenna_pin.constraints.loaded_kernels import solve
@@ -32,6 +33,7 @@ from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.mechanism.dynamics_kernels import aba
 
 
+@by_address
 class Numbers(NamedTuple):
     """A system in numbers, and what one run works on.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import turn_on
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
@@ -27,11 +28,12 @@ CHANGES = 4
 #: began [s]; that of the trial that stands [s], its scaled error, and the fraction up to which it is
 #: searched; samples a second [Hz], from when on [s], until when [s]; where a step is (see above); trials of
 #: it that did not pass; the contact that changes, at which fraction, and whether it is too deep then; whether
-#: the loop outside sees to this step, whether it wants to see each, whether a contact has turned back where
-#: it changed, whether the loop outside was told of the first step that the run's end cuts; whether the last
-#: trial failed by a function that refuses; whether the search knows the contacts at the start; samples in the
-#: buffer, and for how many there must be room; which of the chosen output times is the next; what was
-#: counted; how many trial steps may be made.
+#: the derivative was asked last at the end of the trial, of contacts in closed form; whether the loop outside
+#: sees to this step, whether it wants to see each, whether a contact has turned back where it changed,
+#: whether the loop outside was told of the first step that the run's end cuts; whether the last trial failed
+#: by a function that refuses; whether the search knows the contacts at the start; samples in the buffer, and
+#: for how many there must be room; which of the chosen output times is the next; what was counted; how many
+#: trial steps may be made.
 STRETCH = layout(
     ("t", "f8"),
     ("h", "f8"),
@@ -47,6 +49,7 @@ STRETCH = layout(
     ("contact", "i8"),
     ("theta", "f8"),
     ("deep", "i8"),
+    ("ended", "i8"),
     ("watched", "i8"),
     ("singly", "i8"),
     ("turned", "i8"),
@@ -64,6 +67,7 @@ STRETCH = layout(
 )
 
 
+@by_address
 class Buffers(NamedTuple):
     """What a stretch writes for the record.
 
@@ -88,6 +92,7 @@ class Buffers(NamedTuple):
     out: Any
 
 
+@by_address
 class Search(NamedTuple):
     """What is looked for in a step (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`).
 
@@ -111,6 +116,7 @@ class Search(NamedTuple):
     difference: Any
 
 
+@by_address
 class Loop(NamedTuple):
     """All that the loop works on.
 
@@ -190,11 +196,13 @@ def try_step(loop: Loop, tried: float) -> float:
     if asked.step != 0:
         ask(outside, asked.step, tried)
         s.error = asked.answer
+        s.ended = 0
     else:
         s.error = attempt(
             s.t, tried, loop.tableau, loop.space, loop.work, loop.scales, loop.rtol, loop.numbers
         )
         s.evaluations += loop.tableau.last
+        s.ended = 1 if asked.gaps == 0 and asked.forces == 0 else 0
     s.refused = 0
     if asked.failed != ANSWERED:
         s.error = math.nan
@@ -222,9 +230,12 @@ def prepare(loop: Loop) -> None:
     s = loop.stretch[0]
     if loop.search.compared.shape[0] > 0:
         _compare(loop)
-    s.evaluations += prepare_dense(
+    more = prepare_dense(
         s.t, s.tried, loop.tableau, loop.space, loop.work, loop.dense, loop.buffers.kept, loop.numbers
     )
+    s.evaluations += more
+    if more > 0:
+        s.ended = 0
 
 
 @inlined

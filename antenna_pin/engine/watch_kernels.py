@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import kernel
 from antenna_pin.constraints.layout_kernels import hold_at, plan_of
 from antenna_pin.dynamics.kernels import element_kink, element_switch, evaluate, head_of, joint_motion
@@ -41,6 +42,7 @@ WATCHED = layout(
 )
 
 
+@by_address
 class Watched(NamedTuple):
     """What is watched besides contacts.
 

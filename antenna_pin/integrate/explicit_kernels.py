@@ -13,6 +13,7 @@ import math
 from typing import Any, NamedTuple
 
 from antenna_pin import records
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.integrate.kernels import RATES, STATE, dense_coefficients, finish, stage, store
 from antenna_pin.integrate.manifold_kernels import space_of
@@ -26,6 +27,7 @@ FAILED = 2
 COURSE = records.layout(("stage", "i8"), ("t", "f8"))
 
 
+@by_address
 class Tableau(NamedTuple):
     """A Runge-Kutta method (:class:`antenna_pin.integrate.Method`), and where a step by it is.
 

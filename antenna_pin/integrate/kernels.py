@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin._compile import inlined, kernel
+from antenna_pin._lanes import LANES, lane_of_row, put_lane_of_row, same_lane
 from antenna_pin.integrate.manifold_kernels import (
     chart_rate,
     factor_of,
@@ -75,29 +76,41 @@ def stage(i: int, h: float, weights: Any, layout: Any, work: Any, keep: bool) ->
         store(i - 1, stages, layout, work)
     n = nv + nv + nx
     total = stages + TOTAL
-    for k in range(n):
-        work[total, k] = 0.0
-    # Two stages at a time, in the order of the stages: half of the reading and writing of the sum.
-    waiting = -1
-    first = 0.0
-    for j in range(i):
-        w = h * weights[i, j]
-        if w == 0.0:
+    k = 0
+    while k < n:
+        if k + 2 * LANES <= n:
+            _sum_lanes(i, h, weights, work, total, k)
+            k += 2 * LANES
             continue
-        if waiting < 0:
-            waiting, first = j, w
-            continue
-        for k in range(n):
-            work[total, k] = (work[total, k] + first * work[waiting, k]) + w * work[j, k]
-        waiting = -1
-    if waiting >= 0:
-        for k in range(n):
-            work[total, k] += first * work[waiting, k]
+        last = 0.0
+        for j in range(i):
+            w = h * weights[i, j]
+            if w != 0.0:
+                last += w * work[j, k]
+        work[total, k] = last
+        k += 1
     for k in range(nv):
         work[stages + U, k] = work[total, k]
     for k in range(nv + nx):
         work[stages + STATE, nq + k] = work[stages + START, nq + k] + work[total, nv + k]
     retract(layout, work, stages + START, work, total, work, stages + STATE)
+
+
+@inlined
+def _sum_lanes(i: int, h: float, weights: Any, work: Any, total: int, k: int) -> None:
+    """Write the sum of the stages before stage i, by its weights, for two lanes of components from k on.
+
+    The sums stay in the processor's registers, where those of whole rows would be read and written for each
+    stage.
+    """
+    one, other = same_lane(0.0), same_lane(0.0)
+    for j in range(i):
+        w = h * weights[i, j]
+        if w != 0.0:
+            one = one + w * lane_of_row(work, j, k)
+            other = other + w * lane_of_row(work, j, k + LANES)
+    put_lane_of_row(work, total, k, one)
+    put_lane_of_row(work, total, k + LANES, other)
 
 
 @inlined
@@ -197,13 +210,24 @@ def _norm(part: Any, i: int, h: float, errors: Any, work: Any, scales: Any, rtol
 def dense_coefficients(h: float, polynomials: Any, n: int, work: Any, dense: Any) -> None:
     """dense[p] = h sum_j polynomials[j, p] work[j]: z(theta) - z(0) = sum_p dense[p] theta^(p + 1)."""
     for p in range(polynomials.shape[1]):
-        for k in range(n):
-            dense[p, k] = 0.0
-        for j in range(polynomials.shape[0]):
-            w = h * polynomials[j, p]
-            if w != 0.0:
-                for k in range(n):
-                    dense[p, k] += w * work[j, k]
+        k = 0
+        while k < n:
+            if k + LANES <= n:
+                lanes = same_lane(0.0)
+                for j in range(polynomials.shape[0]):
+                    w = h * polynomials[j, p]
+                    if w != 0.0:
+                        lanes = lanes + w * lane_of_row(work, j, k)
+                put_lane_of_row(dense, p, k, lanes)
+                k += LANES
+                continue
+            last = 0.0
+            for j in range(polynomials.shape[0]):
+                w = h * polynomials[j, p]
+                if w != 0.0:
+                    last += w * work[j, k]
+            dense[p, k] = last
+            k += 1
 
 
 @kernel
@@ -279,13 +303,3 @@ def dense_joint(
         out[CHART_ROW, k] = _term(theta, degree, dense, k)
         out[STATE_ROW, nq + k] = work[start, nq + k] + _term(theta, degree, dense, nv + k)
     retract_factor(factor, work, start, out, CHART_ROW, out, STATE_ROW)
-
-
-@inlined
-def dense_plain(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
-    """Write only the x of a state."""
-    space = space_of(layout)
-    nq, nv = space.nq, space.nv
-    degree = dense.shape[0]
-    for k in range(nv + nv, nv + nv + space.nx):
-        out[STATE_ROW, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)

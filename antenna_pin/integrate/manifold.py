@@ -70,10 +70,10 @@ class Manifold:
         for name, value in (("nq", i), ("nv", j), ("size", i + j + self.nx), ("layout", layout)):
             object.__setattr__(self, name, value)
 
-    def part(self, factors: Sequence[int], *, plain: bool) -> NDArray[np.int64]:
-        """Return the layout of some factors only, with or without the plain numbers."""
+    def part(self, factors: Sequence[int]) -> NDArray[np.int64]:
+        """Return the layout of some factors only, without the plain numbers."""
         every = self.layout[kernels.SPACE_WORDS :].view(kernels.FACTOR)
-        return _laid_out(self.nq, self.nv, self.nx if plain else 0, every[list(factors)])
+        return _laid_out(self.nq, self.nv, 0, every[list(factors)])
 
     def compose(self, q: ArrayLike, u: ArrayLike) -> Array:
         """Return q o exp(u): the configuration reached from q by the chart coordinates u, (nq,).

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from antenna_pin import records
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.integrate.kernels import START, STATE, TOTAL, U, magnitudes, store
 from antenna_pin.integrate.linear_kernels import decompose, solve
@@ -36,6 +37,7 @@ PROGRESS = records.layout(
 )
 
 
+@by_address
 class Radau(NamedTuple):
     """The method's numbers, and what its steps work on; n components of z, m columns.
 

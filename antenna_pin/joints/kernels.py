@@ -46,6 +46,7 @@ from antenna_pin.joints.row_kernels import (
     no_wrench,
     place_flange_force,
     row_forces,
+    row_normal_force,
     row_rates,
 )
 
@@ -77,8 +78,45 @@ def touching_geometry(p: Any, b: int, pose: Any, memory: Any, table: Any) -> Non
 
 
 @inlined
-def apart_geometry(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
-    """Fill gap, normal and point of the contacts that :func:`touching_geometry` leaves out."""
+def contact_rates(p: Any, b: int, pose: Any, table: Any) -> None:
+    """Fill depth rate and slip of a joint's contacts; with distributed load of its loaded strips too.
+
+    A point load at a flange that presses flat is moved to where it acts.
+    """
+    j = joint_at(p, b)
+    for k in range(j.contacts):
+        if j.distributed != 0:
+            row_rates(pose, table[j.row + k])
+        else:
+            _rates_of(p, b, k, pose, table)
+    if j.distributed != 0:
+        loaded_rates(p, b, pose, table)
+
+
+@inlined
+def _rates_of(p: Any, b: int, k: int, pose: Any, table: Any) -> None:
+    """Fill depth rate and slip of contact k of a joint with point loads."""
+    out = table[joint_at(p, b).row + k]
+    row_rates(pose, out)
+    if primitive_of(p, b, k) == FLANGE:
+        place_flange_force(revolute_of(p, b, k), pose, out)
+
+
+@inlined
+def touching_rates(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
+    """Fill depth rate and slip of the contacts that touch; of all where strips or a backend are asked."""
+    j = joint_at(p, b)
+    if j.distributed != 0 or j.mode == GEOMETRY_GIVEN:
+        contact_rates(p, b, pose, table)
+        return
+    for k in range(j.contacts):
+        if memory[j.row + k].touching != 0.0:
+            _rates_of(p, b, k, pose, table)
+
+
+@inlined
+def apart_motion(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
+    """Fill what :func:`touching_geometry` and :func:`touching_rates` leave out: contacts that are apart."""
     j = joint_at(p, b)
     if j.distributed != 0:
         bore = memory[j.row].touching != 0.0 or memory[j.row + 1].touching != 0.0
@@ -87,23 +125,26 @@ def apart_geometry(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
         return
     for k in range(j.contacts):
         if memory[j.row + k].touching == 0.0:
-            candidate_contact(p, candidate_at(b, k), pose, table[j.row + k])
+            contact_motion(p, b, k, pose, table)
 
 
 @inlined
-def contact_rates(p: Any, b: int, pose: Any, table: Any) -> None:
-    """Fill depth rate and slip of a joint's contacts; with distributed load of its loaded strips too.
+def contact_motion(p: Any, b: int, k: int, pose: Any, table: Any) -> None:
+    """Fill gap, normal, point, depth rate and slip of contact k of a joint with point loads."""
+    candidate_contact(p, candidate_at(b, k), pose, table[joint_at(p, b).row + k])
+    _rates_of(p, b, k, pose, table)
 
-    A point load at a flange that presses flat is moved to where it acts.
-    """
+
+@inlined
+def normal_force_of(p: Any, b: int, k: int, memory: Any, table: Any) -> None:
+    """Fill the normal force of contact k of a joint with point loads; none if it does not touch."""
     j = joint_at(p, b)
-    for k in range(j.contacts):
-        out = table[j.row + k]
-        row_rates(pose, out)
-        if j.distributed == 0 and primitive_of(p, b, k) == FLANGE:
-            place_flange_force(revolute_of(p, b, k), pose, out)
-    if j.distributed != 0:
-        loaded_rates(p, b, pose, table)
+    out, remembered = table[j.row + k], memory[j.row + k]
+    if remembered.touching == 0.0:
+        out.force = 0.0
+        return
+    normal = normal_at(b, k)
+    row_normal_force(p[normal : normal + NORMAL_SIZE], remembered, out)
 
 
 @inlined
@@ -220,7 +261,7 @@ def clearance_joint(
     if j.mode < FORCES_GIVEN:
         if j.mode < GEOMETRY_GIVEN:
             touching_geometry(p, b, pose, memory, table)
-        contact_rates(p, b, pose, table)
+        touching_rates(p, b, pose, memory, table)
         contact_forces(p, b, y, nq + nv, memory, table, rates, nv)
     contact_wrench(p, b, pose, table, tau, rates, nv)
 

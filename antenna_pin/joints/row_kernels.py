@@ -29,6 +29,25 @@ def row_rates(pose: Any, out: Any) -> None:
     out.slip[2] = vz - opening * nz
 
 
+@inlined
+def _press(normal: Any, remembered: Any, out: Any) -> float:
+    """Fill the normal force of a row and its elastic part; return the former [N]."""
+    depth = -out.gap
+    elastic = elastic_force(normal, depth)
+    force = damped_force(
+        normal, elastic, depth, out.rate, remembered.approach_speed, remembered.effective_mass
+    )
+    out.force = force
+    out.elastic = elastic
+    return float(force)
+
+
+@kernel
+def row_normal_force(normal: Any, remembered: Any, out: Any) -> None:
+    """Fill the normal force of a row; its friction is not looked at."""
+    _press(normal, remembered, out)
+
+
 @kernel
 def row_forces(normal: Any, friction: Any, remembered: Any, out: Any) -> None:
     """Fill the forces of a row from its laws; friction with bristles comes after.
@@ -39,13 +58,7 @@ def row_forces(normal: Any, friction: Any, remembered: Any, out: Any) -> None:
         remembered: The contact's memory.
         out: The row.
     """
-    depth = -out.gap
-    elastic = elastic_force(normal, depth)
-    force = damped_force(
-        normal, elastic, depth, out.rate, remembered.approach_speed, remembered.effective_mass
-    )
-    out.force = force
-    out.elastic = elastic
+    force = _press(normal, remembered, out)
     fx, fy, fz = friction_force(friction, force, out.slip[0], out.slip[1], out.slip[2])
     out.friction[0] = fx
     out.friction[1] = fy
@@ -153,10 +166,12 @@ def place_flange_force(shape: Any, pose: Any, out: Any) -> None:
     """Move a flange row's point, the deepest of the rim, to where the force acts, and take the rates there.
 
     The depth stays the deepest point's. Its own rate jumps where the deepest point goes from one side of the
-    rim to the other; that of the force's point does not.
+    rim to the other; that of the force's point does not. Where nothing presses nothing is moved.
     """
     for i in range(3):
         out.arm[i] = 0.0
+    if out.gap >= 0.0:
+        return
     outer, flange = shape.outer_radius, shape.flange_radius
     whole = 2.0 * min(outer, flange) * math.hypot(pose.axis[0], pose.axis[1])
     if whole >= -out.gap:

@@ -48,7 +48,7 @@ class ContactSearch:
         self.difference = np.zeros(1)
         factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
         self.trial = trial_kernels.Trial(
-            layout=manifold.part(factors, plain=system.bristle_x.size > 0),
+            layout=manifold.part(factors),
             dense=stepper.dense,
             work=stepper.work,
             start=stepper.start_row,
@@ -57,6 +57,7 @@ class ContactSearch:
             out=np.zeros((2, manifold.size)),
             pose=numbers.pose,
             table=numbers.table,
+            own=numbers.own,
             rates=np.zeros(manifold.nv + manifold.nx),
             outside=numbers.outside,
         )
