@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures, run_figure
     from antenna_pin.plot.closures import figure_closure_forces, figure_coupling_torques, figure_drive_efforts
     from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
+    from antenna_pin.plot.drawn import Drawn, drawn_numbers
     from antenna_pin.plot.eccentricity import figure_eccentricity
     from antenna_pin.plot.elastic import figure_deflection
     from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     )
     from antenna_pin.plot.forces import figure_contact_forces
     from antenna_pin.plot.gears import figure_gears
+    from antenna_pin.plot.glance import figure_glance
     from antenna_pin.plot.hysteresis import figure_hysteresis
     from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
     from antenna_pin.plot.motion import QUANTITIES, figure_motion
@@ -76,6 +78,9 @@ __all__ = [
     "AttractorFigure",
     "Diagram",
     "DiagramFigure",
+    "Drawn",
+    "drawn_numbers",
+    "figure_glance",
     "figure_attractors",
     "BASE_QUANTITIES",
     "BODY_QUANTITIES",
@@ -155,7 +160,9 @@ loaded_when_used(
         "catalogue": "CATALOGUE Allowed allowed_figures run_figure",
         "closures": "figure_closure_forces figure_coupling_torques figure_drive_efforts",
         "contact": "figure_force_curves figure_restitution save_contact_figures",
+        "drawn": "Drawn drawn_numbers",
         "eccentricity": "figure_eccentricity",
+        "glance": "figure_glance",
         "elastic": "figure_deflection",
         "hysteresis": "figure_hysteresis",
         "experiment": "figure_contact_width figure_experiment figures_of_experiment",

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis import latch_events, stop_impacts
-from antenna_pin.report._page import Row, Section, Table, counts, quantities
+from antenna_pin.report._page import Picture, Row, Section, Table, counts, quantities
 from antenna_pin.report._runs import ReportedRun, labels_of
 from antenna_pin.trajectory import elements_of
 
@@ -17,7 +17,7 @@ __all__ = ["stops_and_latches"]
 _TITLE = "End stops and latches"
 
 
-def stops_and_latches(runs: Sequence[ReportedRun]) -> Section:
+def stops_and_latches(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) -> Section:
     """Return what the stops and latches of the runs did."""
     own = [run for run in runs if any(_at(run, "stops.")) or any(_at(run, "latches."))]
     columns = ("", *labels_of(own))
@@ -34,7 +34,7 @@ def stops_and_latches(runs: Sequence[ReportedRun]) -> Section:
         notes.append(
             "Energy lost is all that a stop or a latch took in the run, its damper's share included."
         )
-    return Section(key="stops", title=_TITLE, items=tuple(items), notes=tuple(notes))
+    return Section(key="stops", title=_TITLE, items=(*items, *pictures), meaning=tuple(notes))
 
 
 def _at(run: ReportedRun, family: str) -> Iterator[str]:
