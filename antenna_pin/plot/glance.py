@@ -53,7 +53,7 @@ def figure_glance(runs: Iterable[Run], *, joint: str | None = None) -> Figure:
         lambda run: [run.values(variable, **{dimension: name})],
     )
     struck = [run for run in drawn if _peaks(run, name)[0].size]
-    figure = new_figure("column", 66.0 if struck else 48.0)
+    figure = new_figure("column", 58.0 if struck else 44.0)
     panels = figure.subplots(2 if struck else 1, 1, squeeze=False, sharex=True)[:, 0]
     looks = styles(drawn, reference)
     _positions(panels[0], drawn, looks, (variable, dimension, name), unit)
@@ -70,7 +70,7 @@ def figure_glance(runs: Iterable[Run], *, joint: str | None = None) -> Figure:
         panels[1].set_ylim(bottom=0.0)
         panels[1].set_ylabel(f"force [{printed}]")
         panel_title(panels[1], "", f"{name}, peak of every contact")
-        few_ticks(panels[1], 6, 4)
+        few_ticks(panels[1], 6, 3)
     panels[-1].set_xlabel("time [s]")
     legend_above(figure, [panels[0]])
     return figure
@@ -91,7 +91,7 @@ def _positions(
     for run, value, look in zip(runs, values, looks, strict=True):
         axes.plot(run.time, factor * value, label=run.legend, rasterized=run.many, **look)
     axes.set_ylabel(literal(f"position [{printed}]"))
-    few_ticks(axes, 6, 4)
+    few_ticks(axes, 6, 3)
 
 
 def _peaks(run: LabelledRun, joint: str) -> tuple[Array, Array]:

@@ -60,7 +60,9 @@ def shared_head(*, packed: bool = False) -> SharedHead:
     running = "".join(f"<script>{text}</script>\n" for text in scripts)
     if packed:
         viewer, player = scripts
-        running = f'<script {_PACKED} class="ap-viewer">{_deflated(viewer)}</script>\n<script>{player}</script>\n'
+        running = (
+            f'<script {_PACKED} class="ap-viewer">{_deflated(viewer)}</script>\n<script>{player}</script>\n'
+        )
     return SharedHead(
         f"<style>\n{_asset('player.css')}</style>\n"
         f'<script type="text/plain" class="ap-licences">{script(viewer_licences())}</script>\n'

@@ -47,9 +47,7 @@ class Numbers:
 
     def written(self) -> dict[str, Any]:
         """Return what the page's script reads: columns, and of each figure their names and which they are."""
-        samples = max(
-            (one.columns[0].size for drawn in self._figures.values() for one in drawn), default=0
-        )
+        samples = max((one.columns[0].size for drawn in self._figures.values() for one in drawn), default=0)
         made, size = self._made(samples)
         while size > self._most and samples > _FEWEST:
             samples = max(int(0.9 * samples * self._most / size), _FEWEST)

@@ -14,6 +14,7 @@ from antenna_pin.readable import number, prefixed, readable
 from antenna_pin.report._packed import packed
 
 __all__ = [
+    "ZERO",
     "Beside",
     "Cell",
     "Details",

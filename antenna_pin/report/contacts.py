@@ -21,7 +21,7 @@ from antenna_pin.report._page import (
 )
 from antenna_pin.report._runs import ReportedRun, labels_of
 
-__all__ = ["impact_details", "load_details", "settling_details"]
+__all__ = ["contact_details", "every_impact"]
 
 #: Rows of the tables of largest impacts.
 LARGEST = 8
@@ -44,29 +44,36 @@ _COLUMNS = (
 )
 
 
-def impact_details(runs: Sequence[ReportedRun], joint: str) -> list[Details]:
-    """Return the impacts of a joint in each run: a summary with the largest few, and all of them."""
-    tables = [impacts(run.data, joint) for run in runs]
-    shown = [_impact_summary(runs, tables, joint)]
-    every: list[Details] = []
-    for run, table in zip(runs, tables, strict=True):
+def contact_details(runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]) -> Details:
+    """Return statistics of the impacts in a joint, the hardest, its loads, and when it settled."""
+    found = [impacts(run.data, joint) for run in runs]
+    tables = [_impact_summary(runs, found, joint)]
+    for run, table in zip(runs, found, strict=True):
+        if table.sizes["impact"]:
+            order = np.argsort(-table["peak_force"].values, kind="stable")[:LARGEST]
+            hardest = table.isel(impact=order)
+            key = f"largest-impacts-{joint}-{run.label}"
+            tables.append(_impact_table(hardest, f"Hardest impacts of {run.label}", key))
+    loads, of_loads = _loads(runs, joint, scales)
+    settled, of_settling = _settlings(runs, joint)
+    return Details(
+        title=f"Impacts, loads and settling of {joint}",
+        tables=(*tables, *loads, *settled),
+        notes=(_ROWS, *of_loads, *of_settling),
+    )
+
+
+def every_impact(runs: Sequence[ReportedRun], joint: str) -> Iterator[Details]:
+    """Yield all impacts in a joint of each run."""
+    for run in runs:
+        table = impacts(run.data, joint)
         count = table.sizes["impact"]
-        if not count:
-            continue
-        order = np.argsort(-table["peak_force"].values, kind="stable")[:LARGEST]
-        key = f"impacts-{joint}-{run.label}"
-        shown.append(
-            _impact_table(table.isel(impact=order), f"Hardest impacts of {run.label}", f"largest-{key}")
-        )
-        first = table.isel(impact=slice(0, MOST))
-        rest = f", the first {MOST}" if count > MOST else ""
-        every.append(
-            Details(
-                title=f"All {count} impacts in {joint} of {run.label}{rest}",
-                tables=(_impact_table(first, "", key, dense=True),),
+        if count:
+            shown = _impact_table(
+                table.isel(impact=slice(0, MOST)), "", f"impacts-{joint}-{run.label}", dense=True
             )
-        )
-    return [Details(title=f"Impacts in {joint}: numbers, hardest", tables=tuple(shown), notes=(_ROWS,)), *every]
+            rest = f", the first {MOST}" if count > MOST else ""
+            yield Details(title=f"All {count} impacts in {joint} of {run.label}{rest}", tables=(shown,))
 
 
 _ROWS = (
@@ -125,9 +132,9 @@ def _floats(values: np.ndarray) -> list[float | None]:
 # --- loads ---
 
 
-def load_details(
+def _loads(
     runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]
-) -> list[Details]:
+) -> tuple[tuple[Table, ...], tuple[str, ...]]:
     """Return statistics of the forces in a joint with play: of the whole, and of each contact."""
     found = [load_statistics(run.data, joint) for run in runs]
     columns = ("", *labels_of(runs))
@@ -150,7 +157,7 @@ def load_details(
         "journal is tilted.",
         *said_of_zeros((whole, each)),
     )
-    return [Details(title=f"Loads of {joint}, and of each contact", tables=(whole, each), notes=notes)]
+    return (whole, each), notes
 
 
 def _load_rows(
@@ -179,12 +186,12 @@ def _load_rows(
 # --- settling ---
 
 
-def settling_details(runs: Sequence[ReportedRun], joint: str) -> list[Details]:
+def _settlings(runs: Sequence[ReportedRun], joint: str) -> tuple[tuple[Table, ...], tuple[str, ...]]:
     """Return when impacts in a joint turned into lasting contact."""
     found = [next((one for one in settling(run.data, joint)), None) for run in runs]
     known = [one for one in found if one is not None]
     if not known:
-        return []
+        return (), ()
     table = Table(
         columns=("", *labels_of(runs)),
         rows=tuple(_settling_rows(joint, found)),
@@ -193,12 +200,12 @@ def settling_details(runs: Sequence[ReportedRun], joint: str) -> list[Details]:
     )
     note = (
         "Settled: from this time on its contacts are never all apart for longer than "
-        f"{readable(known[0].longest_gap, 's')}. Rate of decay: of the straight line through the logarithm of "
-        "the approach speeds over time, where that explains half of what they do."
+        f"{readable(known[0].longest_gap, 's')}. Rate of decay: of the straight line through the logarithm "
+        "of the approach speeds over time, where that explains half of what they do."
     )
     if any(one.driven and not one.note for one in known):
         note += " Driven, so that they may part again as its load turns."
-    return [Details(title=f"Settling of {joint}", tables=(table,), notes=(note,))]
+    return (table,), (note,)
 
 
 def _settling_rows(joint: str, found: Sequence[Settling | None]) -> Iterator[Row]:

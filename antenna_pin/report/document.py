@@ -48,7 +48,7 @@ from antenna_pin.report.joints import hardest_joint
 
 __all__ = ["Report", "page", "report"]
 
-#: What a page may take, what figures' numbers may, and what of it the viewer, the tables and the texts take [MB].
+#: What a page may take, what figures' numbers may, and what the viewer, tables and texts take of it [MB].
 MEGABYTES, DATA, FIXED = 4.8, 1.2, 0.6
 
 # The page's own script, in the order in which its parts need one another.
@@ -157,7 +157,7 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
     """Return what runs bring; ``drawing``: how many processes draw figures, 0 for no figures."""
     scales = round_off_scales(*(run.data for run in found))
     placed = Placed.of(drawn(found, drawing) if drawing else (), found)
-    hardest = hardest_joint(found)
+    hardest, played = hardest_joint(found), joints.every(found, "clearance_joint")
     seen: list[Embedded | Picture] = []
     shown = None
     if recordings:
@@ -171,8 +171,15 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
     sections = [
         head.key_results(found, scales, seen),
         *(
-            joints.with_play(found, name, scales, placed.joint(name), close.get(name, ()))
-            for name in joints.every(found, "clearance_joint")
+            joints.with_play(
+                found,
+                name,
+                scales,
+                placed.joint(name),
+                close.get(name, ()),
+                len(played) > 2 and name != hardest,
+            )
+            for name in played
         ),
         joints.without_play(found, scales, placed["joints"]),
         loops.loops(found, placed["loops"]),

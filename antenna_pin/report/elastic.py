@@ -9,6 +9,7 @@ import xarray as xr
 from antenna_pin.analysis import elastic_motion, elastic_parts_of
 from antenna_pin.report._page import Picture, Row, Section, Table, quantities
 from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.report._turned import turned
 
 __all__ = ["elastic_parts"]
 
@@ -27,7 +28,7 @@ def elastic_parts(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ())
     return Section(
         key="elastic",
         title=_TITLE,
-        items=(table, *pictures),
+        items=(turned(table), *pictures),
         meaning=(
             "Frequencies are those with the hub held. Energy is a part's against its hub, in its spring "
             "and of its motion; what its damper took is lost. Spin is the largest angular speed of the hub "

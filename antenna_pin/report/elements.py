@@ -9,6 +9,7 @@ import numpy as np
 from antenna_pin.analysis import blocks, drive_loads, drives_of, effort_unit
 from antenna_pin.report._page import Picture, Row, Section, Table, counts, quantities, said_of_zeros
 from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.report._turned import turned
 from antenna_pin.trajectory import elements_of, names_along
 
 __all__ = ["controllers", "drives", "forces", "springs"]
@@ -52,12 +53,8 @@ def springs(
     runs: Sequence[ReportedRun], scales: Mapping[str, float], pictures: Sequence[Picture] = ()
 ) -> Section:
     """Return what springs, dampers, frictions and bearings exerted and lost."""
-    own = [
-        run
-        for run in runs
-        if run.names("spring") or run.names("bearing") or any(_frictions(run))
-    ]
-    rows = (*_springs(own, scales), *_bearings(own, scales), *_friction_rows(own, scales))
+    own = [run for run in runs if run.names("spring") or run.names("bearing") or any(_frictions(run))]
+    rows = _telling((*_springs(own, scales), *_bearings(own, scales), *_friction_rows(own, scales)))
     table = _table(own, rows, "What springs, frictions and bearings exert and lose", "springs")
     return Section(
         key="springs",
@@ -106,7 +103,10 @@ def _drives(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterato
             ("gross work", "gross_work", "J"),
         ):
             values = _column(
-                runs, "drive", name, lambda run, one, key=key: float(loads[run.label][key].sel(drive=one))  # type: ignore[misc]
+                runs,
+                "drive",
+                name,
+                lambda run, one, key=key: float(loads[run.label][key].sel(drive=one)),  # type: ignore[misc]
             )
             yield quantities(word, values, of, 4, scales if of == unit else None)
         if name in _every(runs, "controller"):
@@ -133,22 +133,29 @@ def _springs(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterat
             at = names_along(first.data, "traced_joint")[first.names("traced_spring").index(name)]
             slides = at in first.names("sliding_joint")
             efforts = _column(
-                runs, "traced_spring", name, lambda run, one: _largest(run, "spring_torque", "traced_spring", one)
+                runs,
+                "traced_spring",
+                name,
+                lambda run, one: _largest(run, "spring_torque", "traced_spring", one),
             )
             word, unit = ("force", "N") if slides else ("torque", "N m")
             yield quantities(f"largest {word}", efforts, unit, 4, scales)
         if name in _every(runs, "point_spring"):
             tensions = _column(
-                runs, "point_spring", name, lambda run, one: _largest(run, "spring_tension", "point_spring", one)
+                runs,
+                "point_spring",
+                name,
+                lambda run, one: _largest(run, "spring_tension", "point_spring", one),
             )
             yield quantities("largest tension, by size", tensions, "N", 4, scales)
             lengths = _column(
-                runs, "point_spring", name, lambda run, one: _largest(run, "spring_length", "point_spring", one)
+                runs,
+                "point_spring",
+                name,
+                lambda run, one: _largest(run, "spring_length", "point_spring", one),
             )
             yield quantities("greatest length", lengths, "m", 4)
-        lost = _column(
-            runs, "spring", name, lambda run, one: _at(run, "total_damper_loss", "spring", one)
-        )
+        lost = _column(runs, "spring", name, lambda run, one: _at(run, "total_damper_loss", "spring", one))
         yield quantities("energy lost", lost, "J", 4)
 
 
@@ -184,17 +191,29 @@ def _frictions(run: ReportedRun) -> Iterator[str]:
     return (place for place in elements_of(run.data) if place.startswith("frictions."))
 
 
+def _telling(rows: Sequence[Row]) -> tuple[Row, ...]:
+    """Return rows without those that are nothing but zeros, and without headings of nothing."""
+    kept: list[Row] = []
+    for row in rows:
+        if row.cells and not any(cell.value for cell in row.cells):
+            continue
+        if not row.cells and kept and not kept[-1].cells:
+            kept.pop()
+        kept.append(row)
+    return tuple(kept if not kept or kept[-1].cells else kept[:-1])
+
+
 def _table(runs: Sequence[ReportedRun], rows: tuple[Row, ...], caption: str, key: str) -> tuple[Table, ...]:
-    return (Table(columns=("", *labels_of(runs)), rows=rows, caption=caption, key=key),) if rows else ()
+    if not any(row.cells for row in rows):
+        return ()
+    return (turned(Table(columns=("", *labels_of(runs)), rows=rows, caption=caption, key=key)),)
 
 
 def _every(runs: Sequence[ReportedRun], dimension: str) -> list[str]:
     return list(dict.fromkeys(name for run in runs for name in run.names(dimension)))
 
 
-def _column(
-    runs: Sequence[ReportedRun], dimension: str, name: str, pick: _Pick
-) -> list[float | None]:
+def _column(runs: Sequence[ReportedRun], dimension: str, name: str, pick: _Pick) -> list[float | None]:
     """Return a number of each run; None for one that has no such thing, or does not know it."""
     values = (pick(run, name) if name in run.names(dimension) else None for run in runs)
     return [value if value is not None and np.isfinite(value) else None for value in values]

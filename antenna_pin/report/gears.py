@@ -7,6 +7,7 @@ from typing import Any
 
 from antenna_pin.report._page import Picture, Row, Section, Table, counts, quantities
 from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.report._turned import turned
 from antenna_pin.trajectory import elements_of, met_by_meshes
 
 __all__ = ["gears"]
@@ -25,7 +26,9 @@ def gears(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) -> Sect
         "A torque is the largest of samples, of which there are some where flanks meet, turn back and part; "
         "impulses are those of touches of one side alone."
     )
-    return Section(key="gears", title="Gears, belts and cables", items=(table, *pictures), meaning=(note,))
+    return Section(
+        key="gears", title="Gears, belts and cables", items=(turned(table), *pictures), meaning=(note,)
+    )
 
 
 def _rows(name: str, runs: Sequence[ReportedRun], met: Sequence[Mapping[str, Any]]) -> Iterator[Row]:

@@ -49,7 +49,6 @@ def key_results(
         seen: What stands beside the table.
     """
     rows = [
-        words("outcome", (run.run.outcome.name.lower().replace("_", " ") for run in runs)),
         quantities("simulated time", [run.end for run in runs], "s"),
         *_blows(runs),
         *_deviation(runs, scales),
@@ -57,9 +56,7 @@ def key_results(
         *_stopped(runs),
         quantities("energy balance, error over scale", [_error(run) for run in runs], "1", 2),
     ]
-    table = Table(
-        columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers", key="key-results"
-    )
+    table = Table(columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers", key="key-results")
     return Section(
         key="results",
         title="Key results",
@@ -133,7 +130,9 @@ def _held(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterator[
         own = next(run for run in runs if name in run.names("drive"))
         unit = effort_unit(own.data, name)
         efforts = [
-            float(drive_loads(run.data)["peak_effort"].sel(drive=name)) if name in run.names("drive") else None
+            float(drive_loads(run.data)["peak_effort"].sel(drive=name))
+            if name in run.names("drive")
+            else None
             for run in runs
         ]
         word = "force" if unit == "N" else "torque"
@@ -145,11 +144,9 @@ def _stopped(runs: Sequence[ReportedRun]) -> Iterator[Row]:
     summaries = [run.run.summary() if run.names("element") else {} for run in runs]
     for family, word in (("stops", "touches of stops"), ("gears", "touches of gears")):
         told = [one.get(family) for one in summaries]
-        if any(told):
-            yield counts(
-                word,
-                (None if not one else sum(int(stop.get("touches", 0)) for stop in one.values()) for one in told),
-            )
+        touches = [sum(int(stop.get("touches", 0)) for stop in one.values()) if one else None for one in told]
+        if any(touches):
+            yield counts(word, touches)
     latches = [one.get("latches") for one in summaries]
     if any(latches):
         said = []

@@ -20,7 +20,7 @@ from antenna_pin.report._page import (
     shares_row,
 )
 from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
-from antenna_pin.report.contacts import impact_details, load_details, settling_details
+from antenna_pin.report.contacts import contact_details, every_impact
 
 __all__ = ["base", "every", "hardest_joint", "hardness", "joint_key", "with_play", "without_play"]
 
@@ -55,6 +55,7 @@ def with_play(
     scales: Mapping[str, float],
     pictures: Sequence[Picture] = (),
     recordings: Sequence[Embedded] = (),
+    folded: bool = False,
 ) -> Section:
     """Return the section of a joint with play.
 
@@ -64,6 +65,7 @@ def with_play(
         scales: Of the runs, by which numbers are zero to round-off.
         pictures: Its figures.
         recordings: What shows it close up.
+        folded: Whether it is shown when asked for.
     """
     touched = [run for run in runs if joint in run.names("clearance_joint")]
     rows = (*_motion(runs, joint, scales), *_contact(runs, joint), *_settled(runs, joint))
@@ -79,10 +81,10 @@ def with_play(
         items=(
             Beside(table=table, seen=tuple(recordings)),
             *pictures,
-            *impact_details(touched, joint),
-            *load_details(touched, joint, scales),
-            *settling_details(touched, joint),
+            contact_details(touched, joint, scales),
+            *every_impact(touched, joint),
         ),
+        folded=folded,
         meaning=(
             "Forces, depths and speeds of contacts are the largest of the integrator's dense output, not of "
             "samples. Impulse is the integral of the normal forces over time; energy lost is that of "
@@ -169,7 +171,7 @@ def _settled(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
         next(iter(settling(run.data, joint)), None) if joint in run.names("clearance_joint") else None
         for run in runs
     ]
-    times = [None if one is None or not np.isfinite(one.time) else one.time for one in found]
+    times = [None if one is None else one.time for one in found]
     if any(time is not None for time in times):
         yield quantities("lasting contact from", times, "s", 3)
 
@@ -195,9 +197,7 @@ def base(
             quantities(
                 "farthest from its start", [_moved(run, _displacement) for run in runs], "m", 4, scales
             ),
-            quantities(
-                "largest turn from its start", [_moved(run, _turn) for run in runs], "rad", 4, scales
-            ),
+            quantities("largest turn from its start", [_moved(run, _turn) for run in runs], "rad", 4, scales),
         )
         items.append(
             Table(columns=("", *labels_of(runs)), rows=rows, caption="Motion of the base", key="base")
@@ -227,5 +227,3 @@ def _largest_turn(x0: np.ndarray, q: np.ndarray) -> float:
         x0[3] * q[:, :3] - q[:, 3:] * x0[:3] - np.cross(np.broadcast_to(x0[:3], q[:, :3].shape), q[:, :3])
     )
     return float((2.0 * np.arctan2(np.linalg.norm(vector, axis=1), np.abs(scalar))).max())
-
-

@@ -27,6 +27,7 @@ from antenna_pin.report._page import (
     said_of_zeros,
 )
 from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.report._turned import turned
 
 __all__ = ["loops"]
 
@@ -68,7 +69,7 @@ def loops(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) -> Sect
         key="loops",
         title="Closed loops and motions",
         statements=(Statement(label="counted at the start", texts=said),),
-        items=(*items, *pictures, Details(title=how.caption, tables=(how,))),
+        items=(*map(turned, items), *pictures, Details(title=how.caption, tables=(how,))),
         meaning=(*notes, *said_of_zeros(items)),
     )
 

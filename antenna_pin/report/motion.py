@@ -163,8 +163,8 @@ def frequencies(runs: Sequence[ReportedRun]) -> Section:
         columns=("", *labels_of(runs)), rows=tuple(rows), caption="Strongest frequencies", key="frequencies"
     )
     meaning = (
-            "Strongest first, with the amplitude of the sine; only what stands out five times above its "
-            "surroundings. An amplitude is a mean over the whole run."
+        "Strongest first, with the amplitude of the sine; only what stands out five times above its "
+        "surroundings. An amplitude is a mean over the whole run."
     )
     return Section(
         key="frequencies",

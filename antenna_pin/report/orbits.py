@@ -60,11 +60,7 @@ def orbit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         _said("ends of a period", f"{number(residual, 2)} error scales apart"),
     ]
     caption = "Floquet multipliers and the unit circle"
-    shown = (
-        picture(figure_multipliers(table), caption, f"{key}-figure")
-        if figures
-        else None
-    )
+    shown = picture(figure_multipliers(table), caption, f"{key}-figure") if figures else None
     found = " (found too)" if int(table.attrs["free_period"]) else ""
     said = f"orbit of {readable(period, 's', 9)}{found}, {words}"
     part = Section(

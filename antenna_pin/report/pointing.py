@@ -26,9 +26,7 @@ WINDOWS = 10
 _ASKED = ("window", "drift_spacing", "periods")
 
 
-def pointing(
-    runs: Sequence[ReportedRun], window: float | None, pictures: Sequence[Picture] = ()
-) -> Section:
+def pointing(runs: Sequence[ReportedRun], window: float | None, pictures: Sequence[Picture] = ()) -> Section:
     """Return pointing indices of the runs whose scenario says what looks where.
 
     Args:
@@ -84,9 +82,7 @@ def pointing(
         "antenna's axes; boresight: the turn about it."
     )
     folded = Details(title="Pointing error indices", tables=(table,), notes=(meaning,))
-    return Section(
-        key="pointing", title="Pointing", lead=lead, items=(*pictures, folded), notes=tuple(notes)
-    )
+    return Section(key="pointing", title="Pointing", lead=lead, items=(*pictures, folded), notes=tuple(notes))
 
 
 def _commanded(run: ReportedRun) -> bool:

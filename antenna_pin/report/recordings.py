@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from antenna_pin.errors import AntennaPinError
+from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.record import View, bending_magnification, record, viewer_megabytes
 from antenna_pin.report._page import Embedded
 from antenna_pin.report._runs import ReportedRun, ideal_of
@@ -17,8 +17,9 @@ __all__ = ["Recordings", "recordings"]
 LEAST = 0.3
 #: Regular key frames per second of a run; impacts have theirs besides [1/s].
 RATE = 100.0
-# Packed, a recording takes some two thirds of what it does by itself; else it is made again.
-_PACKED = 0.65
+# What key frames take packed, of what they take by themselves [-], and what shapes do besides [MB]; a
+# recording that takes too much is made again with fewer.
+_PACKED, _SHAPES = 0.65, 0.35
 _TRIALS = 3
 
 
@@ -52,15 +53,18 @@ def recordings(runs: Sequence[ReportedRun], megabytes: float) -> Recordings:
     """
     found = Recordings()
     wanted = list(_wanted(runs))
-    most = max(int(megabytes / LEAST), 1)
-    share = megabytes / max(min(len(wanted), most), 1)
-    left = [joint or run.label for run, joint, _ in wanted[most:]]
+    whole = sum(joint is None for _, joint, _ in wanted)
+    # Of a mechanism there is twice as much to show.
+    most = whole + max(int(megabytes / LEAST) - 2 * whole, 0)
+    left = [f"{run.label}, joint {joint}" for run, joint, _ in wanted[most:]]
     if left:
         found.notes.append(
-            f"Not shown, to keep the page small: {', '.join(left)}; antenna-pin record shows each."
+            f"Not close up, to keep the page small: {', '.join(left)}; see antenna-pin record."
         )
+    shares = [2.0 if joint is None else 1.0 for _, joint, _ in wanted[:most]]
     for number, (run, joint, ghost) in enumerate(wanted[:most]):
         what = f"{run.label}, joint {joint} close up" if joint is not None else run.label
+        share = megabytes * shares[number] / sum(shares)
         try:
             html = _made(run, joint, ghost, share, f"recording-{number}")
         except AntennaPinError as error:
@@ -94,26 +98,33 @@ def _wanted(runs: Sequence[ReportedRun]) -> Iterator[tuple[ReportedRun, str | No
                 yield run, joint, None
 
 
-def _made(
-    run: ReportedRun, joint: str | None, ghost: ReportedRun | None, share: float, identity: str
-) -> str:
+def _made(run: ReportedRun, joint: str | None, ghost: ReportedRun | None, share: float, identity: str) -> str:
     """Return the part of the page that one recording is, of a size that is kept."""
     view: View = "mechanism" if joint is None else "joint"
-    limit = share / _PACKED
-    html = ""
+    limit, html = share / _PACKED + _SHAPES, ""
     for _ in range(_TRIALS):
-        made = record(
-            run.run,
-            None if ghost is None else ghost.run,
-            view=view,
-            joint=joint,
-            magnify=bending_magnification(run.run) if view == "mechanism" else None,
-            fps=RATE,
-            max_megabytes=limit + viewer_megabytes(),
-        )
+        try:
+            made = record(
+                run.run,
+                None if ghost is None else ghost.run,
+                view=view,
+                joint=joint,
+                magnify=bending_magnification(run.run) if view == "mechanism" else None,
+                fps=RATE,
+                max_megabytes=limit + viewer_megabytes(),
+            )
+        except InvalidParameterError:
+            if html:  # its shapes leave no room for fewer key frames
+                break
+            limit *= 2.0
+            continue
         html = made.embedded(identity, "24rem", packed=True)
         size = 1e-6 * len(html)
         if size <= share:
             break
-        limit *= 0.95 * share / size
+        limit = min(limit, 1e-6 * len(made.embedded(identity))) - 1.05 * (size - share) / _PACKED
+    if not html:
+        raise InvalidParameterError(
+            "recording", "size", f"within {limit:.2g} MB", "more for its shapes alone"
+        )
     return html

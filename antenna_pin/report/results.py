@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+
 from antenna_pin.analysis import (
     answer,
     said_of_limits,
@@ -164,7 +165,10 @@ def conservation(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) 
     return Section(
         key="conservation",
         title="Energy and momentum",
-        items=(*pictures, Details(title="What must be conserved, and by how much it was not", tables=(table,)),),
+        items=(
+            *pictures,
+            Details(title="What must be conserved, and by how much it was not", tables=(table,)),
+        ),
         meaning=(
             "Energy balance: what is stored, less that at the start and the drives' work, plus all losses. A "
             "momentum's scale is the largest sum of its magnitudes over the bodies without the base. A dash: "

@@ -10,6 +10,7 @@ import xarray as xr
 from antenna_pin.analysis import latch_events, stop_impacts
 from antenna_pin.report._page import Picture, Row, Section, Table, counts, quantities
 from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.report._turned import turned
 from antenna_pin.trajectory import elements_of
 
 __all__ = ["stops_and_latches"]
@@ -24,13 +25,15 @@ def stops_and_latches(runs: Sequence[ReportedRun], pictures: Sequence[Picture] =
     items, notes = [], []
     stops, latches = tuple(_stops(own)), tuple(_latches(own))
     if stops:
-        items.append(Table(columns=columns, rows=stops, caption="Touches of the end stops", key="stops"))
+        table = Table(columns=columns, rows=stops, caption="Touches of the end stops", key="stops")
+        items.append(turned(table))
         notes.append(
             "A torque in a touch is the largest of samples, of which there are some at its onset, where the "
             "joint turns back, and at its release; a blow of a rigid stop has an impulse and no torque."
         )
     if latches:
-        items.append(Table(columns=columns, rows=latches, caption="What the latches did", key="latches"))
+        table = Table(columns=columns, rows=latches, caption="What the latches did", key="latches")
+        items.append(turned(table))
         notes.append(
             "Energy lost is all that a stop or a latch took in the run, its damper's share included."
         )
