@@ -11,6 +11,7 @@ __all__ = ["turned"]
 
 # Groups up to which a table stays as it is.
 _FEW = 2
+_SPACE = "\N{NO-BREAK SPACE}"
 
 
 def turned(table: Table) -> Table:
@@ -29,7 +30,9 @@ def turned(table: Table) -> Table:
     told = [k for k in range(len(names[0])) if any(_tells(rows[k]) for _, rows in groups)]
     shared = [len({rows[k].unit for _, rows in groups}) == 1 for k in told]
     heads = [
-        f"{names[0][k]} [{groups[0][1][k].unit}]" if same and groups[0][1][k].unit else names[0][k]
+        f"{names[0][k]} [{groups[0][1][k].unit.replace(' ', _SPACE)}]"
+        if same and groups[0][1][k].unit
+        else names[0][k]
         for k, same in zip(told, shared, strict=True)
     ]
     runs = table.columns[1:]
@@ -66,4 +69,4 @@ def _tells(row: Row) -> bool:
 def _with_unit(cell: Cell, unit: str) -> Cell:
     if cell.text in (number(None), ZERO) or not unit:
         return cell
-    return Cell(f"{cell.text}\N{NO-BREAK SPACE}{unit}", cell.value)
+    return Cell(f"{cell.text}{_SPACE}{unit}", cell.value)

@@ -40,7 +40,7 @@ from antenna_pin.report import (
 )
 from antenna_pin.report._findings import Finding, Judged, Reported, origin, parted
 from antenna_pin.report._packed import Numbers
-from antenna_pin.report._page import Details, Embedded, Picture, Section
+from antenna_pin.report._page import Beside, Details, Embedded, Picture, Section, Table
 from antenna_pin.report._placed import Placed
 from antenna_pin.report._runs import ReportedRun, reported
 from antenna_pin.report.figures import drawn, glance
@@ -48,8 +48,12 @@ from antenna_pin.report.joints import hardest_joint
 
 __all__ = ["Report", "page", "report"]
 
-#: What a page may take, what figures' numbers may, and what the viewer, tables and texts take of it [MB].
-MEGABYTES, DATA, FIXED = 4.8, 1.2, 0.6
+#: What a page may take, what the numbers of its figures may, what viewer, style and scripts take [MB].
+MEGABYTES, DATA, FIXED = 4.8, 1.2, 0.5
+#: What recordings are to have at least, for which there are fewer numbers of figures [MB].
+MOVING = 1.4
+# What an entry of a table takes, and one of a table that is set small [MB].
+_CELL, _SMALL = 90e-6, 40e-6
 
 # The page's own script, in the order in which its parts need one another.
 _SCRIPTS = ("unpack.js", "zoom.js", "pictures.js", "report.js")
@@ -141,16 +145,18 @@ def report(
     statuses = [*results.statuses(found), *judged]
     labels = [run.label for run in found] + [one.label for one in findings]
     heading = title if title is not None else _title(found, findings)
-    return page(heading, labels, statuses, kept, warnings=results.warnings(found), moves=parts.moves)
+    warned = results.warnings(found)
+    return page(heading, labels, statuses, kept, warnings=warned, moves=parts.moves, data=parts.data)
 
 
 @dataclass(frozen=True, slots=True)
 class _Parts:
-    """What runs bring to a page: sections before and behind those of findings, and whether any moves."""
+    """What runs bring to a page: sections around those of findings, whether any moves, and room for numbers."""
 
     opening: tuple[Section, ...] = ()
     closing: tuple[Section, ...] = ()
     moves: bool = False
+    data: float = DATA  # what the numbers of figures may take [MB]
 
 
 def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: float | None) -> _Parts:
@@ -158,27 +164,9 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
     scales = round_off_scales(*(run.data for run in found))
     placed = Placed.of(drawn(found, drawing) if drawing else (), found)
     hardest, played = hardest_joint(found), joints.every(found, "clearance_joint")
-    seen: list[Embedded | Picture] = []
-    shown = None
-    if recordings:
-        from antenna_pin.report.recordings import recordings as made
-
-        shown = made(found, MEGABYTES - FIXED - placed.megabytes - min(placed.megabytes, DATA))
-        seen += shown.whole[:1]
-    if drawing and hardest is not None and (small := glance(found, hardest)) is not None:
-        seen.append(small)
-    close = {} if shown is None else shown.close
     sections = [
-        head.key_results(found, scales, seen),
         *(
-            joints.with_play(
-                found,
-                name,
-                scales,
-                placed.joint(name),
-                close.get(name, ()),
-                len(played) > 2 and name != hardest,
-            )
+            joints.with_play(found, name, scales, placed.joint(name), len(played) > 2 and name != hardest)
             for name in played
         ),
         joints.without_play(found, scales, placed["joints"]),
@@ -186,7 +174,7 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
         elements.drives(found, scales, placed["drives"]),
         elements.controllers(found),
         elements.springs(found, scales, placed["springs"]),
-        stops.stops_and_latches(found, placed["stops"]),
+        stops.stops_and_latches(found, scales, placed["stops"]),
         gears.gears(found, placed["gears"]),
         elastic.elastic_parts(found, placed["elastic"]),
         elements.forces(found, scales),
@@ -195,14 +183,39 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
         pointing.pointing(found, window, placed["pointing"]),
         Section(key="figures", title="More figures", items=placed["figures"], notes=placed.notes),
     ]
-    if shown is not None:
-        others = tuple(shown.whole[1:])
-        sections.append(
-            Section(key="recordings", title="More recordings", items=others, notes=tuple(shown.notes))
-        )
     said = Section(key="what", title="What was run", parts=tuple(words.scenario_sections(found)), folded=True)
     closing = (results.conservation(found, placed["conservation"]), motion.frequencies(found), said)
-    return _Parts(tuple(sections), closing, bool(shown))
+    seen: list[Embedded | Picture] = []
+    if drawing and hardest is not None and (small := glance(found, hardest)) is not None:
+        seen.append(small)
+    left = MEGABYTES - FIXED - placed.megabytes - sum(map(_megabytes, (*sections, *closing)))
+    data = min(DATA, max(left - MOVING, 0.25 * left)) if recordings else DATA
+    moves = False
+    if recordings:
+        from antenna_pin.report.recordings import recordings as made
+
+        shown = made(found, left - min(data, placed.megabytes * 3.0))
+        moves = bool(shown)
+        seen[:0] = shown.whole[:1]
+        sections = [joints.beside(section, shown.close) for section in sections]
+        others = Section(
+            key="recordings",
+            title="More recordings",
+            items=tuple(shown.whole[1:]),
+            notes=tuple(shown.notes),
+        )
+        sections.append(others)
+    return _Parts((head.key_results(found, scales, seen), *sections), closing, moves, data)
+
+
+def _megabytes(section: Section) -> float:
+    """Return about what the tables and texts of a section take in the page [MB]."""
+    tables = [item for item in section.items if isinstance(item, Table)]
+    tables += [item.table for item in section.items if isinstance(item, Beside)]
+    folded = [item for item in section.items if isinstance(item, Details)]
+    tables += [table for item in folded for table in item.tables]
+    cells = sum((_SMALL if one.dense else _CELL) * len(one.rows) * len(one.columns) for one in tables)
+    return cells + sum(1e-6 * len(item.text) for item in folded) + sum(map(_megabytes, section.parts))
 
 
 # The section of every kind of finding.
@@ -234,6 +247,7 @@ def page(
     *,
     warnings: Iterable[str] = (),
     moves: bool = False,
+    data: float = DATA,
 ) -> Report:
     """Return the page of some sections.
 
@@ -244,6 +258,7 @@ def page(
         sections: What is in it.
         warnings: What is to be minded.
         moves: Whether there are recordings in it.
+        data: What the numbers of its figures may take [MB].
     """
     kept = tuple(sections)
     shared = None
@@ -251,7 +266,7 @@ def page(
         from antenna_pin.record import shared_head
 
         shared = shared_head(packed=True)
-    numbers = Numbers(1e6 * DATA)
+    numbers = Numbers(1e6 * data)
     for picture in (one for section in kept for one in section.pictures):
         numbers.add(picture.key, picture.numbers)
     own = script("\n".join(_asset(name) for name in _SCRIPTS))

@@ -36,7 +36,7 @@ def _rows(name: str, runs: Sequence[ReportedRun], met: Sequence[Mapping[str, Any
     place = f"gears.{name}"
     slides = next(elements_of(run.data)[place]["slides"] for run in runs if place in elements_of(run.data))
     rate, effort, impulse = ("m/s", "N", "N s") if slides else ("rad/s", "N m", "N m s")
-    yield Row(place)
+    yield Row(name)
     if any("touches" in one for one in met):
         yield counts("touches", [one.get("touches") for one in met])
         yield quantities("fastest touch", [one.get("fastest_touch") for one in met], rate, 4)

@@ -152,7 +152,7 @@ def _stopped(runs: Sequence[ReportedRun]) -> Iterator[Row]:
         said = []
         for one in latches:
             caught = [latch["last_capture"] for latch in one.values() if latch["captures"]] if one else []
-            last = f", the last at {readable(max(caught), 's')}" if caught else ""
+            last = f" by {readable(max(caught), 's')}" if caught else ""
             said.append(f"{len(caught)} of {len(one)}{last}" if one else "")
         yield words("latched", said)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -54,7 +55,6 @@ def with_play(
     joint: str,
     scales: Mapping[str, float],
     pictures: Sequence[Picture] = (),
-    recordings: Sequence[Embedded] = (),
     folded: bool = False,
 ) -> Section:
     """Return the section of a joint with play.
@@ -64,7 +64,6 @@ def with_play(
         joint: Name of the joint.
         scales: Of the runs, by which numbers are zero to round-off.
         pictures: Its figures.
-        recordings: What shows it close up.
         folded: Whether it is shown when asked for.
     """
     touched = [run for run in runs if joint in run.names("clearance_joint")]
@@ -79,7 +78,7 @@ def with_play(
         key=joint_key(joint),
         title=f"Joint {joint}",
         items=(
-            Beside(table=table, seen=tuple(recordings)),
+            Beside(table=table),
             *pictures,
             contact_details(touched, joint, scales),
             *every_impact(touched, joint),
@@ -92,6 +91,15 @@ def with_play(
             *said_of_zeros([table]),
         ),
     )
+
+
+def beside(section: Section, close: Mapping[str, Sequence[Embedded]]) -> Section:
+    """Return a section with what shows its joint close up beside its table, if it is of such a joint."""
+    seen = next((tuple(made) for joint, made in close.items() if joint_key(joint) == section.key), ())
+    items = (
+        replace(item, seen=seen) if seen and isinstance(item, Beside) else item for item in section.items
+    )
+    return replace(section, items=tuple(items))
 
 
 def without_play(

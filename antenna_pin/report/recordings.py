@@ -21,6 +21,8 @@ RATE = 100.0
 # recording that takes too much is made again with fewer.
 _PACKED, _SHAPES = 0.65, 0.35
 _TRIALS = 3
+# Of a mechanism there is so many times as much to show as of one of its joints.
+_MORE = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,14 +56,13 @@ def recordings(runs: Sequence[ReportedRun], megabytes: float) -> Recordings:
     found = Recordings()
     wanted = list(_wanted(runs))
     whole = sum(joint is None for _, joint, _ in wanted)
-    # Of a mechanism there is twice as much to show.
-    most = whole + max(int(megabytes / LEAST) - 2 * whole, 0)
+    most = whole + max(int(megabytes / LEAST) - _MORE * whole, 1)
     left = [f"{run.label}, joint {joint}" for run, joint, _ in wanted[most:]]
     if left:
         found.notes.append(
             f"Not close up, to keep the page small: {', '.join(left)}; see antenna-pin record."
         )
-    shares = [2.0 if joint is None else 1.0 for _, joint, _ in wanted[:most]]
+    shares = [_MORE if joint is None else 1 for _, joint, _ in wanted[:most]]
     for number, (run, joint, ghost) in enumerate(wanted[:most]):
         what = f"{run.label}, joint {joint} close up" if joint is not None else run.label
         share = megabytes * shares[number] / sum(shares)

@@ -65,7 +65,7 @@ def _answered(run: ReportedRun) -> str:
     lines = answer(run.run).lines if run.samples > 1 else ()
     told = [line for line in lines if line.about != "energy"] or list(lines)
     hardest = [line for line in told if line.about in run.names("clearance_joint")][:1]
-    others = [line for line in told if line.about in _ANSWERS]
+    others = [line for line in told if line.about in _ANSWERS and not line.text.startswith("0 ")]
     chosen = [*hardest, *others][:_MOST] or told[:1]
     text = ". ".join(f"{line.about[:1].upper()}{line.about[1:]}: {line.text}" for line in chosen)
     return text or f"{run.run.message} ({readable(run.end, 's')})"
