@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection, LineCollection, PathCollection, PolyCollection, QuadMesh
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from antenna_pin.arguments import takes
 from antenna_pin.plot._style import Array
@@ -51,6 +52,8 @@ def drawn_numbers(figure: Figure) -> list[Drawn]:
     """
     found: list[Drawn] = []
     for axes in figure.axes:
+        if axes.get_label() == "<colorbar>":
+            continue
         for one in _of_panel(figure, axes):
             if one.columns[0].size and not any(_is_part(one, other) for other in found):
                 found.append(one)
@@ -60,7 +63,7 @@ def drawn_numbers(figure: Figure) -> list[Drawn]:
 def _of_panel(figure: Figure, axes: Axes) -> Iterator[Drawn]:
     panel = _plain(axes.get_title(loc="left") or axes.get_title())
     x = _plain(axes.get_xlabel() or _time_below(figure, axes)) or "x"
-    y = _plain(axes.get_ylabel() or figure.get_supylabel()) or "y"
+    y = _plain(axes.get_ylabel() or figure.get_supylabel() or _label_beside(figure, axes)) or "y"
     for line in axes.lines:
         if line.get_transform().contains_branch_seperately(axes.transData) == (True, True):
             columns = (_numbers(line.get_xdata(orig=False)), _numbers(line.get_ydata(orig=False)))
@@ -68,7 +71,7 @@ def _of_panel(figure: Figure, axes: Axes) -> Iterator[Drawn]:
     for many in axes.collections:
         yield from _of_collection(panel, (x, y), many)
     for bars in axes.containers:
-        boxes = [one for one in bars.get_children() if hasattr(one, "get_height")]
+        boxes = [one for one in bars.get_children() if isinstance(one, Rectangle)]
         if boxes:
             middle = np.array([one.get_x() + 0.5 * one.get_width() for one in boxes])
             ends = np.array([one.get_y() + one.get_height() for one in boxes])
@@ -79,7 +82,7 @@ def _of_collection(panel: str, names: tuple[str, str], many: Collection) -> Iter
     x, y = names
     values = many.get_array()
     if isinstance(many, PathCollection):
-        points = np.ma.filled(np.ma.asarray(many.get_offsets(), dtype=float), np.nan)
+        points = _numbers(many.get_offsets())
         more = () if values is None or values.size != len(points) else (_numbers(values),)
         kinds = (x, y, "colour")[: 2 + len(more)]
         yield Drawn(panel, _label(many), kinds, (points[:, 0], points[:, 1], *more))
@@ -100,11 +103,10 @@ def _of_collection(panel: str, names: tuple[str, str], many: Collection) -> Iter
             panel, _label(many), (x, y, "colour"), (*middles.reshape(-1, 2).T, _numbers(values).ravel())
         )
     elif isinstance(many, PolyCollection):
-        boxes = [path.vertices for path in many.get_paths() if len(path.vertices) in (4, 5)]
-        if boxes and len(boxes) == len(many.get_paths()):
-            least, most = (
-                np.array([pick(np.asarray(box), axis=0) for box in boxes]) for pick in (np.min, np.max)
-            )
+        every = [np.asarray(path.vertices, dtype=float) for path in many.get_paths()]
+        boxes = [path for path in every if len(path) in (4, 5)]
+        if boxes and len(boxes) == len(every):
+            least, most = (np.array([pick(box, axis=0) for box in boxes]) for pick in (np.min, np.max))
             said = (f"{x}, from", f"{x}, to", f"{y}, from", f"{y}, to")
             yield Drawn(panel, _label(many), said, (least[:, 0], most[:, 0], least[:, 1], most[:, 1]))
 
@@ -129,6 +131,18 @@ def _time_below(figure: Figure, axes: Axes) -> str:
     """Return what a panel's axis is that has no label of its own: that of the next one below."""
     later = figure.axes[figure.axes.index(axes) :]
     return next((label for one in later if (label := one.get_xlabel())), "")
+
+
+def _label_beside(figure: Figure, axes: Axes) -> str:
+    """Return the label of the first panel of a row, which is that of all of them."""
+    place = axes.get_subplotspec()
+    for one in figure.axes:
+        other = one.get_subplotspec()
+        if place is None or other is None or one is axes or not one.get_ylabel():
+            continue
+        if other.get_gridspec() is place.get_gridspec() and other.rowspan == place.rowspan:
+            return one.get_ylabel()
+    return ""
 
 
 def _label(artist: Any) -> str:

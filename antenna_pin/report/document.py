@@ -143,15 +143,14 @@ def report(
     kept = tuple(section for section in sections if not section.empty)
     judged = [one for _, one in told]
     statuses = [*results.statuses(found), *judged]
-    labels = [run.label for run in found] + [one.label for one in findings]
     heading = title if title is not None else _title(found, findings)
     warned = results.warnings(found)
-    return page(heading, labels, statuses, kept, warnings=warned, moves=parts.moves, data=parts.data)
+    return page(heading, statuses, kept, warnings=warned, moves=parts.moves, data=parts.data)
 
 
 @dataclass(frozen=True, slots=True)
 class _Parts:
-    """What runs bring to a page: sections around those of findings, whether any moves, and room for numbers."""
+    """What runs bring to a page: sections around those of findings, and room for numbers."""
 
     opening: tuple[Section, ...] = ()
     closing: tuple[Section, ...] = ()
@@ -241,7 +240,6 @@ def _of_finding(k: int, finding: Finding, figures: bool, shown: set[str]) -> tup
 
 def page(
     title: str,
-    labels: Iterable[str],
     statuses: Iterable[Any],
     sections: Iterable[Section],
     *,
@@ -253,7 +251,6 @@ def page(
 
     Args:
         title: Its heading.
-        labels: Names of what it is about.
         statuses: How each ended: ``label``, ``outcome``, ``text``, ``completed``.
         sections: What is in it.
         warnings: What is to be minded.
@@ -272,7 +269,6 @@ def page(
     own = script("\n".join(_asset(name) for name in _SCRIPTS))
     made = _environment().get_template("report.html.j2").render(
         title=title,
-        labels=list(labels),
         statuses=list(statuses),
         warnings=list(warnings),
         sections=kept,

@@ -54,7 +54,7 @@ def key_results(
         *_deviation(runs, scales),
         *_held(runs, scales),
         *_stopped(runs),
-        quantities("energy balance, error over scale", [_error(run) for run in runs], "1", 2),
+        quantities("energy balance, error over scale", [_error(run) for run in runs], "1", 3),
     ]
     table = Table(columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers", key="key-results")
     return Section(

@@ -55,7 +55,7 @@ def study_report(study: xr.Dataset, *, title: str | None = None, figures: bool =
         sections.insert(1, _figures(study))
     sections.append(_provenance(study, about))
     kept = [section for section in sections if not section.empty]
-    return page(heading, [about["name"]], [_status(study, about["name"])], kept)
+    return page(heading, [_status(study, about["name"])], kept)
 
 
 def _status(study: xr.Dataset, name: str) -> _Status:
