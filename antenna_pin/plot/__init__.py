@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     )
     from antenna_pin.plot.contact import figure_force_curves, figure_restitution, save_contact_figures
     from antenna_pin.plot.control import figure_control
+    from antenna_pin.plot.drawn import Drawn, drawn_numbers
     from antenna_pin.plot.eccentricity import figure_eccentricity
     from antenna_pin.plot.elastic import figure_deflection
     from antenna_pin.plot.experiment import figure_contact_width, figure_experiment, figures_of_experiment
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     )
     from antenna_pin.plot.forces import figure_contact_forces
     from antenna_pin.plot.gears import figure_gears
+    from antenna_pin.plot.glance import figure_glance
     from antenna_pin.plot.hysteresis import figure_hysteresis
     from antenna_pin.plot.joint import figure_joint
     from antenna_pin.plot.loads import figure_joint_load, figure_steady_force
@@ -85,6 +87,9 @@ __all__ = [
     "AttractorFigure",
     "Diagram",
     "DiagramFigure",
+    "Drawn",
+    "drawn_numbers",
+    "figure_glance",
     "figure_attractors",
     "BASE_QUANTITIES",
     "BODY_QUANTITIES",
@@ -171,7 +176,9 @@ loaded_when_used(
         ),
         "control": "figure_control",
         "contact": "figure_force_curves figure_restitution save_contact_figures",
+        "drawn": "Drawn drawn_numbers",
         "eccentricity": "figure_eccentricity",
+        "glance": "figure_glance",
         "elastic": "figure_deflection",
         "hysteresis": "figure_hysteresis",
         "experiment": "figure_contact_width figure_experiment figures_of_experiment",

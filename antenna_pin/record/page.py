@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 import functools
 import html
 import json
+import zlib
 from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any, NamedTuple
@@ -33,6 +35,14 @@ def _json(data: Any) -> str:
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", r"\u003c")
 
 
+# What a script element with a deflated text (RFC 1950, base64) is told by.
+_PACKED = 'type="application/zlib"'
+
+
+def _deflated(text: str) -> str:
+    return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
+
+
 class SharedHead(NamedTuple):
     """What recordings need in a page's head, once."""
 
@@ -40,10 +50,19 @@ class SharedHead(NamedTuple):
     scripts: tuple[str, ...]  # contents of its script elements, for the page's `pages.policy`
 
 
-def shared_head() -> SharedHead:
-    """Return style and scripts that recordings need, once per page, for its head."""
+def shared_head(*, packed: bool = False) -> SharedHead:
+    """Return style and scripts that recordings need, once per page, for its head.
+
+    Args:
+        packed: Whether the viewer is deflated, to a third: then recordings appear some time after the page.
+    """
     scripts = script(viewer_script()), script(_player())
     running = "".join(f"<script>{text}</script>\n" for text in scripts)
+    if packed:
+        viewer, player = scripts
+        running = (
+            f'<script {_PACKED} class="ap-viewer">{_deflated(viewer)}</script>\n<script>{player}</script>\n'
+        )
     return SharedHead(
         f"<style>\n{_asset('player.css')}</style>\n"
         f'<script type="text/plain" class="ap-licences">{script(viewer_licences())}</script>\n'
@@ -58,7 +77,7 @@ def viewer_megabytes() -> float:
     return 1e-6 * len(shared_head().html.encode())
 
 
-def embedded(data: dict[str, Any], identity: str, height: str = "30rem") -> str:
+def embedded(data: dict[str, Any], identity: str, height: str = "30rem", *, packed: bool = False) -> str:
     """Return the part of a page that shows one recording; the page's head must have :func:`shared_head`.
 
     Its scene is built when it is scrolled into view, so that a page may have many.
@@ -67,11 +86,13 @@ def embedded(data: dict[str, Any], identity: str, height: str = "30rem") -> str:
         data: Of the recording.
         identity: The element's id, unique in the page.
         height: Of the element, CSS.
+        packed: Whether its data are deflated.
     """
     name = html.escape(identity, quote=True)
+    kind, text = (_PACKED, _deflated(_json(data))) if packed else ('type="application/json"', _json(data))
     return (
         f'<div class="ap-frame" id="{name}" style="height:{html.escape(height, quote=True)}"></div>\n'
-        f'<script type="application/json" id="{name}-data">{_json(data)}</script>\n'
+        f'<script {kind} id="{name}-data">{text}</script>\n'
     )
 
 

@@ -64,14 +64,15 @@ class Recording:
         """The whole page, self-contained."""
         return page.page(self.data)
 
-    def embedded(self, identity: str, height: str = "30rem") -> str:
+    def embedded(self, identity: str, height: str = "30rem", *, packed: bool = False) -> str:
         """Return the part for a page with several recordings; its head needs ``shared_head()`` once.
 
         Args:
             identity: Id of the element, unique in the page.
             height: CSS height of the element.
+            packed: Whether its data are deflated, to two thirds; then it appears some time after the page.
         """
-        return page.embedded(self.data, identity, height)
+        return page.embedded(self.data, identity, height, packed=packed)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the page; return its path.

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import base64
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from antenna_pin.analysis import ROUND_OFF_WORDS, is_round_off
+from antenna_pin.plot import Drawn
 from antenna_pin.readable import number, prefixed, readable
+from antenna_pin.report._packed import packed
 
 __all__ = [
+    "ZERO",
+    "Beside",
     "Cell",
     "Details",
     "Embedded",
+    "Item",
     "Picture",
     "Row",
     "Section",
@@ -95,24 +102,38 @@ class Statement:
     code: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Picture:
     """A figure.
 
     Attributes:
-        source: A ``data:`` address.
+        svg: Its file.
         caption: What it shows, in words that also do for those who cannot see it.
-        wide: Whether it takes the whole width.
-        width: At which it was drawn [mm].
+        size: Width and height at which it was drawn [mm].
         key: Name by which it is found in the page.
+        name: Its short name, beside others of a section; its caption if empty.
+        numbers: What it shows as numbers.
+        plain: Whether it is in the page as it is, so that it is seen where no script runs.
     """
 
-    source: str
+    svg: bytes
     caption: str
-    wide: bool = False
-    width: float = 88.0
+    size: tuple[float, float] = (180.0, 100.0)
     key: str = ""
+    name: str = ""
+    numbers: Sequence[Drawn] = ()
+    plain: bool = False
     kind: str = field(default="picture", init=False)
+
+    @property
+    def source(self) -> str:
+        """A ``data:`` address."""
+        return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode()
+
+    @property
+    def packed(self) -> str:
+        """The file as the page's script unpacks it."""
+        return packed(self.svg)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,6 +151,20 @@ class Embedded:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Beside:
+    """A table, and what is seen beside it where the screen is wide enough.
+
+    Attributes:
+        table: The table.
+        seen: Recordings and pictures.
+    """
+
+    table: Table
+    seen: tuple[Embedded | Picture, ...] = ()
+    kind: str = field(default="beside", init=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Details:
     """What is shown when asked for: tables, or text as it stands in a file.
 
@@ -137,14 +172,19 @@ class Details:
         title: What is in it.
         tables: Tables, or nothing.
         text: Text set as code, or nothing.
+        notes: What the numbers mean.
         key: Name by which it is found in the page.
     """
 
     title: str
     tables: tuple[Table, ...] = ()
     text: str = ""
+    notes: tuple[str, ...] = ()
     key: str = ""
     kind: str = field(default="details", init=False)
+
+
+Item: TypeAlias = Table | Picture | Embedded | Beside | Details
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,20 +197,32 @@ class Section:
         lead: What is to be known before the rest, one paragraph each.
         statements: Facts by label.
         items: Tables, pictures, recordings and details, in order.
-        notes: What is missing and why, and what the numbers mean.
+        notes: What is missing and why.
+        meaning: What the numbers mean; shown when asked for.
+        parts: Sections within it.
+        folded: Whether all of it is shown when asked for, and on paper.
     """
 
     key: str
     title: str
     lead: tuple[str, ...] = ()
     statements: tuple[Statement, ...] = ()
-    items: tuple[Table | Picture | Embedded | Details, ...] = ()
+    items: tuple[Item, ...] = ()
     notes: tuple[str, ...] = ()
+    meaning: tuple[str, ...] = ()
+    parts: tuple[Section, ...] = ()
+    folded: bool = False
 
     @property
     def empty(self) -> bool:
         """Whether there is nothing under the heading."""
-        return not (self.lead or self.statements or self.items or self.notes)
+        return not (self.lead or self.statements or self.items or self.notes or self.parts)
+
+    @property
+    def pictures(self) -> tuple[Picture, ...]:
+        """All figures in it."""
+        beside = (seen for item in self.items if isinstance(item, Beside) for seen in item.seen)
+        return tuple(one for one in (*self.items, *beside) if isinstance(one, Picture))
 
 
 def quantities(

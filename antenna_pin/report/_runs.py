@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -52,6 +53,12 @@ class ReportedRun:
     def end(self) -> float:
         """Time of the last sample [s]."""
         return float(self.data["time"].values[-1])
+
+    @property
+    def conserved(self) -> dict[str, Any]:
+        """How well it kept what is conserved."""
+        found: dict[str, Any] = json.loads(self.data.attrs.get("conservation", "{}"))
+        return found
 
     def names(self, dimension: str) -> list[str]:
         """Return the labels along a dimension; none if the run does not have it."""

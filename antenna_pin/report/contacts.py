@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis import Settling, impacts, load_statistics, round_off_scales, settling
+from antenna_pin.analysis import Settling, impacts, load_statistics, settling
 from antenna_pin.readable import number, readable
 from antenna_pin.report._page import (
     Details,
     Row,
-    Section,
     Table,
     counts,
     quantities,
@@ -22,7 +21,7 @@ from antenna_pin.report._page import (
 )
 from antenna_pin.report._runs import ReportedRun, labels_of
 
-__all__ = ["impact_tables", "loads", "settlings"]
+__all__ = ["contact_details", "every_impact"]
 
 #: Rows of the tables of largest impacts.
 LARGEST = 8
@@ -45,44 +44,48 @@ _COLUMNS = (
 )
 
 
-def impact_tables(runs: Sequence[ReportedRun]) -> Section:
-    """Return the impacts of each run: a summary, the largest few, and all of them when asked for."""
-    touched = [run for run in runs if run.names("clearance_joint")]
-    tables = [impacts(run.data) for run in touched]
-    if not touched:
-        return Section(key="impacts", title="Impacts")
-    items: list[Table | Details] = [_impact_summary(touched, tables)]
-    for run, table in zip(touched, tables, strict=True):
-        if not table.sizes["impact"]:
-            continue
-        order = np.argsort(-table["peak_force"].values, kind="stable")[:LARGEST]
-        key = f"impacts-{run.label}"
-        items.append(
-            _impact_table(table.isel(impact=order), f"Hardest impacts of {run.label}", f"largest-{key}")
-        )
-    for run, table in zip(touched, tables, strict=True):
-        count = table.sizes["impact"]
-        if not count:
-            continue
-        shown = table.isel(impact=slice(0, MOST))
-        whole = _impact_table(shown, "", f"impacts-{run.label}", dense=True)
-        rest = f", the first {MOST}" if count > MOST else ""
-        items.append(Details(title=f"All {count} impacts of {run.label}{rest}", tables=(whole,)))
-    return Section(
-        key="impacts",
-        title="Impacts",
-        items=tuple(items),
-        notes=(
-            "One row per contact, from first touch to release. Contacts of the same surfaces that overlap, "
-            "as at both ends of a bore that are met at once, are one blow of the joint. Restitution is the "
-            "speed of separation over that of approach, at these very instants; a dash where the contact had "
-            "not ended, or closed slower than the law's floor of speed. Values above 1 occur where two "
-            "contacts push each other.",
-        ),
+def contact_details(runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]) -> Details:
+    """Return statistics of the impacts in a joint, the hardest, its loads, and when it settled."""
+    found = [impacts(run.data, joint) for run in runs]
+    tables = [_impact_summary(runs, found, joint)]
+    for run, table in zip(runs, found, strict=True):
+        if table.sizes["impact"]:
+            order = np.argsort(-table["peak_force"].values, kind="stable")[:LARGEST]
+            hardest = table.isel(impact=order)
+            key = f"largest-impacts-{joint}-{run.label}"
+            tables.append(_impact_table(hardest, f"Hardest impacts of {run.label}", key))
+    loads, of_loads = _loads(runs, joint, scales)
+    settled, of_settling = _settlings(runs, joint)
+    return Details(
+        title=f"Impacts, loads and settling of {joint}",
+        tables=(*tables, *loads, *settled),
+        notes=(_ROWS, *of_loads, *of_settling),
     )
 
 
-def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset]) -> Table:
+def every_impact(runs: Sequence[ReportedRun], joint: str) -> Iterator[Details]:
+    """Yield all impacts in a joint of each run."""
+    for run in runs:
+        table = impacts(run.data, joint)
+        count = table.sizes["impact"]
+        if count:
+            shown = _impact_table(
+                table.isel(impact=slice(0, MOST)), "", f"impacts-{joint}-{run.label}", dense=True
+            )
+            rest = f", the first {MOST}" if count > MOST else ""
+            yield Details(title=f"All {count} impacts in {joint} of {run.label}{rest}", tables=(shown,))
+
+
+_ROWS = (
+    "One row per contact, from first touch to release. Contacts of the same surfaces that overlap, "
+    "as at both ends of a bore that are met at once, are one blow of the joint. Restitution is the "
+    "speed of separation over that of approach, at these very instants; a dash where the contact had "
+    "not ended, or closed slower than the law's floor of speed. Values above 1 occur where two "
+    "contacts push each other."
+)
+
+
+def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset], joint: str) -> Table:
     def column(name: str, of: Callable[[np.ndarray], float]) -> list[float | None]:
         found: list[float | None] = []
         for table in tables:
@@ -105,7 +108,10 @@ def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset]) -
             if name != "restitution" or said == "median":
                 rows.append(quantities(f"{word}, {said}", column(name, of), unit))
     return Table(
-        columns=("", *labels_of(runs)), rows=tuple(rows), caption="Impacts in numbers", key="impact-summary"
+        columns=("", *labels_of(runs)),
+        rows=tuple(rows),
+        caption="Impacts in numbers",
+        key=f"impact-summary-{joint}",
     )
 
 
@@ -126,39 +132,32 @@ def _floats(values: np.ndarray) -> list[float | None]:
 # --- loads ---
 
 
-def loads(runs: Sequence[ReportedRun]) -> Section:
-    """Return statistics of the forces in clearance joints."""
-    touched = [run for run in runs if run.names("clearance_joint")]
-    found = [load_statistics(run.data) for run in touched]
-    scales = round_off_scales(*(run.data for run in touched))
-    if not touched:
-        return Section(key="loads", title="Loads")
-    columns = ("", *labels_of(touched))
-    joints = list(dict.fromkeys(name for run in touched for name in run.names("clearance_joint")))
-    contacts = list(dict.fromkeys(name for run in touched for name in run.names("contact")))
+def _loads(
+    runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]
+) -> tuple[tuple[Table, ...], tuple[str, ...]]:
+    """Return statistics of the forces in a joint with play: of the whole, and of each contact."""
+    found = [load_statistics(run.data, joint) for run in runs]
+    columns = ("", *labels_of(runs))
+    contacts = list(dict.fromkeys(str(name) for one in found for name in one["contact"].values))
     whole = Table(
         columns=columns,
-        rows=tuple(row for name in joints for row in _load_rows(found, "clearance_joint", name, scales)),
+        rows=tuple(_load_rows(found, "clearance_joint", joint, scales)),
         caption="Size of the whole contact force on the journal",
-        key="loads",
+        key=f"loads-{joint}",
     )
     each = Table(
         columns=columns,
         rows=tuple(row for name in contacts for row in _load_rows(found, "contact", name, scales)),
         caption="Normal force of each contact",
-        key="loads-contacts",
+        key=f"loads-contacts-{joint}",
     )
-    return Section(
-        key="loads",
-        title="Loads",
-        items=(whole, Details(title="Load of each contact", tables=(each,))),
-        notes=(
-            "Percentiles of the time: a force that is not exceeded for so much of it. The force on the "
-            "journal may be far below those of its contacts, which press from opposite sides when the "
-            "journal is tilted.",
-            *said_of_zeros((whole, each)),
-        ),
+    notes = (
+        "Percentiles of the time: a force that is not exceeded for so much of it. The force on the "
+        "journal may be far below those of its contacts, which press from opposite sides when the "
+        "journal is tilted.",
+        *said_of_zeros((whole, each)),
     )
+    return (whole, each), notes
 
 
 def _load_rows(
@@ -187,33 +186,26 @@ def _load_rows(
 # --- settling ---
 
 
-def settlings(runs: Sequence[ReportedRun]) -> Section:
-    """Return when impacts turned into lasting contact."""
-    touched = [run for run in runs if run.names("clearance_joint")]
-    found = [settling(run.data) for run in touched]
-    joints = list(dict.fromkeys(one.joint for many in found for one in many))
-    rows: list[Row] = []
-    for joint in joints:
-        mine = [next((one for one in many if one.joint == joint), None) for many in found]
-        rows += _settling_rows(joint, mine)
-    if not rows:
-        return Section(key="settling", title="Settling")
+def _settlings(runs: Sequence[ReportedRun], joint: str) -> tuple[tuple[Table, ...], tuple[str, ...]]:
+    """Return when impacts in a joint turned into lasting contact."""
+    found = [next((one for one in settling(run.data, joint)), None) for run in runs]
+    known = [one for one in found if one is not None]
+    if not known:
+        return (), ()
     table = Table(
-        columns=("", *labels_of(touched)),
-        rows=tuple(rows),
-        caption="When impacts turn into lasting contact in the bore",
-        key="settling",
+        columns=("", *labels_of(runs)),
+        rows=tuple(_settling_rows(joint, found)),
+        caption="When impacts turn into lasting contact",
+        key=f"settling-{joint}",
     )
-    gap = next(one.longest_gap for many in found for one in many)
     note = (
-        "Settled: from this time on the bore's contacts are never all apart for longer than "
-        f"{readable(gap, 's')}. Rate of decay: of the straight line through the logarithm of the approach "
-        "speeds over time, where that explains half of what they do."
+        "Settled: from this time on its contacts are never all apart for longer than "
+        f"{readable(known[0].longest_gap, 's')}. Rate of decay: of the straight line through the logarithm "
+        "of the approach speeds over time, where that explains half of what they do."
     )
-    driven = list(dict.fromkeys(one.joint for many in found for one in many if one.driven and not one.note))
-    if driven:
-        note += f" Driven, so that they may part again as their load turns: {', '.join(driven)}."
-    return Section(key="settling", title="Settling", items=(table,), notes=(note,))
+    if any(one.driven and not one.note for one in known):
+        note += " Driven, so that they may part again as its load turns."
+    return (table,), (note,)
 
 
 def _settling_rows(joint: str, found: Sequence[Settling | None]) -> Iterator[Row]:

@@ -5,25 +5,29 @@ from __future__ import annotations
 import dataclasses
 import functools
 import itertools
+import json
 import math
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import jinja2
 from markupsafe import Markup
 
+from antenna_pin.analysis import round_off_scales
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.pages import in_frame, policy, script
 from antenna_pin.report import (
-    contacts,
     elastic,
+    elements,
     gears,
+    head,
+    joints,
     loops,
     motion,
     orbits,
@@ -35,13 +39,24 @@ from antenna_pin.report import (
     words,
 )
 from antenna_pin.report._findings import Finding, Judged, Reported, origin, parted
-from antenna_pin.report._page import Details, Embedded, Section
+from antenna_pin.report._packed import Numbers
+from antenna_pin.report._page import Beside, Details, Embedded, Picture, Section, Table
+from antenna_pin.report._placed import Placed
 from antenna_pin.report._runs import ReportedRun, reported
+from antenna_pin.report.figures import drawn, glance
+from antenna_pin.report.joints import hardest_joint
 
 __all__ = ["Report", "page", "report"]
 
-if TYPE_CHECKING:
-    from antenna_pin.record import SharedHead
+#: What a page may take, what the numbers of its figures may, what viewer, style and scripts take [MB].
+MEGABYTES, DATA, FIXED = 4.8, 1.2, 0.5
+#: What recordings are to have at least, for which there are fewer numbers of figures [MB].
+MOVING = 1.4
+# What an entry of a table takes, and one of a table that is set small [MB].
+_CELL, _SMALL = 90e-6, 40e-6
+
+# The page's own script, in the order in which its parts need one another.
+_SCRIPTS = ("unpack.js", "zoom.js", "pictures.js", "report.js")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,57 +140,81 @@ def report(
         *parts.closing,
         provenance.provenance(found, command, files),
     )
-    kept = tuple(section for section in sections if not section.empty or section.key == "what")
+    kept = tuple(section for section in sections if not section.empty)
     judged = [one for _, one in told]
     statuses = [*results.statuses(found), *judged]
-    labels = [run.label for run in found] + [one.label for one in findings]
     heading = title if title is not None else _title(found, findings)
-    return page(heading, labels, statuses, kept, warnings=results.warnings(found), head=parts.head)
+    warned = results.warnings(found)
+    return page(heading, statuses, kept, warnings=warned, moves=parts.moves, data=parts.data)
 
 
 @dataclass(frozen=True, slots=True)
 class _Parts:
-    """What runs bring to a page: sections before and behind those of findings, and what its head needs."""
+    """What runs bring to a page: sections around those of findings, and room for numbers."""
 
     opening: tuple[Section, ...] = ()
     closing: tuple[Section, ...] = ()
-    head: SharedHead | None = None
+    moves: bool = False
+    data: float = DATA  # what the numbers of figures may take [MB]
 
 
 def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: float | None) -> _Parts:
     """Return what runs bring; ``drawing``: how many processes draw figures, 0 for no figures."""
+    scales = round_off_scales(*(run.data for run in found))
+    placed = Placed.of(drawn(found, drawing) if drawing else (), found)
+    hardest, played = hardest_joint(found), joints.every(found, "clearance_joint")
     sections = [
-        results.key_results(found),
-        loops.loops(found),
-        elastic.elastic_parts(found),
-        stops.stops_and_latches(found),
-        gears.gears(found),
+        *(
+            joints.with_play(found, name, scales, placed.joint(name), len(played) > 2 and name != hardest)
+            for name in played
+        ),
+        joints.without_play(found, scales, placed["joints"]),
+        loops.loops(found, placed["loops"]),
+        elements.drives(found, scales, placed["drives"]),
+        elements.controllers(found),
+        elements.springs(found, scales, placed["springs"]),
+        stops.stops_and_latches(found, scales, placed["stops"]),
+        gears.gears(found, placed["gears"]),
+        elastic.elastic_parts(found, placed["elastic"]),
+        elements.forces(found, scales),
+        joints.base(found, scales, placed["base"]),
         motion.deviations(found),
-        contacts.impact_tables(found),
-        contacts.loads(found),
-        contacts.settlings(found),
-        motion.frequencies(found),
-        pointing.pointing(found, window),
+        pointing.pointing(found, window, placed["pointing"]),
+        Section(key="figures", title="More figures", items=placed["figures"], notes=placed.notes),
     ]
-    head = None
+    said = Section(key="what", title="What was run", parts=tuple(words.scenario_sections(found)), folded=True)
+    closing = (results.conservation(found, placed["conservation"]), motion.frequencies(found), said)
+    seen: list[Embedded | Picture] = []
+    if drawing and hardest is not None and (small := glance(found, hardest)) is not None:
+        seen.append(small)
+    left = MEGABYTES - FIXED - placed.megabytes - sum(map(_megabytes, (*sections, *closing)))
+    data = min(DATA, max(left - MOVING, 0.25 * left)) if recordings else DATA
+    moves = False
     if recordings:
-        from antenna_pin.record import shared_head
-        from antenna_pin.report import recordings as embedding
+        from antenna_pin.report.recordings import recordings as made
 
-        shown = embedding.recordings(found)
-        sections.insert(1, shown)
-        if any(isinstance(item, Embedded) for item in shown.items):
-            head = shared_head()
-    if drawing:
-        from antenna_pin.report.figures import drawn
+        shown = made(found, left - min(data, placed.megabytes * 3.0))
+        moves = bool(shown)
+        seen[:0] = shown.whole[:1]
+        sections = [joints.beside(section, shown.close) for section in sections]
+        others = Section(
+            key="recordings",
+            title="More recordings",
+            items=tuple(shown.whole[1:]),
+            notes=tuple(shown.notes),
+        )
+        sections.append(others)
+    return _Parts((head.key_results(found, scales, seen), *sections), closing, moves, data)
 
-        sections.insert(1, drawn(found, drawing))
-    closing = (
-        Section(key="what", title="What was run"),
-        *words.scenario_sections(found),
-        results.conservation(found),
-    )
-    return _Parts(tuple(sections), closing, head)
+
+def _megabytes(section: Section) -> float:
+    """Return about what the tables and texts of a section take in the page [MB]."""
+    tables = [item for item in section.items if isinstance(item, Table)]
+    tables += [item.table for item in section.items if isinstance(item, Beside)]
+    folded = [item for item in section.items if isinstance(item, Details)]
+    tables += [table for item in folded for table in item.tables]
+    cells = sum((_SMALL if one.dense else _CELL) * len(one.rows) * len(one.columns) for one in tables)
+    return cells + sum(1e-6 * len(item.text) for item in folded) + sum(map(_megabytes, section.parts))
 
 
 # The section of every kind of finding.
@@ -201,35 +240,43 @@ def _of_finding(k: int, finding: Finding, figures: bool, shown: set[str]) -> tup
 
 def page(
     title: str,
-    labels: Iterable[str],
     statuses: Iterable[Any],
     sections: Iterable[Section],
     *,
     warnings: Iterable[str] = (),
-    head: SharedHead | None = None,
+    moves: bool = False,
+    data: float = DATA,
 ) -> Report:
     """Return the page of some sections.
 
     Args:
         title: Its heading.
-        labels: Names of what it is about.
         statuses: How each ended: ``label``, ``outcome``, ``text``, ``completed``.
         sections: What is in it.
         warnings: What is to be minded.
-        head: What recordings in it need.
+        moves: Whether there are recordings in it.
+        data: What the numbers of its figures may take [MB].
     """
     kept = tuple(sections)
-    own = script(_asset("report.js"))
+    shared = None
+    if moves:
+        from antenna_pin.record import shared_head
+
+        shared = shared_head(packed=True)
+    numbers = Numbers(1e6 * data)
+    for picture in (one for section in kept for one in section.pictures):
+        numbers.add(picture.key, picture.numbers)
+    own = script("\n".join(_asset(name) for name in _SCRIPTS))
     made = _environment().get_template("report.html.j2").render(
         title=title,
-        labels=list(labels),
         statuses=list(statuses),
         warnings=list(warnings),
         sections=kept,
+        numbers=Markup(json.dumps(numbers.written()).replace("<", r"\u003c")),  # noqa: S704 - JSON
         style=Markup(_asset("report.css")),  # noqa: S704 - a file of this package
         script=Markup(own),  # noqa: S704 - a file of this package
-        viewer=Markup(head.html if head else ""),  # noqa: S704 - made by record
-        policy=Markup(policy(own, *(head.scripts if head else ()))),  # noqa: S704 - digests
+        viewer=Markup(shared.html if shared else ""),  # noqa: S704 - made by record
+        policy=Markup(policy(own, *(shared.scripts if shared else ()))),  # noqa: S704 - digests
     )  # fmt: skip
     return Report(title, kept, made)
 

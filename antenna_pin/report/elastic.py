@@ -7,15 +7,16 @@ from collections.abc import Iterator, Sequence
 import xarray as xr
 
 from antenna_pin.analysis import elastic_motion, elastic_parts_of
-from antenna_pin.report._page import Row, Section, Table, quantities
+from antenna_pin.report._page import Picture, Row, Section, Table, quantities
 from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.report._turned import turned
 
 __all__ = ["elastic_parts"]
 
 _TITLE = "Flexible links"
 
 
-def elastic_parts(runs: Sequence[ReportedRun]) -> Section:
+def elastic_parts(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) -> Section:
     """Return what the elastic parts of the runs did."""
     flexible = [run for run in runs if run.names("elastic_part")]
     if not flexible:
@@ -27,8 +28,8 @@ def elastic_parts(runs: Sequence[ReportedRun]) -> Section:
     return Section(
         key="elastic",
         title=_TITLE,
-        items=(table,),
-        notes=(
+        items=(turned(table), *pictures),
+        meaning=(
             "Frequencies are those with the hub held. Energy is a part's against its hub, in its spring "
             "and of its motion; what its damper took is lost. Spin is the largest angular speed of the hub "
             "over the part's angular frequency: far below 1, or the part is not what it stands for.",

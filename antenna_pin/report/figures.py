@@ -1,31 +1,42 @@
-"""Figures of the runs, as pictures within the page: of a column's width, which a phone shows whole."""
+"""Figures of the runs, as vectors within the page, with the numbers that they show."""
 
 from __future__ import annotations
 
-import base64
+import re
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from antenna_pin import plot
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.report._page import Picture, Section
+from antenna_pin.report._page import Picture
 from antenna_pin.report._runs import ReportedRun, ideal_of
 from antenna_pin.side_by_side import side_by_side
 
-__all__ = ["address", "drawn"]
+__all__ = ["DrawnFigure", "drawn", "glance", "picture"]
 
-#: Vector figures that take more than this become pictures of pixels [bytes].
-LARGEST_VECTOR = 150_000
-#: Of those [1/inch].
-DPI = 250.0
+#: Of what is pixels within a figure, as very long lines are [1/inch].
+DPI = 160.0
 #: A figure of several runs that is taller is drawn in parts, so that each fits on a page of paper [mm].
-TALLEST = 215.0
+TALLEST = 240.0
 #: Longer names of runs are cut in figures.
 LONGEST_NAME = 20
 
+_MILLIMETRES = 25.4  # of an inch
+_PATH = re.compile(rb' d="[^"]+"')
+_DIGITS = re.compile(rb"(\.\d\d)\d+")
 
-def drawn(runs: Sequence[ReportedRun], processes: int = 1) -> Section:
-    """Return the figures that the runs allow; the reason for one that cannot be drawn is a note.
+
+class DrawnFigure(NamedTuple):
+    """A figure of the catalogue as the report has it: its pictures, or why there is none."""
+
+    name: str
+    joint: str | None
+    pictures: tuple[Picture, ...] = ()
+    reason: str = ""
+
+
+def drawn(runs: Sequence[ReportedRun], processes: int = 1) -> list[DrawnFigure]:
+    """Return the figures that the runs allow; the reason for one that cannot be drawn is with it.
 
     Args:
         runs: What the report is about.
@@ -35,30 +46,37 @@ def drawn(runs: Sequence[ReportedRun], processes: int = 1) -> Section:
     names = _short_names(drawable)
     ideal = ideal_of(drawable)
 
-    def pictures(each: plot.Allowed) -> list[Picture] | str:
+    def made(each: plot.Allowed) -> DrawnFigure:
         """Return a figure as one picture or some, or why there is none."""
         wanted = [run for run in drawable if run.names("contact") or not each.figure.touching]
+        key = "-".join(re.sub(r"[^\w.+-]", " ", each.title.lower()).split())
+        # Within the section of its joint a figure need not name that again.
+        short = re.sub(rf",? ?(of|in|through|at)? ?\b{re.escape(str(each.joint))}\b", "", each.title).strip()
         try:
-            parts = [(address(figure), shown) for figure, shown in _parts(each, wanted, names, ideal)]
+            parts = list(_parts(each, wanted, names, ideal))
+            pictures = []
+            for number, (figure, shown) in enumerate(parts, start=1):
+                beside = f": {', '.join(shown)}" if len(parts) > 1 else ""
+                own = f"{key}-{number}" if len(parts) > 1 else key
+                pictures.append(picture(figure, each.title + beside, own, f"{short}{beside}"))
         except AntennaPinError as error:
-            return f"{each.title}: {error}."
-        key = "-".join(each.title.lower().split())
-        if len(parts) == 1:
-            return [Picture(source=parts[0][0], caption=each.title, key=key)]
-        return [
-            Picture(source=source, caption=f"{each.title}: {', '.join(shown)}", key=f"{key}-{number}")
-            for number, (source, shown) in enumerate(parts, start=1)
-        ]
+            return DrawnFigure(each.figure.name, each.joint, reason=f"{each.title}: {error}.")
+        return DrawnFigure(each.figure.name, each.joint, tuple(pictures))
 
     allowed = plot.allowed_figures([(run.label, run.run) for run in drawable]) if drawable else ()
-    wanted = [each for each in allowed if each.figure.reported]
-    made = list(side_by_side(pictures, wanted, processes))
-    return Section(
-        key="figures",
-        title="Figures",
-        items=tuple(picture for found in made if not isinstance(found, str) for picture in found),
-        notes=tuple(found for found in made if isinstance(found, str)),
-    )
+    return list(side_by_side(made, [each for each in allowed if each.figure.reported], processes))
+
+
+def glance(runs: Sequence[ReportedRun], joint: str) -> Picture | None:
+    """Return the one picture of the page's head, of a joint; none where it cannot be drawn."""
+    drawable = [run for run in runs if run.samples > 1]
+    names = _short_names(drawable)
+    try:
+        figure = plot.figure_glance([(names[run.label], run.run) for run in drawable], joint=joint)
+    except AntennaPinError:
+        return None
+    caption = f"{joint} over time"
+    return picture(figure, caption, "glance", plain=True)
 
 
 def _short_names(runs: Sequence[ReportedRun]) -> dict[str, str]:
@@ -75,10 +93,10 @@ def _parts(
     drawing: plot.Allowed, runs: Sequence[ReportedRun], names: dict[str, str], ideal: ReportedRun | None
 ) -> Iterator[tuple[Any, list[str]]]:
     """Yield the figure of all runs, or of some each where it would be too tall, and which runs it shows."""
-    figure = drawing.draw([(names[run.label], run.run) for run in runs], width="column")
+    figure = drawing.draw([(names[run.label], run.run) for run in runs], width="page")
     compares = drawing.figure.compares
     others = [run for run in runs if run is not ideal or not compares]
-    if 25.4 * figure.get_figheight() <= TALLEST or len(others) < 2:
+    if _MILLIMETRES * figure.get_figheight() <= TALLEST or len(others) < 2:
         yield figure, [run.label for run in runs]
         return
     beside = [ideal] if ideal is not None and compares else []
@@ -87,9 +105,28 @@ def _parts(
         yield from _parts(drawing, [*beside, *part], names, ideal)
 
 
-def address(figure: Any) -> str:
-    """Return a figure as a data address: as vectors, or as pixels where vectors take too much."""
-    vector = plot.rendered(figure, "svg", DPI)
-    if len(vector) <= LARGEST_VECTOR:
-        return "data:image/svg+xml;base64," + base64.b64encode(vector).decode()
-    return "data:image/png;base64," + base64.b64encode(plot.rendered(figure, "png", DPI)).decode()
+def picture(figure: Any, caption: str, key: str, name: str = "", *, plain: bool = False) -> Picture:
+    """Return a figure as a page has it: vectors, and the numbers behind them.
+
+    Args:
+        figure: One that the room of figures drew.
+        caption: What it shows.
+        key: Name by which it is found in the page.
+        name: Its short name, beside others of a section.
+        plain: Whether it is to be seen where no script runs.
+    """
+    size = tuple(_MILLIMETRES * float(one) for one in figure.get_size_inches())
+    return Picture(
+        svg=_shortened(plot.rendered(figure, "svg", DPI)),
+        caption=caption,
+        size=(size[0], size[1]),
+        key=key,
+        name=name,
+        numbers=plot.drawn_numbers(figure),
+        plain=plain,
+    )
+
+
+def _shortened(svg: bytes) -> bytes:
+    """Return a figure's file with the places of its lines to a hundredth of a point, 4 µm."""
+    return _PATH.sub(lambda path: _DIGITS.sub(rb"\1", path[0]), svg)

@@ -5,27 +5,30 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from antenna_pin.report._page import Row, Section, Table, counts, quantities
+from antenna_pin.report._page import Picture, Row, Section, Table, counts, quantities
 from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.report._turned import turned
 from antenna_pin.trajectory import elements_of, met_by_meshes
 
 __all__ = ["gears"]
 
 
-def gears(runs: Sequence[ReportedRun]) -> Section:
+def gears(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) -> Section:
     """Return what the gears, belts and cables of the runs did."""
     own = [run for run in runs if any(place.startswith("gears.") for place in elements_of(run.data))]
     met = [met_by_meshes(run.data) for run in own]
     names = list(dict.fromkeys(name for one in met for name in one))
     rows = [row for name in names for row in _rows(name, own, [one.get(name, {}) for one in met])]
     if not rows:
-        return Section(key="gears", title="Gears, belts and cables", items=(), notes=())
+        return Section(key="gears", title="Gears, belts and cables")
     table = Table(columns=("", *labels_of(own)), rows=tuple(rows), caption="What they met", key="gears")
     note = (
         "A torque is the largest of samples, of which there are some where flanks meet, turn back and part; "
         "impulses are those of touches of one side alone."
     )
-    return Section(key="gears", title="Gears, belts and cables", items=(table,), notes=(note,))
+    return Section(
+        key="gears", title="Gears, belts and cables", items=(turned(table), *pictures), meaning=(note,)
+    )
 
 
 def _rows(name: str, runs: Sequence[ReportedRun], met: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
@@ -33,7 +36,7 @@ def _rows(name: str, runs: Sequence[ReportedRun], met: Sequence[Mapping[str, Any
     place = f"gears.{name}"
     slides = next(elements_of(run.data)[place]["slides"] for run in runs if place in elements_of(run.data))
     rate, effort, impulse = ("m/s", "N", "N s") if slides else ("rad/s", "N m", "N m s")
-    yield Row(place)
+    yield Row(name)
     if any("touches" in one for one in met):
         yield counts("touches", [one.get("touches") for one in met])
         yield quantities("fastest touch", [one.get("fastest_touch") for one in met], rate, 4)

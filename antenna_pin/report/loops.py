@@ -1,4 +1,4 @@
-"""Closed loops, couplings and motions: how many equations, how well they were held, what they carried."""
+"""Closed loops and couplings: how many equations, how well they were held, what they carried."""
 
 from __future__ import annotations
 
@@ -12,19 +12,27 @@ from antenna_pin.analysis import (
     closures_of,
     coupling_loads,
     couplings_of,
-    drive_loads,
-    drives_of,
-    effort_unit,
     round_off_scales,
     said_of_constraints,
 )
-from antenna_pin.report._page import Row, Section, Statement, Table, counts, quantities, said_of_zeros
+from antenna_pin.report._page import (
+    Details,
+    Picture,
+    Row,
+    Section,
+    Statement,
+    Table,
+    counts,
+    quantities,
+    said_of_zeros,
+)
 from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.report._turned import turned
 
 __all__ = ["loops"]
 
 
-def loops(runs: Sequence[ReportedRun]) -> Section:
+def loops(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) -> Section:
     """Return what closures and motions of the runs are, their residuals, and their loads."""
     held = [run for run in runs if run.run.constraints]
     if not held:
@@ -35,12 +43,11 @@ def loops(runs: Sequence[ReportedRun]) -> Section:
     everywhere = len(texts) == 1 and len(held) == len(runs)
     said = tuple((() if everywhere else tuple(labels), text) for text, labels in texts.items())
     columns = ("", *labels_of(held))
-    items = [
-        Table(
-            columns=columns, rows=tuple(_held(held)), caption="How loops and motions were held", key="loops"
-        )
-    ]
-    closures, drives = tuple(_closures(held)), tuple(_drives(held))
+    how = Table(
+        columns=columns, rows=tuple(_held(held)), caption="How loops and motions were held", key="loops"
+    )
+    items: list[Table] = []
+    closures = tuple(_closures(held))
     if closures:
         items.append(Table(columns=columns, rows=closures, caption="Loads of the closures", key="closures"))
     couplings = tuple(_couplings(held))
@@ -48,8 +55,6 @@ def loops(runs: Sequence[ReportedRun]) -> Section:
         items.append(
             Table(columns=columns, rows=couplings, caption="Loads of the couplings", key="couplings")
         )
-    if drives:
-        items.append(Table(columns=columns, rows=drives, caption="What the drives exert", key="drives"))
     notes = [
         "Residuals are the largest of all samples. After each step the state is brought back onto closures "
         "and motions by the least correction in kinetic energy; what all of these put in is a part of the "
@@ -60,17 +65,12 @@ def loops(runs: Sequence[ReportedRun]) -> Section:
             "Equations that others imply are redundant: they do not change the motion, and of all loads that "
             "hold it the least are given."
         )
-    if drives:
-        notes.append(
-            "What a drive with a prescribed motion exerts is the force or torque that holds the motion. "
-            "Forces, torques and powers are the largest of samples."
-        )
     return Section(
         key="loops",
         title="Closed loops and motions",
         statements=(Statement(label="counted at the start", texts=said),),
-        items=tuple(items),
-        notes=(*notes, *said_of_zeros(items)),
+        items=(*map(turned, items), *pictures, Details(title=how.caption, tables=(how,))),
+        meaning=(*notes, *said_of_zeros(items)),
     )
 
 
@@ -125,24 +125,6 @@ def _couplings(runs: Sequence[ReportedRun]) -> Iterator[Row]:
         yield quantities(
             f"root mean square of the {what}", _column(loads, "coupling", name, "rms_torque"), unit
         )
-
-
-def _drives(runs: Sequence[ReportedRun]) -> Iterator[Row]:
-    loads = [drive_loads(run.data) for run in runs]
-    scales = round_off_scales(*(run.data for run in runs))
-    for name in _every(runs, "drive"):
-        own = next(run for run in runs if name in run.names("drive"))
-        unit, about = effort_unit(own.data, name), drives_of(own.data).get(name, {})
-        motion = f", motion of {about['joint']}" if about.get("motion") else ""
-        what = "force" if unit == "N" else "torque"
-        yield Row(f"drive {name}{motion}")
-        yield quantities(f"largest {what}", _column(loads, "drive", name, "peak_effort"), unit, 4, scales)
-        yield quantities(
-            f"root mean square of the {what}", _column(loads, "drive", name, "rms_effort"), unit, 4, scales
-        )
-        yield quantities("largest power", _column(loads, "drive", name, "peak_power"), "W")
-        yield quantities("work", _column(loads, "drive", name, "work"), "J")
-        yield quantities("gross work", _column(loads, "drive", name, "gross_work"), "J")
 
 
 def _every(runs: Sequence[ReportedRun], dimension: str) -> list[str]:

@@ -59,22 +59,29 @@ def deviations(runs: Sequence[ReportedRun]) -> Section:
     items: list[Table | Details] = []
     if joints:
         caption = f"Motion of the joints less that of {ideal.label}"
-        items.append(_deviation_table(found, joints, caption, "deviation", scales))
+        first = [of for of in joints if of.endswith((" angle", " position"))]
+        items.append(_deviation_table(found, first, caption, "deviation", scales))
+        rest = [of for of in joints if of not in first]
+        if rest:
+            table = _deviation_table(found, rest, caption, "deviation-rates", scales)
+            items.append(Details(title="Deviation of rates and accelerations", tables=(table,)))
     if bases:
         caption = f"Motion of the base less that in {ideal.label}: lengths of vectors in world axes"
         table = _deviation_table(found, bases, caption, "deviation-base", scales)
         items.append(Details(title="Deviation of the base", tables=(table,)))
-    notes.insert(
-        0,
+    meaning = (
         f"Against {ideal.label}, which is interpolated to each run's own samples, while both last. Growth: "
         "what explains the envelope best, a power of time or an exponential, with its coefficient of "
-        "determination.",
+        "determination."
     )
-    return _section(items=tuple(items), notes=tuple(notes))
+    return _section(items=tuple(items), notes=tuple(notes), meaning=(meaning,))
 
 
-def _section(items: tuple[Table | Details, ...] = (), notes: tuple[str, ...] = ()) -> Section:
-    return Section(key="deviation", title="Deviation from the ideal run", items=items, notes=notes)
+def _section(
+    items: tuple[Table | Details, ...] = (), notes: tuple[str, ...] = (), meaning: tuple[str, ...] = ()
+) -> Section:
+    title = "Deviation from the ideal run"
+    return Section(key="deviation", title=title, items=items, notes=notes, meaning=meaning)
 
 
 def _deviation_table(
@@ -155,17 +162,17 @@ def frequencies(runs: Sequence[ReportedRun]) -> Section:
     table = Table(
         columns=("", *labels_of(runs)), rows=tuple(rows), caption="Strongest frequencies", key="frequencies"
     )
-    if rows:
-        notes.insert(
-            0,
-            "Strongest first, with the amplitude of the sine; only what stands out five times above its "
-            "surroundings. An amplitude is a mean over the whole run.",
-        )
+    meaning = (
+        "Strongest first, with the amplitude of the sine; only what stands out five times above its "
+        "surroundings. An amplitude is a mean over the whole run."
+    )
     return Section(
         key="frequencies",
         title="Dominant frequencies",
         items=(table,) if rows else (),
         notes=tuple(dict.fromkeys(notes)),
+        meaning=(meaning,) if rows else (),
+        folded=True,
     )
 
 

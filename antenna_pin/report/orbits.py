@@ -10,7 +10,7 @@ from antenna_pin.plot import figure_branch, figure_exponents, figure_multipliers
 from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
 from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table
-from antenna_pin.report.figures import address
+from antenna_pin.report.figures import picture
 
 __all__ = ["branch", "exponents", "orbit"]
 
@@ -60,11 +60,7 @@ def orbit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         _said("ends of a period", f"{number(residual, 2)} error scales apart"),
     ]
     caption = "Floquet multipliers and the unit circle"
-    picture = (
-        Picture(source=address(figure_multipliers(table)), caption=caption, key=f"{key}-figure")
-        if figures
-        else None
-    )
+    shown = picture(figure_multipliers(table), caption, f"{key}-figure") if figures else None
     found = " (found too)" if int(table.attrs["free_period"]) else ""
     said = f"orbit of {readable(period, 's', 9)}{found}, {words}"
     part = Section(
@@ -72,7 +68,7 @@ def orbit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         title=f"Periodic solution: {finding.label}",
         lead=(f"An {said}.",),
         statements=tuple(statements),
-        items=(*((picture,) if picture else ()), multipliers),
+        items=(*((shown,) if shown else ()), multipliers),
     )
     return part, Judged(finding.label, True, stability, said)
 
@@ -112,7 +108,7 @@ def branch(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         drawn = (figure_branch(table, width="column"), f"Periodic solutions over {parameter}")
         others = (figure_multipliers(table), "Their Floquet multipliers and the unit circle")
         items[:0] = [
-            Picture(source=address(figure), caption=caption, key=f"{key}-figure-{k}")
+            picture(figure, caption, f"{key}-figure-{k}")
             for k, (figure, caption) in enumerate((drawn, others), start=1)
         ]
     kinds = [str(one) for one in table["kind"].values]
@@ -165,7 +161,7 @@ def exponents(finding: Finding, key: str, figures: bool) -> tuple[Section, Judge
     )
     caption = "Convergence of the exponents, with one standard error"
     drawn = figure_exponents(table, width="column") if figures else None
-    pictures = (Picture(source=address(drawn), caption=caption, key=f"{key}-figure"),) if drawn else ()
+    pictures = (picture(drawn, caption, f"{key}-figure"),) if drawn else ()
     said = f"{verdict}, over {table.sizes['interval']} intervals of {readable(interval, 's', 6)}"
     part = Section(
         key=key,

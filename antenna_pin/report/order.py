@@ -15,7 +15,7 @@ from antenna_pin.plot import figure_bifurcation, figure_phase, figure_section
 from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
 from antenna_pin.report._page import Cell, Picture, Row, Section, Table, quantities
-from antenna_pin.report.figures import address
+from antenna_pin.report.figures import picture
 
 __all__ = ["diagram", "portrait", "section"]
 
@@ -35,7 +35,7 @@ def _ranges(rows: list[Row], key: str, of: str) -> Table:
 
 
 def _picture(draw: Callable[[], object], caption: str, key: str, figures: bool) -> tuple[Picture, ...]:
-    return (Picture(source=address(draw()), caption=caption, key=f"{key}-figure"),) if figures else ()
+    return (picture(draw(), caption, f"{key}-figure"),) if figures else ()
 
 
 def portrait(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:

@@ -10,7 +10,7 @@ import xarray as xr
 from antenna_pin.analysis import error_components, pointing_error, pointing_indices
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.readable import number, readable
-from antenna_pin.report._page import Row, Section, Table, quantities
+from antenna_pin.report._page import Details, Picture, Row, Section, Table, quantities
 from antenna_pin.report._runs import ReportedRun, ideal_of
 
 __all__ = ["pointing"]
@@ -26,12 +26,13 @@ WINDOWS = 10
 _ASKED = ("window", "drift_spacing", "periods")
 
 
-def pointing(runs: Sequence[ReportedRun], window: float | None) -> Section:
+def pointing(runs: Sequence[ReportedRun], window: float | None, pictures: Sequence[Picture] = ()) -> Section:
     """Return pointing indices of the runs whose scenario says what looks where.
 
     Args:
         runs: What is reported.
         window: Length of the windows [s]; a tenth of the shortest run if left out.
+        pictures: Its figures.
     """
     looking = [run for run in runs if run.run.scenario is not None and run.run.scenario.pointing is not None]
     ideal = ideal_of(runs)
@@ -60,7 +61,7 @@ def pointing(runs: Sequence[ReportedRun], window: float | None) -> Section:
         told = str(errors.attrs["against"]) + ("" if _commanded(run) or ideal is None else f", {ideal.label}")
         against.setdefault(f"boresight of {errors.attrs['body']} against the {told}", []).append(run.label)
     if not found:
-        return Section(key="pointing", title="Pointing", notes=tuple(notes))
+        return Section(key="pointing", title="Pointing", items=tuple(pictures), notes=tuple(notes))
     lead = tuple(f"{', '.join(labels)}: {what}." for what, labels in against.items())
     table = Table(
         columns=("", *(run.label for run, _ in found)),
@@ -76,11 +77,12 @@ def pointing(runs: Sequence[ReportedRun], window: float | None) -> Section:
             f"Windows of {width}; drift over {spacing} from one window's start to the other's; "
             f"reproducibility between periods of {period}. Largest: over all places of the windows. "
         )
-    notes.append(
+    meaning = (
         f"{said}Half-cone: the angle by which the boresight is off; cross and up: its parts about the "
         "antenna's axes; boresight: the turn about it."
     )
-    return Section(key="pointing", title="Pointing", lead=lead, items=(table,), notes=tuple(notes))
+    folded = Details(title="Pointing error indices", tables=(table,), notes=(meaning,))
+    return Section(key="pointing", title="Pointing", lead=lead, items=(*pictures, folded), notes=tuple(notes))
 
 
 def _commanded(run: ReportedRun) -> bool:

@@ -49,6 +49,7 @@ def provenance(
     return Section(
         key="provenance",
         title="Provenance",
+        folded=True,
         statements=tuple(statements),
         items=(Details(title="Versions", tables=(_versions(runs),)), *_sources(runs)),
     )

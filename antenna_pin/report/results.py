@@ -1,40 +1,29 @@
-"""How runs ended, what is to be warned of, and their key numbers side by side."""
+"""How runs ended, what is to be warned of, and how well they kept what is conserved."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
 
 from antenna_pin.analysis import (
-    blocks,
-    impacts,
-    load_statistics,
-    round_off_scales,
+    answer,
     said_of_limits,
     said_of_singular,
     said_of_spin,
 )
 from antenna_pin.readable import number, readable
-from antenna_pin.report._page import (
-    Row,
-    Section,
-    Table,
-    counts,
-    quantities,
-    said_of_zeros,
-    shares_row,
-    words,
-)
-from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
+from antenna_pin.report._page import Details, Picture, Row, Section, Table, quantities
+from antenna_pin.report._runs import ReportedRun, labels_of
 
-__all__ = ["CONSERVED_WITHIN", "Status", "key_results", "conservation", "statuses", "warnings"]
+__all__ = ["CONSERVED_WITHIN", "Status", "conservation", "statuses", "warnings"]
 
 #: Relative errors of what must be conserved beyond which a run is not to be trusted.
 CONSERVED_WITHIN = 1e-6
+
+#: Of what an answer tells beside the hardest blow, and how much of it stands at the head of a page.
+_ANSWERS = ("pointing", "latches", "stops", "closures", "gears")
+_MOST = 3
 
 #: Largest difference of the gaps by coal and by the closed form that passes without a warning [m].
 GAPS_WITHIN = 1e-9
@@ -67,7 +56,19 @@ def _status(run: ReportedRun) -> Status:
     wanted = run.run.scenario.duration if run.run.scenario is not None else None
     if not run.run.completed and wanted is not None:
         reached += f", of {readable(wanted, 's')} asked for"
-    return Status(run.label, run.run.completed, run.run.outcome.name, f"{run.run.message} ({reached})")
+    said = _answered(run) if run.run.completed else f"{run.run.message} ({reached})"
+    return Status(run.label, run.run.completed, run.run.outcome.name, said)
+
+
+def _answered(run: ReportedRun) -> str:
+    """Return what a run has come to in a sentence: its hardest blow, pointing, and what else happened."""
+    lines = answer(run.run).lines if run.samples > 1 else ()
+    told = [line for line in lines if line.about != "energy"] or list(lines)
+    hardest = [line for line in told if line.about in run.names("clearance_joint")][:1]
+    others = [line for line in told if line.about in _ANSWERS and not line.text.startswith("0 ")]
+    chosen = [*hardest, *others][:_MOST] or told[:1]
+    text = ". ".join(f"{line.about[:1].upper()}{line.about[1:]}: {line.text}" for line in chosen)
+    return text or f"{run.run.message} ({readable(run.end, 's')})"
 
 
 def warnings(runs: Sequence[ReportedRun]) -> list[str]:
@@ -83,7 +84,7 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
     data = run.data
     if run.samples < 2:
         yield "one sample only, so nothing is drawn or analysed over time."
-    kept = _conserved(run)
+    kept = run.conserved
     for key, what in (
         ("energy_error_relative", "the energy balance is off by"),
         ("linear_momentum_drift_relative", "linear momentum drifts by"),
@@ -127,135 +128,12 @@ def _differences(runs: Sequence[ReportedRun]) -> Iterator[str]:
         yield f"The runs are of different scenarios: {', '.join(sorted(scenarios))}."
 
 
-def _conserved(run: ReportedRun) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(run.data.attrs.get("conservation", "{}"))
-    return found
-
-
-# --- key numbers ---
-
-
-def key_results(runs: Sequence[ReportedRun]) -> Section:
-    """Return the key numbers of all runs in one table, columns being runs."""
-    scales = round_off_scales(*(run.data for run in runs))
-    rows = [
-        words("outcome", (run.run.outcome.name.lower().replace("_", " ") for run in runs)),
-        quantities("simulated time", [run.end for run in runs], "s"),
-    ]
-    for joint in _every(runs, "joint"):
-        rows += _joint_rows(runs, joint, scales)
-    for joint in _every(runs, "clearance_joint"):
-        rows += _clearance_rows(runs, joint)
-    if any("base_position" in run.data for run in runs):
-        rows += [
-            Row("base"),
-            quantities(
-                "farthest from its start", [_base(run, _displacement) for run in runs], "m", 4, scales
-            ),
-            quantities("largest turn from its start", [_base(run, _turn) for run in runs], "rad", 4, scales),
-        ]
-    table = Table(
-        columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers of the runs", key="key-results"
-    )
-    notes = []
-    if _every(runs, "clearance_joint"):
-        notes.append(
-            "Forces, depths and speeds of contacts are the largest of the integrator's dense output, not of "
-            "samples. Impulse is the integral of the normal forces over time; energy lost is that of "
-            "contacts, normal and friction."
-        )
-    notes += said_of_zeros([table])
-    return Section(key="results", title="Key results", items=(table,), notes=tuple(notes))
-
-
-def _every(runs: Sequence[ReportedRun], dimension: str) -> list[str]:
-    return list(dict.fromkeys(name for run in runs for name in run.names(dimension)))
-
-
-def _joint_rows(runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]) -> Iterator[Row]:
-    def column(pick: Callable[[ReportedRun, int], float]) -> list[float | None]:
-        return [
-            pick(run, run.names("joint").index(joint)) if joint in run.names("joint") else None
-            for run in runs
-        ]
-
-    yield Row(f"joint {joint}")
-    angles, rates = (
-        column(lambda run, k, of=of: _last(run, of, k))  # type: ignore[misc]
-        for of in ("motion_angle", "motion_rate")
-    )
-    yield quantities("angle at the end", angles, "rad", 5, scales)
-    yield quantities("rate at the end", rates, "rad/s", 5, scales)
-    peaks = column(lambda run, k: _largest(run, "motion_acceleration", k))
-    yield quantities("largest acceleration", peaks, "rad/s^2", scales=scales)
-    ideal = ideal_of(runs)
-    if ideal is not None and joint in ideal.names("joint"):
-        own = peaks[list(runs).index(ideal)]
-        ratios = [peak / own if peak is not None and own else None for peak in peaks]
-        yield quantities("the same over the ideal joint's", ratios, "1", 3)
-
-
-def _clearance_rows(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
-    tables = [impacts(run.data, joint) if joint in run.names("clearance_joint") else None for run in runs]
-    loads = [
-        load_statistics(run.data, joint) if joint in run.names("clearance_joint") else None for run in runs
-    ]
-
-    def largest(name: str) -> list[float | None]:
-        return [None if t is None else float(t[name].max()) if t.sizes["impact"] else 0.0 for t in tables]
-
-    def total(name: str) -> list[float | None]:
-        return [None if found is None else float(found[f"joint_{name}"].values[0]) for found in loads]
-
-    yield Row(f"contact in {joint}")
-    yield counts("contacts", (None if t is None else t.sizes["impact"] for t in tables))
-    yield counts("blows", (None if t is None else len(set(t["blow"].values.tolist())) for t in tables))
-    yield quantities("largest normal force", largest("peak_force"), "N")
-    yield quantities("greatest depth", largest("peak_depth"), "m")
-    yield quantities("fastest approach", largest("approach_speed"), "m/s")
-    yield quantities("impulse", total("impulse"), "N s")
-    yield quantities("energy lost", total("dissipated"), "J")
-    yield shares_row("share of time in contact", total("contact_share"))
-
-
-def _last(run: ReportedRun, name: str, k: int) -> float:
-    return float(run.data[name][-1, k])
-
-
-def _largest(run: ReportedRun, name: str, k: int) -> float:
-    return max(float(np.abs(part[name].values[:, k]).max()) for part in blocks(run.data))
-
-
-def _base(run: ReportedRun, of: Callable[[ReportedRun], float]) -> float | None:
-    return of(run) if "base_position" in run.data else None
-
-
-def _displacement(run: ReportedRun) -> float:
-    start = run.data["base_position"][0].values
-    parts = (part["base_position"].values - start for part in blocks(run.data))
-    return max(float(np.linalg.norm(part, axis=1).max()) for part in parts)
-
-
-def _turn(run: ReportedRun) -> float:
-    x0 = run.data["base_attitude"][0].values
-    return max(_largest_turn(x0, part["base_attitude"].values) for part in blocks(run.data))
-
-
-def _largest_turn(x0: np.ndarray, q: np.ndarray) -> float:
-    # Of q0* q the vector part is sin of half the angle; small angles keep their digits that way.
-    scalar = q @ x0
-    vector = (
-        x0[3] * q[:, :3] - q[:, 3:] * x0[:3] - np.cross(np.broadcast_to(x0[:3], q[:, :3].shape), q[:, :3])
-    )
-    return float((2.0 * np.arctan2(np.linalg.norm(vector, axis=1), np.abs(scalar))).max())
-
-
 # --- conservation ---
 
 
-def conservation(runs: Sequence[ReportedRun]) -> Section:
+def conservation(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) -> Section:
     """Return how well each run kept what must be kept."""
-    kept = [_conserved(run) for run in runs]
+    kept = [run.conserved for run in runs]
 
     def row(name: str, key: str, unit: str = "1") -> Row:
         return quantities(name, [found.get(key) for found in kept], unit, 3)
@@ -281,14 +159,17 @@ def conservation(runs: Sequence[ReportedRun]) -> Section:
     table = Table(
         columns=("", *labels_of(runs)),
         rows=tuple(rows),
-        caption="What must be conserved, and by how much it was not",
+        caption="Errors and drifts",
         key="conservation",
     )
     return Section(
         key="conservation",
-        title="Conservation",
-        items=(table,),
-        notes=(
+        title="Energy and momentum",
+        items=(
+            *pictures,
+            Details(title="What must be conserved, and by how much it was not", tables=(table,)),
+        ),
+        meaning=(
             "Energy balance: what is stored, less that at the start and the drives' work, plus all losses. A "
             "momentum's scale is the largest sum of its magnitudes over the bodies without the base. A dash: "
             "nothing to compare with, or not conserved here (a fixed base, gravity).",

@@ -16,7 +16,7 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.readable import number, prefixed, readable
 from antenna_pin.report._page import Cell, Details, Picture, Row, Section, Statement, Table
 from antenna_pin.report.document import Report, page
-from antenna_pin.report.figures import address
+from antenna_pin.report.figures import picture
 from antenna_pin.sweep.sensitivity import sensitivities
 from antenna_pin.sweep.statistics import quantiles
 
@@ -55,7 +55,7 @@ def study_report(study: xr.Dataset, *, title: str | None = None, figures: bool =
         sections.insert(1, _figures(study))
     sections.append(_provenance(study, about))
     kept = [section for section in sections if not section.empty]
-    return page(heading, [about["name"]], [_status(study, about["name"])], kept)
+    return page(heading, [_status(study, about["name"])], kept)
 
 
 def _status(study: xr.Dataset, name: str) -> _Status:
@@ -134,15 +134,11 @@ def _figures(study: xr.Dataset) -> Section:
     for figure in allowed[:_MOST_FIGURES]:
         wide = figure.name == "all-against-all"
         try:
-            source = address(figure.draw(width="page" if wide else "column"))
+            shown = picture(figure.draw(width="page" if wide else "column"), figure.title, figure.name)
         except AntennaPinError as error:
             notes.append(f"{figure.title}: {error}.")
             continue
-        pictures.append(
-            Picture(
-                source=source, caption=figure.title, wide=wide, width=180.0 if wide else 88.0, key=figure.name
-            )
-        )
+        pictures.append(shown)
     if len(allowed) > _MOST_FIGURES:
         notes.append(f"{len(allowed) - _MOST_FIGURES} more figures can be drawn by antenna-pin study plot.")
     return Section(key="figures", title="Figures", items=tuple(pictures), notes=tuple(notes))
@@ -178,12 +174,8 @@ def _sensitivities(study: xr.Dataset, figures: bool) -> Section:
             )
         )
         if figures:
-            picture = plot.study_sensitivities(found, name)
-            items.append(
-                Picture(
-                    source=address(picture), caption=f"Sensitivities of {name}", key=f"sensitivity-{name}"
-                )
-            )
+            shown = plot.study_sensitivities(found, name)
+            items.append(picture(shown, f"Sensitivities of {name}", f"sensitivity-{name}"))
     return Section(key="sensitivities", title="Sensitivities", items=tuple(items), notes=tuple(notes))
 
 

@@ -53,6 +53,7 @@ _ORDER = (
     "Flexible links",
     "Clearance",
     "Contact and friction",
+    "Controllers",
     "Drives and springs",
     "Start",
     "Computation",

@@ -84,7 +84,9 @@ class Shown:
 
     def said(self, section: str) -> dict[str, str]:
         """Return the statements of a section by label."""
-        labels = self.tree.xpath(f"//section[@id='{section}']/dl/dt")
+        labels = self.tree.xpath(
+            f"//section[@id='{section}']/dl/dt | //section[@id='{section}']/details/dl/dt"
+        )
         return {label.text_content(): " ".join(label.getnext().text_content().split()) for label in labels}
 
     def rows(self, key: str) -> dict[str, list[tuple[str, float | None, str]]]:
@@ -107,6 +109,16 @@ class Shown:
                 for cell in cells
             ]
         return found
+
+    def lines(self, key: str) -> dict[str, dict[str, float | None]]:
+        """Return a table of many alike things: by the name of a line, the number under each quantity."""
+        (table,) = self.tree.xpath(f"//figure[@id='table-{key}']")
+        heads = [" ".join(one.text_content().split()) for one in table.xpath(".//thead//th")][1:]
+        names = [head.partition(" [")[0] for head in heads]
+        return {
+            name: dict(zip(names, (value for _, value, _ in cells), strict=True))
+            for name, cells in self.rows(key).items()
+        }
 
     def numbers(self, key: str, row: str) -> list[float | None]:
         """Return the numbers behind a row, in SI units."""

@@ -1,5 +1,7 @@
 """What motions come to, in a report: each file has its section, with its numbers, verdict and command."""
 
+import base64
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -85,9 +87,9 @@ def test_each_has_a_section_with_a_figure_and_its_command(told, found):
         assert said["repeat it"] == f"antenna-pin {kind} <b>"  # and so it is escaped
         assert said["versions"] == "those of this report" and said["file"].endswith(f"{kind}.nc")
         assert said["scenario"].startswith("pendulum: Pendulum on a hinge with play, case ideal")
-        pictures = told.tree.xpath(f"//section[@id='{key}']//img/@src")
+        pictures = told.tree.xpath(f"//section[@id='{key}']//figure[@class='picture']/script/text()")
         assert len(pictures) == (2 if kind == "branch" else 1)
-        assert all(one.startswith("data:image/") for one in pictures)
+        assert all(b"<svg" in zlib.decompress(base64.b64decode(one)) for one in pictures)
     heads = told.text("//section[@id='outcome']")
     for words in ("section settled", "orbit stable", "branch stable", "exponents contracting"):
         assert words in heads
@@ -179,7 +181,7 @@ def test_no_page_is_wider_than_its_screen(page, saved, width, mobile):
     page.resize(width, 800, mobile)
     page.run("document.querySelectorAll('details').forEach((part) => { part.open = true; });")
     wide, outside = page.run(
-        "const scrolled = (e) => e.closest('.scroll, .source');"
+        "const scrolled = (e) => e.closest('.scroll, .source, .sheet');"
         "const out = [...document.querySelectorAll('main *')].filter((e) => !scrolled(e) && "
         "e.getBoundingClientRect().right > innerWidth + 0.5);"
         "return [document.documentElement.scrollWidth, out.map((e) => e.outerHTML.slice(0, 80))];"

@@ -67,9 +67,9 @@ def test_words_of_joints_closures_and_motions(page):
 
 
 def test_figures_of_loops_are_in_the_report(runs, shown):
-    html = report([runs["ideal"]], recordings=False).html
-    assert "Forces of the closures" in shown(html).text("//section[@id='figures']")
-    assert "What the drives exert" in shown(html).text("//section[@id='figures']")
+    page = shown(report([runs["ideal"]], recordings=False).html)
+    assert "Forces of the closures" in page.text("//section[@id='loops']//figure[@class='picture']")
+    assert "What the drives exert" in page.text("//section[@id='drives']//figure[@class='picture']")
 
 
 def test_a_tree_has_no_section_of_loops(fixed, shown):

@@ -153,8 +153,8 @@ class Player {
   theme() {
     const dark = window.matchMedia("(prefers-color-scheme: dark)");
     const apply = (paper = false) => {
-      const may = getComputedStyle(document.documentElement).colorScheme.includes("dark");
-      const on = !paper && may && dark.matches;
+      const scheme = getComputedStyle(document.documentElement).colorScheme;
+      const on = !paper && scheme.includes("dark") && (dark.matches || !scheme.includes("light"));
       this.root.classList.toggle("ap-dark", on);
       ["top_color", "bottom_color"].forEach((name, k) => {
         this.viewer.set_property(["Background"], name, (on ? DARK : LIGHT)[k]);
@@ -165,7 +165,11 @@ class Player {
     this.paper = () => apply(true);
     this.screen = () => apply();
     dark.addEventListener("change", this.screen);
-    this.untheme = () => dark.removeEventListener("change", this.screen);
+    window.addEventListener("ap-theme", this.screen); // of a page that has a switch
+    this.untheme = () => {
+      dark.removeEventListener("change", this.screen);
+      window.removeEventListener("ap-theme", this.screen);
+    };
     apply();
   }
 

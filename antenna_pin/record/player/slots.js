@@ -5,11 +5,27 @@ const LIVE = 8;
 const slots = [];
 let printing = false;
 
+// The text of a script element: as it stands, or deflated and in base64.
+async function unpacked(node) {
+  if (node.type !== "application/zlib") return node.textContent;
+  const deflated = new Blob([bytes(node.textContent)]).stream();
+  return new Response(deflated.pipeThrough(new DecompressionStream("deflate"))).text();
+}
+
+// Meshcat's own script, where the page has it deflated.
+async function loadViewer() {
+  const packed = document.querySelector("script.ap-viewer");
+  if (!packed || window.MeshCat) return;
+  const running = document.createElement("script");
+  running.textContent = await unpacked(packed);
+  document.head.append(running);
+}
+
 // One place for a recording: it has a player while it is in view, and for some time after.
 class Slot {
-  constructor(id) {
+  constructor(id, viewer) {
     this.root = document.getElementById(id);
-    this.source = document.getElementById(id + "-data");
+    this.text = null;
     this.player = null;
     this.inView = false;
     this.time = null;
@@ -17,14 +33,18 @@ class Slot {
       this.inView = entries[entries.length - 1].isIntersecting;
       if (this.inView && !printing) this.start();
     }, {rootMargin: "100px"}).observe(this.root);
+    this.ready = Promise.all([unpacked(document.getElementById(id + "-data")), viewer]).then(([text]) => {
+      this.text = text;
+      if (this.inView && !printing) this.start();
+    });
   }
 
   start(room = true) {
-    if (this.player) return;
+    if (this.player || this.text === null) return;
     const idle = slots.filter((slot) => slot.player && !slot.inView && !slot.player.playing);
     const live = slots.filter((slot) => slot.player).length;
     if (room) idle.slice(0, Math.max(live + 1 - LIVE, 0)).forEach((slot) => slot.stop());
-    this.player = window.AntennaPin.mount(this.root, JSON.parse(this.source.textContent), {embedded: true});
+    this.player = window.AntennaPin.mount(this.root, JSON.parse(this.text), {embedded: true});
     if (this.time !== null) this.player.seek(this.time);
   }
 
@@ -45,7 +65,7 @@ class Slot {
     const before = this.player;
     this.start(false);
     const {player} = this;
-    if (player.failed) return;
+    if (!player || player.failed) return;
     if (player.time === player.start) player.seek(player.data.poster);
     player.paper();
     player.render();
@@ -97,5 +117,8 @@ document.addEventListener("DOMContentLoaded", () => {
     const data = JSON.parse(document.getElementById(root.id + "-data").textContent);
     window.recording = window.AntennaPin.mount(root, data);
   });
-  document.querySelectorAll(".ap-frame").forEach((root) => slots.push(new Slot(root.id)));
+  const frames = document.querySelectorAll(".ap-frame");
+  const viewer = frames.length ? loadViewer() : null;
+  frames.forEach((root) => slots.push(new Slot(root.id, viewer)));
+  window.AntennaPin.ready = Promise.all(slots.map((slot) => slot.ready));
 });

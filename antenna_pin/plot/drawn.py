@@ -1,0 +1,159 @@
+"""The numbers of what a figure shows: lines, points, pieces and bars, as they were drawn."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import Collection, LineCollection, PathCollection, PolyCollection, QuadMesh
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from antenna_pin.arguments import takes
+from antenna_pin.plot._style import Array
+
+__all__ = ["Drawn", "drawn_numbers"]
+
+_LETTER = re.compile(r"\$\\bf\{(\([a-z]+\))\}\$")
+# Cells of a coloured field that are numbers still; of a larger one the picture has to do.
+_CELLS = 20_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drawn:
+    """What one line, cloud of points or set of bars shows.
+
+    Attributes:
+        panel: Title of its panel.
+        label: Its name in the legend; empty if it has none.
+        names: What its columns are, with the units of the axes.
+        columns: Its numbers, each (n,), in those units.
+    """
+
+    panel: str
+    label: str
+    names: tuple[str, ...]
+    columns: tuple[Array, ...]
+
+
+@takes()
+def drawn_numbers(figure: Figure) -> list[Drawn]:
+    """Return what a figure shows as numbers, panel by panel, in the units of its axes.
+
+    Rules across a panel (zero, a limit) are none. What a close view shows of a line that another panel has
+    whole is not repeated.
+
+    Args:
+        figure: One that a function of this room drew.
+    """
+    found: list[Drawn] = []
+    for axes in figure.axes:
+        if axes.get_label() == "<colorbar>":
+            continue
+        for one in _of_panel(figure, axes):
+            if one.columns[0].size and not any(_is_part(one, other) for other in found):
+                found.append(one)
+    return found
+
+
+def _of_panel(figure: Figure, axes: Axes) -> Iterator[Drawn]:
+    panel = _plain(axes.get_title(loc="left") or axes.get_title())
+    x = _plain(axes.get_xlabel() or _time_below(figure, axes)) or "x"
+    y = _plain(axes.get_ylabel() or figure.get_supylabel() or _label_beside(figure, axes)) or "y"
+    for line in axes.lines:
+        if line.get_transform().contains_branch_seperately(axes.transData) == (True, True):
+            columns = (_numbers(line.get_xdata(orig=False)), _numbers(line.get_ydata(orig=False)))
+            yield Drawn(panel, _label(line), (x, y), columns)
+    for many in axes.collections:
+        yield from _of_collection(panel, (x, y), many)
+    for bars in axes.containers:
+        boxes = [one for one in bars.get_children() if isinstance(one, Rectangle)]
+        if boxes:
+            middle = np.array([one.get_x() + 0.5 * one.get_width() for one in boxes])
+            ends = np.array([one.get_y() + one.get_height() for one in boxes])
+            yield Drawn(panel, _label(bars), (x if x != "x" else "angle [rad]", y), (middle, ends))
+
+
+def _of_collection(panel: str, names: tuple[str, str], many: Collection) -> Iterator[Drawn]:
+    x, y = names
+    values = many.get_array()
+    if isinstance(many, PathCollection):
+        points = _numbers(many.get_offsets())
+        more = () if values is None or values.size != len(points) else (_numbers(values),)
+        kinds = (x, y, "colour")[: 2 + len(more)]
+        yield Drawn(panel, _label(many), kinds, (points[:, 0], points[:, 1], *more))
+    elif isinstance(many, LineCollection):
+        pieces = [piece for piece in many.get_segments() if len(piece) == 2]
+        if not pieces:
+            return
+        ends = np.asarray(pieces, dtype=float)
+        if np.array_equal(ends[1:, 0], ends[:-1, 1]) and len(ends) > 1:  # a line in pieces of many colours
+            line = np.concatenate([ends[:1, 0], ends[:, 1]])
+            yield Drawn(panel, _label(many), (x, y), (line[:, 0], line[:, 1]))
+        else:
+            yield Drawn(panel, _label(many), (x, y), (ends[:, 1, 0], ends[:, 1, 1]))
+    elif isinstance(many, QuadMesh) and values is not None and values.size <= _CELLS:
+        corners = np.asarray(many.get_coordinates(), dtype=float)
+        middles = 0.25 * (corners[1:, 1:] + corners[1:, :-1] + corners[:-1, 1:] + corners[:-1, :-1])
+        yield Drawn(
+            panel, _label(many), (x, y, "colour"), (*middles.reshape(-1, 2).T, _numbers(values).ravel())
+        )
+    elif isinstance(many, PolyCollection):
+        every = [np.asarray(path.vertices, dtype=float) for path in many.get_paths()]
+        boxes = [path for path in every if len(path) in (4, 5)]
+        if boxes and len(boxes) == len(every):
+            least, most = (np.array([pick(box, axis=0) for box in boxes]) for pick in (np.min, np.max))
+            said = (f"{x}, from", f"{x}, to", f"{y}, from", f"{y}, to")
+            yield Drawn(panel, _label(many), said, (least[:, 0], most[:, 0], least[:, 1], most[:, 1]))
+
+
+def _is_part(one: Drawn, whole: Drawn) -> bool:
+    """Whether all that is drawn is a stretch of what another panel shows of the same quantity."""
+    if one.label != whole.label or len(one.columns) != 2 or len(whole.columns) != 2:
+        return False
+    x, count = one.columns[0], one.columns[0].size
+    # Of several samples at an instant the first may be outside a close view.
+    for first in np.flatnonzero(whole.columns[0] == x[0])[:3]:
+        stretch = slice(int(first), int(first) + count)
+        if all(
+            np.array_equal(mine, its[stretch], equal_nan=True)
+            for mine, its in zip(one.columns, whole.columns, strict=True)
+        ):
+            return True
+    return False
+
+
+def _time_below(figure: Figure, axes: Axes) -> str:
+    """Return what a panel's axis is that has no label of its own: that of the next one below."""
+    later = figure.axes[figure.axes.index(axes) :]
+    return next((label for one in later if (label := one.get_xlabel())), "")
+
+
+def _label_beside(figure: Figure, axes: Axes) -> str:
+    """Return the label of the first panel of a row, which is that of all of them."""
+    place = axes.get_subplotspec()
+    for one in figure.axes:
+        other = one.get_subplotspec()
+        if place is None or other is None or one is axes or not one.get_ylabel():
+            continue
+        if other.get_gridspec() is place.get_gridspec() and other.rowspan == place.rowspan:
+            return one.get_ylabel()
+    return ""
+
+
+def _label(artist: Any) -> str:
+    label = str(artist.get_label())
+    return "" if label.startswith("_") else _plain(label)
+
+
+def _plain(text: str) -> str:
+    """Return a text without what is written for Matplotlib alone."""
+    return " ".join(_LETTER.sub(r"\1", text).replace(r"\$", "$").split())
+
+
+def _numbers(values: Any) -> Array:
+    return np.ma.filled(np.ma.asarray(values, dtype=float), np.nan)

@@ -1,0 +1,162 @@
+"""The head of a page on runs: a few key numbers, and what is seen beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from antenna_pin.analysis import (
+    closure_loads,
+    deviation_measures,
+    drive_loads,
+    effort_unit,
+    impacts,
+    is_round_off,
+    load_statistics,
+)
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.readable import readable
+from antenna_pin.report._page import (
+    Beside,
+    Embedded,
+    Picture,
+    Row,
+    Section,
+    Table,
+    counts,
+    quantities,
+    said_of_zeros,
+    words,
+)
+from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
+from antenna_pin.report.joints import every, hardness
+
+__all__ = ["key_results"]
+
+# Joints with play that have a row of their own, the hardest hit ones.
+_JOINTS = 3
+
+
+def key_results(
+    runs: Sequence[ReportedRun], scales: Mapping[str, float], seen: Sequence[Embedded | Picture] = ()
+) -> Section:
+    """Return the key numbers of all runs in one short table, columns being runs.
+
+    Args:
+        runs: What is reported.
+        scales: Of the runs, by which numbers are zero to round-off.
+        seen: What stands beside the table.
+    """
+    rows = [
+        quantities("simulated time", [run.end for run in runs], "s"),
+        *_blows(runs),
+        *_deviation(runs, scales),
+        *_held(runs, scales),
+        *_stopped(runs),
+        quantities("energy balance, error over scale", [_error(run) for run in runs], "1", 3),
+    ]
+    table = Table(columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers", key="key-results")
+    return Section(
+        key="results",
+        title="Key results",
+        items=(Beside(table=table, seen=tuple(seen)),),
+        meaning=said_of_zeros([table]),
+    )
+
+
+def _blows(runs: Sequence[ReportedRun]) -> Iterator[Row]:
+    joints = every(runs, "clearance_joint")
+    if not joints:
+        return
+    tables = [impacts(run.data) if run.names("clearance_joint") else None for run in runs]
+    yield counts(
+        "blows",
+        (
+            None
+            if table is None
+            else len(set(zip(table["clearance_joint"].values, table["blow"].values, strict=True)))
+            for table in tables
+        ),
+    )
+    for joint in sorted(joints, key=lambda name: -hardness(runs, name))[:_JOINTS]:
+        mine = [impacts(run.data, joint) if joint in run.names("clearance_joint") else None for run in runs]
+        peaks = [
+            None if one is None else float(one["peak_force"].max()) if one.sizes["impact"] else 0.0
+            for one in mine
+        ]
+        yield quantities(f"largest force in {joint}", peaks, "N")
+    lost = [
+        float(load_statistics(run.data)["joint_dissipated"].values.sum())
+        if run.names("clearance_joint")
+        else None
+        for run in runs
+    ]
+    yield quantities("energy lost in contacts", lost, "J")
+
+
+def _deviation(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterator[Row]:
+    """Yield how far the joint that deviates most is from the ideal run."""
+    ideal = ideal_of(runs)
+    if ideal is None:
+        return
+    found: dict[str, dict[str, float]] = {}
+    for run in runs:
+        if run is ideal:
+            continue
+        try:
+            measured = deviation_measures(run.data, ideal.data)
+        except AntennaPinError:  # said in its own section
+            continue
+        for one in measured:
+            if one.of.endswith((" angle", " position")) and not one.of.startswith("base "):
+                found.setdefault(one.of, {})[run.label] = one.maximum
+                units = one.units
+    if not found:
+        return
+    of = max(found, key=lambda name: max(found[name].values()))
+    values = [found[of].get(run.label) for run in runs]
+    if not all(value is None or is_round_off(value, units, scales) for value in values):
+        yield quantities(f"deviation of {of}", values, units, 4, scales)
+
+
+def _held(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterator[Row]:
+    """Yield the largest force of a closure, and the largest effort of a drive."""
+    closures = [closure_loads(run.data) if run.names("closure") else None for run in runs]
+    if any(one is not None for one in closures):
+        forces = [None if one is None else float(np.nanmax(one["peak_force"].values)) for one in closures]
+        yield quantities("largest force of a closure", forces, "N", 4, scales)
+    for name in every(runs, "drive")[:1]:
+        own = next(run for run in runs if name in run.names("drive"))
+        unit = effort_unit(own.data, name)
+        efforts = [
+            float(drive_loads(run.data)["peak_effort"].sel(drive=name))
+            if name in run.names("drive")
+            else None
+            for run in runs
+        ]
+        word = "force" if unit == "N" else "torque"
+        yield quantities(f"largest {word} of drive {name}", efforts, unit, 4, scales)
+
+
+def _stopped(runs: Sequence[ReportedRun]) -> Iterator[Row]:
+    """Yield touches of stops, and when the last latch was captured."""
+    summaries = [run.run.summary() if run.names("element") else {} for run in runs]
+    for family, word in (("stops", "touches of stops"), ("gears", "touches of gears")):
+        told = [one.get(family) for one in summaries]
+        touches = [sum(int(stop.get("touches", 0)) for stop in one.values()) if one else None for one in told]
+        if any(touches):
+            yield counts(word, touches)
+    latches = [one.get("latches") for one in summaries]
+    if any(latches):
+        said = []
+        for one in latches:
+            caught = [latch["last_capture"] for latch in one.values() if latch["captures"]] if one else []
+            last = f" by {readable(max(caught), 's')}" if caught else ""
+            said.append(f"{len(caught)} of {len(one)}{last}" if one else "")
+        yield words("latched", said)
+
+
+def _error(run: ReportedRun) -> float | None:
+    value: float | None = run.conserved.get("energy_error_relative")
+    return value
