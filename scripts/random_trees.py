@@ -16,12 +16,15 @@ from antenna_pin.elements import (
     BoucWen,
     Chirp,
     ConstantSpring,
+    DahlFriction,
     EndStop,
     Gear,
+    GonthierFriction,
     HarnessSpring,
     JointFriction,
     JointSpring,
     Latch,
+    LuGreFriction,
     MaxwellSlip,
     Motor,
     PDController,
@@ -77,8 +80,19 @@ def _friction(chance: Chance, joint: str) -> tuple[str, Any]:
     slips = chance.uniform(0.01, 0.1)
     if chance.random() < 0.3:
         return "springs", JointFriction(joint=joint, damping=slips, friction=slips, regularisation_speed=0.05)
+    static = slips * chance.uniform(1.0, 2.0)
+    bristles: dict[str, Any] = {"joint": joint, "coulomb": slips, "stiffness": 200.0 * slips}
+    falls = {"static": static, "stribeck_rate": 0.1, "damping": slips}
+    # By digits of a number that is drawn already: trees without bristles stay as they are.
+    which = int(1e6 * slips) % 6
+    if which == 0:
+        return "frictions", DahlFriction(**bristles, shape=1.5)
+    if which == 1:
+        return "frictions", LuGreFriction(**bristles, **falls, viscous=0.01)
+    if which == 2:
+        return "frictions", GonthierFriction(**bristles, **falls, dwell_time=0.3)
     return "frictions", StickingFriction(
-        joint=joint, coulomb=slips, static=slips * chance.uniform(1.0, 2.0), stribeck_rate=0.1, viscous=0.01
+        joint=joint, coulomb=slips, static=static, stribeck_rate=0.1, viscous=0.01
     )
 
 

@@ -14,6 +14,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace, acting_in
+from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
 from antenna_pin.linear.constrained import held_by_constraints
 from antenna_pin.linear.forces import ForceDerivatives, Forces
@@ -142,8 +143,7 @@ def linearise(at: At) -> Linearisation:
     model = system.model
     nq, nv = model.nq, model.nv
     system.mechanism.check_pose(y[:nq], "linearise")
-    if not at.rest:
-        _check_loads(system)
+    _check_loads(system, at.rest)
     forces = Forces(system, at.time, y, at.memory, at.loads, at.adjusted)
     derived = forces.derivatives()
     held = held_by_constraints(system, at.time, y, forces, rest=at.rest)
@@ -211,10 +211,17 @@ def linearise(at: At) -> Linearisation:
     )
 
 
-def _check_loads(system: System) -> None:
-    """Refuse a moving joint with friction by its load, whose derivatives are not known."""
+def _check_loads(system: System, rest: bool) -> None:
+    """Refuse a joint with friction by its load that moves, or has bristles: no derivatives are known."""
     for one in acting_in(system):
-        if getattr(one.element, "under_load", False):
+        if not one.element.under_load:
+            continue
+        if not isinstance(one.element, Modal):
+            raise MechanismError(
+                f"modes: {one.label}: friction with bristles by a joint's own load is not linearised; leave "
+                "its coefficient out, and take Coulomb friction and stiffness of the load that it has"
+            )
+        if not rest:
             raise MechanismError(
                 f"modes: {one.label}: friction by a joint's own load is not linearised about a state that "
                 "moves; take the state at rest (moving = False), or friction that no load makes"

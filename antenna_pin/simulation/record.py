@@ -13,6 +13,7 @@ import xarray as xr
 from antenna_pin.dynamics import bearing_names, observed
 from antenna_pin.elements import Motion
 from antenna_pin.simulation.blocks import blocks_of, count_of
+from antenna_pin.simulation.bristles import bristles_of
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.loop import Run
@@ -226,6 +227,8 @@ def _labels(seen: Seen) -> dict[str, Any]:
         ("motor", motors_of(seen)),
         ("spring", [name for name in system.springs if name not in system.elastic]),
         ("element", [f"{table}.{name}" for table in system.others for name in system.families[table]]),
+        ("bristle", bristles_of(seen, "bend")),
+        ("dwelling", bristles_of(seen, "dwell")),
         ("traced_spring", list(system.traced)),
         ("traced_joint", [str(system.springs[name].acts_at) for name in system.traced]),
         ("bearing", bearing_names(system)),

@@ -9,6 +9,7 @@ import numpy as np
 
 from antenna_pin.dynamics import bearing_loads
 from antenna_pin.elements import Motion
+from antenna_pin.simulation.bristles import of_bristles
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.motors import of_motors
 from antenna_pin.simulation.seen import Seen
@@ -194,6 +195,7 @@ def _changes_of(run: Run) -> Values:
 #: The series, by source: all variables of each.
 SERIES: tuple[Callable[[Seen], Values], ...] = (
     _state,
+    of_bristles,
     _derivative,
     of_motors,
     _contact,

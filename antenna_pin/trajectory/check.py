@@ -106,6 +106,8 @@ def _labels(data: xr.Dataset) -> Iterator[str]:
         ("motion", "drive"),
         ("motor", "drive"),
         ("traced_spring", "spring"),
+        ("bristle", "element"),
+        ("dwelling", "bristle"),
     ):
         unknown = set(names_along(data, inner)) - set(names_along(data, outer))
         if unknown:

@@ -39,7 +39,7 @@ class Rule:
         infinite: Infinity is one of them.
         beside: A column without which it is zero: where that one is zero.
         summed: Integrals of a run, or sums of its large numbers: bounds hold to their errors.
-        passive: Energy that contacts lose: bounds hold for those of which that is known.
+        passive: Energy that is lost: bounds hold for what is known to put none in.
     """
 
     least: float = -math.inf

@@ -97,11 +97,15 @@ def _largest(data: xr.Dataset, name: str) -> float:
 
 
 def _kept(data: xr.Dataset, name: str) -> NDArray[np.intp]:
-    """Return which columns of an energy that contacts lose are of contacts that lose energy for sure.
+    """Return which columns of an energy that contacts or elements lose are of those that lose it for sure.
 
     Not those under a law of a user's, nor those at flanges, where the point that a force acts at moves along
-    with the depth.
+    with the depth. Nor friction with bristles: some of its dampers put energy in, and what bristles hold by a
+    load counts as lost until they give it back.
     """
+    if data[name].dims[-1] == "element":
+        bristles = set(names_along(data, "bristle"))
+        return np.flatnonzero([one not in bristles for one in names_along(data, "element")])
     from antenna_pin.contact import (
         FRICTION_LAWS,
         NORMAL_LAWS,

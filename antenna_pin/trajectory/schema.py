@@ -39,6 +39,8 @@ DIMENSIONS: dict[str, str] = {
     "spring": "springs and dampers, and friction of joints, by name",
     "traced_spring": "those of them at joints that have a table, hysteresis, or a constant torque",
     "element": "elements of further families (stops, latches, bearings), by family and name",
+    "bristle": "those of them that are friction with bristles, by family and name",
+    "dwelling": "those of these whose friction grows as they rest",
     "change": "changes of mode of these, in order of time, by element and what changed",
     "bearing": "ball bearings and preloads, by name",
     "point_spring": "those of them that are between points",
@@ -218,7 +220,9 @@ _ENERGIES: tuple[Variable, ...] = (
         ("element_energy", "J", "energy stored"),
         ("element_mode", "1", "number of the mode"),
     ),
-    *_rows("ledger: time element", ("element_loss", "J", "energy lost in dampers and impulses", _TOTAL)),
+    *_rows("state: time bristle", ("bristle_bend", "1", "deflection, over that at Coulomb friction")),
+    *_rows("state: time dwelling", ("bristle_dwell", "1", "dwell, 1 after a long rest")),
+    *_rows("ledger: time element", ("element_loss", "J", "energy lost in dampers and impulses", _LOST)),
     *_rows("ledger: time", ("energy_error", "J", "stored - start - work of drives and forces + losses")),
     *_rows(
         "audit: time axis",
@@ -304,7 +308,7 @@ _SUMMARIES: tuple[Variable, ...] = (
         ("ticks", "1", "instants at which the controller was asked", _SIZE),
         ("saturated_ticks", "1", "those at which limits held its command", _SIZE),
     ),
-    *_rows("summary: element", ("total_element_loss", "J", "energy lost in it in all", _TOTAL)),
+    *_rows("summary: element", ("total_element_loss", "J", "energy lost in it in all", _LOST)),
     *_rows(
         "summary: elastic_part",
         ("peak_deflection", "rad", "largest size of the part's deflection at a sample (a way [m])", _SIZE),

@@ -20,14 +20,17 @@ from antenna_pin.elements import (
     CallableMotion,
     ConstantDrive,
     ConstantSpring,
+    DahlFriction,
     DistanceMotion,
     EndStop,
     Gear,
+    GonthierFriction,
     GravityGradient,
     HarnessSpring,
     JointFriction,
     JointSpring,
     Latch,
+    LuGreFriction,
     MaxwellSlip,
     Motor,
     OutsideForce,
@@ -196,6 +199,35 @@ EXAMPLES = {
         "latch at 0.25 rad, window 0.2 rad to either side, stiffness 10 N m/rad, damping 0.5 N m s/rad, "
         "play 0.1 rad",
         10.0 * 0.1 - 0.5 * 0.2,
+    ),
+    DahlFriction: (
+        DahlFriction(joint="a", coulomb=2.0, stiffness=40.0, viscous=0.5, start=0.25, shape=2.0),
+        "Dahl, Coulomb friction 2 N m, bristle stiffness 40 N m/rad, viscous 0.5 N m s/rad",
+        -0.5 - 0.5 * 0.2,
+    ),
+    LuGreFriction: (
+        LuGreFriction(
+            joint="a",
+            coulomb=2.0,
+            static=3.0,
+            stribeck_rate=0.1,
+            stiffness=40.0,
+            damping=0.6,
+            viscous=0.5,
+            start=0.25,
+        ),
+        "LuGre, Coulomb friction 2 N m, static 3 N m, bristle stiffness 40 N m/rad, "
+        "bristle damping 0.6 N m s/rad, Stribeck rate 0.1 rad/s, viscous 0.5 N m s/rad",
+        -0.5 - 0.6 * (0.2 - 0.2 * 0.5 / (2.0 + math.exp(-4.0))) - 0.5 * 0.2,
+    ),
+    GonthierFriction: (
+        # Bristles have what rests for no time.
+        GonthierFriction(
+            joint="a", coulomb=2.0, stribeck_rate=0.1, stiffness=40.0, damping=0.6, dwell_time=0.5, start=1.0
+        ),
+        "Gonthier, Coulomb friction 2 N m, bristle stiffness 40 N m/rad, bristle damping 0.6 N m s/rad, "
+        "Stribeck rate 0.1 rad/s, dwell time 0.5 s",
+        -2.0,
     ),
     StickingFriction: (
         # Slipping forward.
