@@ -109,8 +109,9 @@ _LEFT_OUT = {
 
 @functools.cache
 def commands() -> dict[str, Any]:
-    """Return every command by its words."""
-    return dict(_commands(typer.main.get_command(app), ()))
+    """Return every command by its words, but one that serves until Ctrl-C."""
+    found = dict(_commands(typer.main.get_command(app), ()))
+    return {name: command for name, command in found.items() if name != "explore"}
 
 
 def _commands(command: Any, words: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
