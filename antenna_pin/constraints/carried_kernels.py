@@ -90,10 +90,10 @@ def _write_wrenches(plan: Any, work: Any, rates: Any, room: Any) -> None:
     head = plan_of(plan)
     for b in range(head.bodies):
         _move(plan, work, rates, room, b)
-    applied = applied_in(plan, work)
+    applied, _ = applied_in(plan)
     for b in range(head.bodies):
         for k in range(6):
-            room[OF_BODY * b + 6 + k] -= applied[6 * b + k]
+            room[OF_BODY * b + 6 + k] -= work[applied + 6 * b + k]
     _take_closures(plan, work, room)
     for b in range(head.bodies - 1, -1, -1):
         parent = body_at(plan, b).parent

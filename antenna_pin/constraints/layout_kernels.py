@@ -184,10 +184,10 @@ def place_at(work: Any, b: int) -> Any:
 
 
 @inlined
-def applied_in(plan: Any, work: Any) -> Any:
-    """Return where stands what elements on links do to bodies, (6 bodies,); empty if no friction asks."""
+def applied_in(plan: Any) -> tuple[int, int]:
+    """Return from where to where elements on links act on bodies, 6 words each; nowhere if none asks."""
     head = plan_of(plan)
-    return work[head.loaded : head.loaded + (6 * head.bodies if head.loaded != 0 else 0)]
+    return head.loaded, head.loaded + (6 * head.bodies if head.loaded != 0 else 0)
 
 
 @inlined

@@ -78,9 +78,9 @@ def observe_held(first: int, last: int, samples: Any, whole: Any, held: Any, for
         write_rows(t, y, whole.program, plan, work)
         mass_and_bias(whole.tree, places, whole.gravity, held.room, held.mass, held.bias)
         factorize(plan, work, held.mass)
-        applied = applied_in(plan, work)
-        for k in range(applied.shape[0]):
-            applied[k] = held.applied[i, k]
+        first_applied, end_applied = applied_in(plan)
+        for k in range(first_applied, end_applied):
+            work[k] = held.applied[i, k - first_applied]
         solve(y, whole.program, plan, work, forces[i], held.bias, out.rates[i])
         write_holding(plan, work, held.least, held.multipliers, out.closures[i], out.joints[i])
         residuals = out.residuals[i]

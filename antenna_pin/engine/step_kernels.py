@@ -140,7 +140,8 @@ def derivative(t: float, y: Any, numbers: Any, rates: Any, written: bool) -> Non
     if head.points < program.shape[0]:
         add_forces(t, y, program, numbers.tree, numbers.places, tau, rates)
         if numbers.plan.shape[0] > 0:
-            write_wrenches(program, numbers.places, applied_in(numbers.plan, numbers.held))
+            begin, behind = applied_in(numbers.plan)
+            write_wrenches(program, numbers.places, numbers.held[begin:behind])
     accelerate(t, y, tau, numbers, rates, written)
 
 
