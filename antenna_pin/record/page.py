@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from antenna_pin.arguments import takes
 from antenna_pin.pages import policy, script
 from antenna_pin.record.scene import viewer_licences, viewer_script
 
@@ -50,6 +51,7 @@ class SharedHead(NamedTuple):
     scripts: tuple[str, ...]  # contents of its script elements, for the page's `pages.policy`
 
 
+@takes()
 def shared_head(*, packed: bool = False) -> SharedHead:
     """Return style and scripts that recordings need, once per page, for its head.
 

@@ -11,7 +11,6 @@ from typing import TypeAlias
 from antenna_pin.analysis import ROUND_OFF_WORDS, is_round_off
 from antenna_pin.plot import Drawn
 from antenna_pin.readable import number, prefixed, readable
-from antenna_pin.report._packed import packed
 
 __all__ = [
     "ZERO",
@@ -108,6 +107,7 @@ class Picture:
 
     Attributes:
         svg: Its file.
+        packed: The same as the page's script unpacks it.
         caption: What it shows, in words that also do for those who cannot see it.
         size: Width and height at which it was drawn [mm].
         key: Name by which it is found in the page.
@@ -117,6 +117,7 @@ class Picture:
     """
 
     svg: bytes
+    packed: str
     caption: str
     size: tuple[float, float] = (180.0, 100.0)
     key: str = ""
@@ -129,11 +130,6 @@ class Picture:
     def source(self) -> str:
         """A ``data:`` address."""
         return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode()
-
-    @property
-    def packed(self) -> str:
-        """The file as the page's script unpacks it."""
-        return packed(self.svg)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,7 +18,7 @@ def turned(table: Table) -> Table:
     """Return a table whose groups of rows are lines, one for each thing and run, if there are many groups.
 
     One of few groups, or of groups of different rows, stays as it is. What is zero or missing in all is left
-    out.
+    out, but for the first quantity.
 
     Args:
         table: With a group of rows for each thing, its columns being runs.
@@ -27,7 +27,7 @@ def turned(table: Table) -> Table:
     names = [tuple(row.name for row in rows) for _, rows in groups]
     if len(groups) <= _FEW or len(set(names)) > 1 or not names[0]:
         return table
-    told = [k for k in range(len(names[0])) if any(_tells(rows[k]) for _, rows in groups)]
+    told = [k for k in range(len(names[0])) if k == 0 or any(_tells(rows[k]) for _, rows in groups)]
     shared = [len({rows[k].unit for _, rows in groups}) == 1 for k in told]
     heads = [
         f"{names[0][k]} [{groups[0][1][k].unit.replace(' ', _SPACE)}]"

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from antenna_pin import plot
 from antenna_pin.errors import AntennaPinError
+from antenna_pin.report._packed import packed
 from antenna_pin.report._page import Picture
 from antenna_pin.report._runs import ReportedRun, ideal_of
 from antenna_pin.side_by_side import side_by_side
@@ -116,8 +117,10 @@ def picture(figure: Any, caption: str, key: str, name: str = "", *, plain: bool 
         plain: Whether it is to be seen where no script runs.
     """
     size = tuple(_MILLIMETRES * float(one) for one in figure.get_size_inches())
+    svg = _shortened(plot.rendered(figure, "svg", DPI))
     return Picture(
-        svg=_shortened(plot.rendered(figure, "svg", DPI)),
+        svg=svg,
+        packed=packed(svg),
         caption=caption,
         size=(size[0], size[1]),
         key=key,

@@ -60,9 +60,9 @@ def main() -> int:
             command = [sys.executable, "-c", CHILD, json.dumps(options), str(folder / "report.html"), *files]
             done = subprocess.run(command, check=True, capture_output=True, text=True)
             seconds, megabytes, size = json.loads(done.stdout)
-            report.add(f"{label}, time to write", seconds, "s", 30.0)
+            report.add(f"{label}, time to write", seconds, "s", 10.0)
             report.add(f"{label}, memory above imports and runs", megabytes, "MB", 300.0)
-            report.add(f"{label}, size of the page", size, "MB", 15.0)
+            report.add(f"{label}, size of the page", size, "MB", 5.0)
     return report.finish()
 
 
