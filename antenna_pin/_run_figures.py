@@ -37,6 +37,7 @@ FigureName = Literal[
     "slide_position",
     "slide_rate",
     "slide_acceleration",
+    "joint_motion",
     "angle_between_runs",
     "rate_between_runs",
     "contact_forces",
@@ -49,6 +50,8 @@ FigureName = Literal[
     "closure_forces",
     "coupling_torques",
     "drive_efforts",
+    "applied_forces",
+    "control",
     "stops",
     "gears",
     "deflection",
@@ -91,6 +94,8 @@ class NamedFigures(Protocol):
     """Rate of a joint."""
     slide_acceleration: Drawing
     """Acceleration of a joint."""
+    joint_motion: Drawing
+    """Motion of a joint."""
     angle_between_runs: Drawing
     """Angle of a joint, runs less one another."""
     rate_between_runs: Drawing
@@ -115,6 +120,10 @@ class NamedFigures(Protocol):
     """Torques of the couplings."""
     drive_efforts: Drawing
     """What the drives exert."""
+    applied_forces: Drawing
+    """Forces on links."""
+    control: Drawing
+    """What controllers measure and command."""
     stops: Drawing
     """End stops and latches."""
     gears: Drawing
