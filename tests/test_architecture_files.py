@@ -140,5 +140,5 @@ def test_a_constant_of_compiled_code_has_one_value():
                 value = getattr(module, getattr(target, "id", ""), None)
                 if isinstance(value, int | float | np.number):
                     values.setdefault(target.id, set()).add(float(value))
-    # A record's size is that of its own kind of element.
-    assert {name for name, found in values.items() if len(found) > 1} == {"SIZE", "GAP"}
+    # A record's size, and where a dwell stands in a state, are those of its own kind of element.
+    assert {name for name, found in values.items() if len(found) > 1} == {"SIZE", "GAP", "DWELL"}
