@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import math
 import os
+import sys
 import threading
 import types
 from collections.abc import Callable
@@ -106,6 +107,9 @@ def _as_compiled() -> types.SimpleNamespace:
     )
 
 
+# Numba types what a kernel calls within the typing of its caller, some forty frames each: a loop that asks all kinds
+# of elements goes deeper than the thousand that Python allows.
+_DEEP = 10_000
 #: Of threads that come to the same kernel one makes it: there is one of each.
 _MAKING = threading.RLock()
 
@@ -133,6 +137,7 @@ class _Later:
             if "_made" not in vars(self):
                 from antenna_pin._jit import dispatcher
 
+                sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
                 self._made = dispatcher(self.__wrapped__, **self._options)
         return self._made
 
