@@ -107,8 +107,8 @@ def _as_compiled() -> types.SimpleNamespace:
     )
 
 
-# Numba types what a kernel calls within the typing of its caller, some forty frames each: a loop that asks all kinds
-# of elements goes deeper than the thousand that Python allows.
+# Numba types what a kernel calls within the typing of its caller, some forty frames each: a loop that asks
+# all kinds of elements goes deeper than the thousand that Python allows.
 _DEEP = 10_000
 #: Of threads that come to the same kernel one makes it: there is one of each.
 _MAKING = threading.RLock()
