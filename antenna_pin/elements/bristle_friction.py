@@ -58,6 +58,10 @@ class BristleFriction(Element):
     def __post_init__(self) -> None:
         """Check the parameters together."""
         Element.__post_init__(self)
+        static = self._static
+        if static is not None and not static >= self.coulomb:
+            rule = f"at least coulomb = {self.coulomb:g}, or left out"
+            raise InvalidParameterError(self, "static", rule, static)
         if not self.under_load:
             check_unloaded(self, *NUMBERS_OF_LOAD)
         if not abs(self.start) <= self.limit:
@@ -76,7 +80,12 @@ class BristleFriction(Element):
     @property
     def limit(self) -> float:
         """Where bristles slip, over T_c / sigma_0 [-]."""
-        return 1.0
+        return 1.0 if self._static is None else self._static / self.coulomb
+
+    @property
+    def _static(self) -> float | None:
+        """What breaks it away, of laws that tell that from slipping."""
+        return getattr(self, "static", None)
 
     @property
     def reach(self) -> float:
@@ -187,16 +196,10 @@ class LuGreFriction(BristleFriction):
 
     def __post_init__(self) -> None:
         """Check the parameters together."""
-        _check_static(self)
+        BristleFriction.__post_init__(self)
         if self.limit > 1.0 and self.stribeck_rate is None:
             rule = f"given with static above coulomb = {self.coulomb:g}"
             raise InvalidParameterError(self, "stribeck_rate", rule, None)
-        BristleFriction.__post_init__(self)
-
-    @property
-    def limit(self) -> float:
-        """Where bristles slip, over T_c / sigma_0 [-]."""
-        return _limit(self)
 
     @property
     def law(self) -> Any:
@@ -254,16 +257,6 @@ class GonthierFriction(BristleFriction):
     dwell_time: float = parameter("s", rule="positive")
     direction_rate: float = parameter("rad/s", sliding="m/s", rule="zero or more", default=0.0)
 
-    def __post_init__(self) -> None:
-        """Check the parameters together."""
-        _check_static(self)
-        BristleFriction.__post_init__(self)
-
-    @property
-    def limit(self) -> float:
-        """Where bristles slip, over T_c / sigma_0 [-]."""
-        return _limit(self)
-
     @property
     def has_kinks(self) -> bool:
         """Whether it has some: nothing in it goes by the sign of the rate alone."""
@@ -283,13 +276,3 @@ class GonthierFriction(BristleFriction):
             dwell_time=self.dwell_time,
             direction_speed=self.direction_rate,
         )
-
-
-def _check_static(element: LuGreFriction | GonthierFriction) -> None:
-    if element.static is not None and not element.static >= element.coulomb:
-        rule = f"at least coulomb = {element.coulomb:g}, or left out"
-        raise InvalidParameterError(element, "static", rule, element.static)
-
-
-def _limit(element: LuGreFriction | GonthierFriction) -> float:
-    return 1.0 if element.static is None else element.static / element.coulomb

@@ -316,6 +316,7 @@ class ClearanceJoint:
         memory = np.zeros(n, MEMORY)
         pose = np.zeros(1, POSE)
         kernels.geometry_alone(block, 0, y, nq, table, pose)
+        kernels.rates_alone(block, 0, table, pose)  # of those that are apart, which the fast path leaves out
         memory["touching"] = table["gap"][:n] <= 0.0 if touching is None else np.asarray(touching)
         speed = self.approach_speed_floor if approach_speed is None else np.asarray(approach_speed)
         memory["approach_speed"] = np.maximum(speed, self.approach_speed_floor)

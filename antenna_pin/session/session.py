@@ -11,7 +11,7 @@ from typing import Any, Self
 
 from numpy.typing import ArrayLike
 
-from antenna_pin.arguments import takes
+from antenna_pin.arguments import is_number, takes
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
@@ -102,7 +102,7 @@ class Session:
         controllers: Mapping[str, Controller] = MappingProxyType({}),
     ) -> None:
         """Make the run."""
-        if not (isinstance(record, bool) or record >= 0.0):
+        if not (isinstance(record, bool) or (is_number(record) and record >= 0.0)):
             raise InvalidParameterError("start", "record", "true, false or a time, zero or more [s]", record)
         self._asked = model, first, settings, events, record, controllers
         self._window = (math.inf if record else 0.0) if isinstance(record, bool) else float(record)

@@ -257,7 +257,7 @@ def test_forces_that_can_do_nothing_are_refused():
         (lambda: force_on("a", phase=1.0), "frequency must be given beside a phase, got none"),
         (
             lambda: force_on("a", time=(0.0, 1.0), factors=(0.0, 1.0), frequency=2.0),
-            "frequency must be left out beside a table",
+            "frequency must be left out beside time: a force has one course",
         ),
         (lambda: thruster("a", starts=(0.1,)), "durations must be one for each of 1 starts"),
         (
