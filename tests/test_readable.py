@@ -105,4 +105,6 @@ def test_what_others_wrote_is_escaped_and_an_early_end_is_red(run):
 
 def test_one_sample_has_no_sketch(run):
     start = dataclasses.replace(run, data=run.data.isel(time=[0], episode=slice(0, 0)))
-    assert 'role="img"' not in start._repr_html_() and "50 ms simulated" in start._repr_html_()
+    assert (
+        'role="img"' not in start._repr_html_() and f"{readable(0.05, 's')} simulated" in start._repr_html_()
+    )

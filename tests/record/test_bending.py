@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import base64
+import zlib
 from typing import Any
 
+import lxml.html
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -68,8 +71,10 @@ def test_reports_choose_a_magnification_that_shows_the_bending(run: Trajectory):
     chosen = bending_magnification(run)
     assert chosen is not None
     assert chosen > 1.0
-    page = report([run], figures=False).html
-    assert f"drawn {chosen:g} times as large" in page
+    page = lxml.html.fromstring(report([run], figures=False).html)
+    packed = page.xpath("//script[@type='application/zlib']/text()")
+    texts = [zlib.decompress(base64.b64decode(one)).decode(errors="ignore") for one in packed]
+    assert any(f"drawn {chosen:g} times as large" in text for text in texts)
 
 
 @pytest.mark.parametrize("magnify", [-1.0, 0.0, float("nan")])

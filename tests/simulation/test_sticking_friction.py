@@ -331,12 +331,3 @@ def test_the_friction_of_a_urdf_sticks_where_that_is_asked_for(tmp_path) -> None
                 tmp_path / "scenario.toml", overrides=["mechanism.joints.j.regularisation_speed=0.1"]
             )
         )
-
-
-def test_friction_by_load_beside_a_spring_between_points_is_refused() -> None:
-    spring = PointSpring(
-        first=("world", (0, 0, 1)), second=("arm", (0, 0, 1)), free_length=1.0, stiffness=1.0
-    )
-    friction = StickingFriction(joint="j", coefficient=0.1)
-    with pytest.raises(AntennaPinError, match="friction 'j': friction by the load of joint 'j' knows no"):
-        _one("prismatic", "1 0 0", friction, springs={"s": spring})
