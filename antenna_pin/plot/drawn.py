@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection, LineCollection, PathCollection, PolyCollection, QuadMesh
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
+from matplotlib.patches import PathPatch, Rectangle
+from matplotlib.path import Path
 
 from antenna_pin.arguments import takes
 from antenna_pin.plot._style import Array
@@ -62,8 +63,11 @@ def drawn_numbers(figure: Figure) -> list[Drawn]:
 
 def _of_panel(figure: Figure, axes: Axes) -> Iterator[Drawn]:
     panel = _plain(axes.get_title(loc="left") or axes.get_title())
-    x = _plain(axes.get_xlabel() or _time_below(figure, axes)) or "x"
-    y = _plain(axes.get_ylabel() or figure.get_supylabel() or _label_beside(figure, axes)) or "y"
+    if axes.name == "polar":  # whose labels are not those of the panels beside it
+        x, y = "angle [rad]", _plain(axes.get_ylabel()) or "radius"
+    else:
+        x = _plain(axes.get_xlabel() or _time_below(figure, axes)) or "x"
+        y = _plain(axes.get_ylabel() or figure.get_supylabel() or _label_beside(figure, axes)) or "y"
     for line in axes.lines:
         if line.get_transform().contains_branch_seperately(axes.transData) == (True, True):
             columns = (_numbers(line.get_xdata(orig=False)), _numbers(line.get_ydata(orig=False)))
@@ -75,7 +79,10 @@ def _of_panel(figure: Figure, axes: Axes) -> Iterator[Drawn]:
         if boxes:
             middle = np.array([one.get_x() + 0.5 * one.get_width() for one in boxes])
             ends = np.array([one.get_y() + one.get_height() for one in boxes])
-            yield Drawn(panel, _label(bars), (x if x != "x" else "angle [rad]", y), (middle, ends))
+            yield Drawn(panel, _label(bars), (x, y), (middle, ends))
+    for patch in axes.patches:
+        if isinstance(patch, PathPatch):
+            yield from _of_boxes(panel, (x, y), _label(patch), _pieces(patch.get_path()))
 
 
 def _of_collection(panel: str, names: tuple[str, str], many: Collection) -> Iterator[Drawn]:
@@ -104,11 +111,24 @@ def _of_collection(panel: str, names: tuple[str, str], many: Collection) -> Iter
         )
     elif isinstance(many, PolyCollection):
         every = [np.asarray(path.vertices, dtype=float) for path in many.get_paths()]
-        boxes = [path for path in every if len(path) in (4, 5)]
-        if boxes and len(boxes) == len(every):
-            least, most = (np.array([pick(box, axis=0) for box in boxes]) for pick in (np.min, np.max))
-            said = (f"{x}, from", f"{x}, to", f"{y}, from", f"{y}, to")
-            yield Drawn(panel, _label(many), said, (least[:, 0], most[:, 0], least[:, 1], most[:, 1]))
+        yield from _of_boxes(panel, names, _label(many), every)
+
+
+def _pieces(path: Path) -> list[Array]:
+    """Return the corners of each piece of a path that is drawn in several."""
+    corners, codes = np.asarray(path.vertices, dtype=float), path.codes
+    if codes is None:
+        return [corners]
+    return np.split(corners, np.flatnonzero(codes == Path.MOVETO)[1:])
+
+
+def _of_boxes(panel: str, names: tuple[str, str], label: str, every: list[Array]) -> Iterator[Drawn]:
+    """Tell of areas that all have four corners."""
+    x, y = names
+    if every and all(len(one) in (4, 5) for one in every):
+        least, most = (np.array([pick(box, axis=0) for box in every]) for pick in (np.min, np.max))
+        said = (f"{x}, from", f"{x}, to", f"{y}, from", f"{y}, to")
+        yield Drawn(panel, label, said, (least[:, 0], most[:, 0], least[:, 1], most[:, 1]))
 
 
 def _is_part(one: Drawn, whole: Drawn) -> bool:
