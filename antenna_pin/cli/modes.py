@@ -203,17 +203,11 @@ def _record(found: Modes, page: Path, numbers: list[int] | None, amplitude: floa
 def _plot(
     found: Modes, path: Path, source: str | None, targets: list[str] | None, width: Width, quiet: bool
 ) -> None:
-    from antenna_pin.linear import frequency_response, sources_of
+    from antenna_pin.linear import first_source, frequency_response
     from antenna_pin.plot import figure_response, save_figure
 
-    if source is None:
-        known = sources_of(found)
-        if not known:
-            raise InvalidParameterError(
-                "modes", "--from", "a drive or a free base, of which there is none", ""
-            )
-        source = known[0]
-    figure = figure_response(frequency_response(found, source, targets), width=width.value)
+    start = first_source(found, "--from") if source is None else source
+    figure = figure_response(frequency_response(found, start, targets), width=width.value)
     save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
     if not quiet:
         typer.echo(f"saved {path}")

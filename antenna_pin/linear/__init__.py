@@ -6,7 +6,7 @@ from antenna_pin.linear.forces import ForceDerivatives
 from antenna_pin.linear.linearisation import Linearisation, linearise
 from antenna_pin.linear.of_model import modes
 from antenna_pin.linear.play import At, Play, prepared
-from antenna_pin.linear.response import BORESIGHT, frequency_response, sources_of, targets_of
+from antenna_pin.linear.response import BORESIGHT, first_source, frequency_response, sources_of, targets_of
 from antenna_pin.linear.result import COMPONENTS, Modes, modes_at
 from antenna_pin.linear.swings import swing
 
@@ -20,6 +20,7 @@ __all__ = [
     "Linearisation",
     "Modes",
     "Play",
+    "first_source",
     "frequency_response",
     "linearise",
     "modes",

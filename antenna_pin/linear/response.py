@@ -20,7 +20,7 @@ from antenna_pin.linear.play import At
 from antenna_pin.linear.result import COMPONENTS, Modes
 from antenna_pin.linear.shaken import LINK, link_row, shakes_in, shaking
 
-__all__ = ["BORESIGHT", "frequency_response", "sources_of", "targets_of"]
+__all__ = ["BORESIGHT", "first_source", "frequency_response", "sources_of", "targets_of"]
 
 Array = NDArray[np.float64]
 
@@ -50,6 +50,23 @@ def sources_of(modes: Modes) -> list[str]:
     found = [f"drives.{n}" for n, drive in system.drives.items() if not isinstance(drive, Motion)]
     found += [f"shake.{name}" for name in shakes_in(system)]
     return found + (list(_BASE_FORCES) if system.mechanism.base == "free" else [])
+
+
+@takes()
+def first_source(modes: Modes, said: str = "source") -> str:
+    """Return what a response starts from where nobody says.
+
+    Args:
+        modes: The modes.
+        said: What the user would say it by, for the message.
+
+    Raises:
+        InvalidParameterError: There is nothing that could swing it.
+    """
+    known = sources_of(modes)
+    if not known:
+        raise InvalidParameterError("modes", said, "a drive or a free base, of which there is none", "")
+    return known[0]
 
 
 @takes()

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.linear import Modes, frequency_response, sources_of, swing
+from antenna_pin.linear import Modes, first_source, frequency_response, swing
 from antenna_pin.plot import figure_response
 from antenna_pin.record import record_several
 
@@ -44,14 +44,8 @@ def plotted(
         UnknownNameError: A source or target that there is not.
         InvalidParameterError: There is nothing that could swing it.
     """
-    if source is None:
-        known = sources_of(modes)
-        if not known:
-            raise InvalidParameterError(
-                "modes", "source", "a drive or a free base, of which there is none", ""
-            )
-        source = known[0]
-    return figure_response(frequency_response(modes, source, targets, frequencies), width=width)
+    start = first_source(modes) if source is None else source
+    return figure_response(frequency_response(modes, start, targets, frequencies), width=width)
 
 
 @takes()
