@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import changes, settings
+from antenna_pin._lazy import Classes
 from antenna_pin.changes import JointChange, LinkChange
 from antenna_pin.directions import A_DIRECTION
 from antenna_pin.elements import SineDrive
@@ -95,7 +96,7 @@ def _flags() -> Iterator[tuple[type, str]]:
 def test_true_and_false_are_themselves() -> None:
     """Of every key of every table, whatever else it lacks: nothing but true and false, NumPy's too."""
     for tables in (*FAMILY_SPECS.values(), REFERENCE_SPECS, *vars(_choices).values()):
-        if isinstance(tables, Tables):
+        if isinstance(tables, Tables | Classes):
             dict(tables)  # each is made when it is first asked for
     assert len(set(_flags())) >= 10
     for cls, name in _flags():

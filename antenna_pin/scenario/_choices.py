@@ -2,40 +2,47 @@
 
 from __future__ import annotations
 
-from antenna_pin.scenario._kinds import in_file
+from antenna_pin._lazy import Classes
 
 __all__ = ["CONTROLLER_SPECS", "COUPLING_SPECS", "EVENT_SPECS", "FLEXIBLE_SPECS"]
 
-COUPLING_SPECS = in_file(
-    "couplings",
-    {"ratio": "CouplingSpec", "differential": "DifferentialSpec", "planetary": "PlanetarySpec"},
+_ROOM = "antenna_pin.scenario"
+
+COUPLING_SPECS = Classes(
+    _ROOM,
+    {
+        "ratio": "couplings.CouplingSpec",
+        "differential": "couplings.DifferentialSpec",
+        "planetary": "couplings.PlanetarySpec",
+    },
 )
 """Tables of couplings by their kind; the first is that of a table that does not say."""
 
-FLEXIBLE_SPECS = in_file(
-    "flexible", {"modes": "ModesSpec", "petals": "PetalsSpec", "modal-data": "ModalDataSpec"}
+FLEXIBLE_SPECS = Classes(
+    _ROOM,
+    {"modes": "flexible.ModesSpec", "petals": "flexible.PetalsSpec", "modal-data": "flexible.ModalDataSpec"},
 )
 """Tables of flexible links by their kind."""
 
-EVENT_SPECS = in_file(
-    "events",
+EVENT_SPECS = Classes(
+    _ROOM,
     {
-        "angle": "AngleEvent",
-        "rate": "RateEvent",
-        "time": "TimeEvent",
-        "gap": "GapEvent",
-        "force": "ForceEvent",
+        "angle": "events.AngleEvent",
+        "rate": "events.RateEvent",
+        "time": "events.TimeEvent",
+        "gap": "events.GapEvent",
+        "force": "events.ForceEvent",
     },
 )
 """Tables of events by their kind."""
 
-CONTROLLER_SPECS = in_file(
-    "controllers",
+CONTROLLER_SPECS = Classes(
+    _ROOM,
     {
-        "pid": "PidSpec",
-        "state-feedback": "StateFeedbackSpec",
-        "attitude": "AttitudeSpec",
-        "bang-bang": "BangBangSpec",
+        "pid": "controllers.PidSpec",
+        "state-feedback": "controllers.StateFeedbackSpec",
+        "attitude": "controllers.AttitudeSpec",
+        "bang-bang": "controllers.BangBangSpec",
     },
 )
 """Tables of controllers by their kind."""

@@ -7,7 +7,6 @@ takes a millisecond or two: all of them together take longer than everything els
 from __future__ import annotations
 
 import functools
-import importlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
@@ -17,7 +16,7 @@ from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.units import shown
 
-__all__ = ["OneOf", "Tables", "in_file"]
+__all__ = ["OneOf", "Tables"]
 
 
 class Tables(Mapping[str, type[Any]]):
@@ -48,23 +47,10 @@ class Tables(Mapping[str, type[Any]]):
         return len(self._kinds)
 
 
-def in_file(file: str, classes: Mapping[str, str]) -> Tables:
-    """Return tables whose classes stand in a file of this room, which is loaded for the first of them.
-
-    Args:
-        file: Its name.
-        classes: Names of the classes by kind.
-    """
-    return Tables(
-        classes,
-        lambda kind: getattr(importlib.import_module(f"antenna_pin.scenario.{file}"), classes[kind]),
-    )
-
-
 class OneOf:
     """Annotation of a table that is one of several, by the value of a key."""
 
-    def __init__(self, tables: Tables, key: str = "kind") -> None:
+    def __init__(self, tables: Mapping[str, type[Any]], key: str = "kind") -> None:
         """Take the tables by the value of the key."""
         self.tables, self.key = tables, key
 

@@ -15,7 +15,7 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
 from antenna_pin.scenario._base import PositiveTime, Version, refuse, refuse_name
 from antenna_pin.scenario._choices import CONTROLLER_SPECS, COUPLING_SPECS, EVENT_SPECS, FLEXIBLE_SPECS
 from antenna_pin.scenario._clearance import law_tables
-from antenna_pin.scenario._kinds import OneOf, Tables
+from antenna_pin.scenario._kinds import OneOf
 from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
 from antenna_pin.scenario.clearance import CLEARANCES, ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
@@ -327,7 +327,7 @@ def _at_its_carrier(name: str, table: object) -> object:
     return table if spec is None else {spec.roles["follower"]: name, **table}
 
 
-def _check_choice(data: Mapping[str, Any], place: str, key: str, values: Tables) -> None:
+def _check_choice(data: Mapping[str, Any], place: str, key: str, values: Mapping[str, type[Any]]) -> None:
     """Refuse a table that does not say, by the value of a key, which class it is."""
     names = ", ".join(values)
     tables = data.get(place)
