@@ -132,7 +132,10 @@ SWUNG = {
 
 @pytest.mark.parametrize(
     ("key", "values"),
-    [("closures.guide.first.point", (0.0, 0.02)), ("mechanism.joints.pin.origin_xyz", (0.12, 0.15))],
+    [
+        pytest.param("closures.guide.first.point", (0.0, 0.02), marks=pytest.mark.slow),
+        ("mechanism.joints.pin.origin_xyz", (0.12, 0.15)),
+    ],
 )
 def test_a_branch_over_a_length_of_a_loop(key, values):
     """A slider-crank that swings: the height of its guide, the length of its rod, by which the loop moves.

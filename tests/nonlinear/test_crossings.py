@@ -59,7 +59,8 @@ def test_a_leaning_pendulum_comes_upright(pendulum):
     assert branch.points[-1].orbit.start.q[1] == pytest.approx(-math.sin(leans), abs=1e-8)
 
 
-@pytest.mark.parametrize("side", [pytest.param(0.0, marks=pytest.mark.slow), 1.0])
+@pytest.mark.slow
+@pytest.mark.parametrize("side", [0.0, 1.0])
 def test_two_branches_exchange_their_stability(mapped, side):
     """x -> x + sin(p) y - y^2 with y = x - p^2: orbits at y = 0 and y = sin(p), which cross at p = 0."""
 
@@ -85,7 +86,11 @@ def test_two_branches_exchange_their_stability(mapped, side):
 
 
 @pytest.mark.parametrize(
-    ("x", "arc", "order"), [(0.06, 0.18, ["flip", "fold"]), (-0.16, 0.3, ["fold", "flip"])]
+    ("x", "arc", "order"),
+    [
+        pytest.param(0.06, 0.18, ["flip", "fold"], marks=pytest.mark.slow),
+        (-0.16, 0.3, ["fold", "flip"]),
+    ],
 )
 def test_a_flip_beside_a_fold(mapped, x, arc, order):
     """Henon's map has both where 2 x = -+(1 - b), here within one step: before the fold, or behind it."""

@@ -64,6 +64,7 @@ def with_speed(state, speed):
     return dataclasses.replace(state, memory=memory, contacts=contacts)
 
 
+@pytest.mark.slow
 def test_a_branch_up_to_where_the_ball_leaves(table):
     """What the contact remembers is one more coordinate, which is left out of what is said of neighbours."""
     flow, state = lying(table, GRAVITY / STIFFNESS)

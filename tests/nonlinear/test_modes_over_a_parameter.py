@@ -47,7 +47,11 @@ def along(scenario, key, values):
 
 
 @pytest.mark.parametrize(
-    ("key", "values"), [(AMPLITUDE, [2.0, 1.5, 0.5, 0.3]), ("stops.end.upper", [0.3, 0.32, 0.35])]
+    ("key", "values"),
+    [
+        pytest.param(AMPLITUDE, [2.0, 1.5, 0.5, 0.3], marks=pytest.mark.slow),
+        ("stops.end.upper", [0.3, 0.32, 0.35]),
+    ],
 )
 def test_a_branch_goes_on_with_the_modes_it_has(rig, key, values):
     """A joint that sticks sticks on where it does: another place than where a fresh start has it."""

@@ -64,7 +64,7 @@ def by_event(system, e):
     [
         ("flip", 1.25, 1.5, 0.5),
         pytest.param("fold", 0.82, 0.5, 0.5, marks=pytest.mark.slow),
-        ("fold", 0.82, 0.5, 0.0),
+        pytest.param("fold", 0.82, 0.5, 0.0, marks=pytest.mark.slow),
     ],
 )
 def test_where_a_bouncing_orbit_changes(oscillator, kind, begin, end, phase):

@@ -69,7 +69,7 @@ def test_an_oscillator_decays_by_steps_and_stays_where_it_stops(kind: str, engin
     k, level, at = 8.0, 0.3, 1.0
     spring, friction = JointSpring(joint="j", stiffness=k), StickingFriction(joint="j", coulomb=level)
     system = _one(kind, "0 1 0", friction, springs={"s": spring})
-    settings = RunSettings(rtol=1e-11, output_rate=5.0, engine=engine)
+    settings = RunSettings(rtol=1e-11, output_rate=5.0, max_step=0.1, engine=engine)
     run = simulate(system, q=[at], v=[0.0], duration=3600.0, settings=settings)
     turns = []
     while abs(at) > level / k:
