@@ -113,7 +113,7 @@ def _flange_law(spec: Any, bore: LineLaw) -> Hertz:
         return Hertz(
             stiffness=internal_hertz_stiffness(bore.bearing_radius, bore.journal_radius, bore.modulus)
         )
-    outer = min(spec.bearing_outer_radius, spec.flange_radius)
+    outer = min(spec.radii)
     punch = annular_punch_factor(spec.bearing_radius / outer) * 2.0 * bore.modulus * outer
     if spec.flange_modulus is not None:
         punch = spec.flange_modulus * math.pi * (outer**2 - spec.bearing_radius**2)
@@ -162,9 +162,8 @@ def _from_joint(scenario: Scenario, spec: Any, key: str, place: str) -> float:
         # Of a line along the bearing each end has half, which under distributed load its strips share out; in
         # a planar joint the one contact has the whole.
         return float(spec.bearing_length / spec.ends)
-    for material in ("bearing_material", "journal_material"):
-        if getattr(spec, material) is None:
-            raise ScenarioError(f"{place}: is missing; give it or the joint's {material}")
-    return effective_modulus(
-        scenario.material(spec.bearing_material), scenario.material(spec.journal_material)
-    )
+    for key, material in zip(("bearing_material", "journal_material"), spec.materials, strict=True):
+        if material is None:
+            raise ScenarioError(f"{place}: is missing; give it or the joint's {key}")
+    bearing, journal = spec.materials
+    return effective_modulus(scenario.material(bearing), scenario.material(journal))

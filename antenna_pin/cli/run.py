@@ -145,6 +145,7 @@ def run(
         chosen = chosen.with_overrides(changes) if changes else chosen
         span = None if duration is None else positive_quantity(duration, "s", "--duration", "run")
 
+    from antenna_pin.scenario.assumed import said_of_assumed
     from antenna_pin.simulation import UnsavedError, simulate
 
     with contextlib.ExitStack() as stack:
@@ -166,6 +167,8 @@ def run(
         if not quiet:
             next_one = f"; all numbers: antenna-pin info --all {shlex.quote(str(path))}"
             typer.echo(f"saved {path}{next_one if summary and target is None else ''}")
+            for said in said_of_assumed(chosen.clearance):
+                say(f"note: {said}")
             say_spin(trajectory, "note: ")
             say_limits(trajectory, "note: ")
         outcome = trajectory.outcome.name

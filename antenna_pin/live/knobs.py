@@ -189,7 +189,7 @@ def _of_laws(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
     if not isinstance(spec, TouchingSpec):
         return
     if needs_materials(spec.radial_law):
-        for name in dict.fromkeys((spec.journal_material, spec.bearing_material)):
+        for name in dict.fromkeys(reversed(spec.materials)):
             if name is not None:
                 yield _of_material(scenario, name, f"Contact in {joint}")
     for table in ("normal", "radial", "axial", "friction"):

@@ -9,6 +9,7 @@ from typing import Any
 from antenna_pin.readable import GIVEN, number, readable
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import Scenario
+from antenna_pin.scenario.assumed import words_of_assumed
 
 __all__ = ["words_of_laws"]
 
@@ -38,8 +39,10 @@ def words_of_laws(run: ReportedRun) -> Iterator[tuple[str, str]]:
         )
         if scenario is None:
             continue
-        for part in ("bearing", "journal"):
-            material = getattr(scenario.clearance[name], f"{part}_material")
+        spec = scenario.clearance[name]
+        if parts := words_of_assumed(spec):
+            yield f"{name}, assumed", parts
+        for part, material in zip(("bearing", "journal"), getattr(spec, "materials", ()), strict=False):
             if material is not None:
                 yield f"{name}, {part}'s material", _material(scenario, material)
 

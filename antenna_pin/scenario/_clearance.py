@@ -55,10 +55,10 @@ class Clearance(Spec):
         journal_radius: R_j, if not given by the clearance [m].
         bearing_length: L_i [m].
         axial_clearance: C_a, play at each flange when centred, below 0 for a hard preload by that depth,
-            if not given by the flanges [m].
+            if not given by the flanges [m]; the radial one is assumed where neither is given.
         flange_distance: L_j = L_i + 2 C_a, between the flanges' inner faces, if not given by C_a [m].
-        bearing_outer_radius: R_io [m].
-        flange_radius: R_f [m].
+        bearing_outer_radius: R_io [m]; 1.5 R_i is assumed where it is not given.
+        flange_radius: R_f [m]; R_io is assumed where it is not given.
         guide_width: Of a guide's hollow, along its section's x [m].
         guide_height: Along its section's y [m].
         slider_width: Below the guide's, if not given by the clearance, to each side [m].
@@ -81,9 +81,11 @@ class Clearance(Spec):
             [N/m^3]; None for the one that gives the compression stiffness of a rigid annular punch.
         approach_speed_floor: Least approach speed that a law sees [m/s].
         maximum_depth: A run that presses deeper ends [m]; None for a hundredth of the bearing's radius.
-        journal_material: Name of a material: one of ``[materials]``, or one that is known without.
+        journal_material: Name of a material: one of ``[materials]``, or one that is known without; steel is
+            assumed of both parts where neither they nor a law are given.
         bearing_material: Likewise.
-        normal: Normal law of both kinds of contact.
+        normal: Normal law of both kinds of contact; where no law is given lankarani-nikravesh with a
+            restitution of 0.9 is assumed.
         radial: What is different at the bore.
         axial: What is different at the flanges.
         friction: Friction law of both kinds of contact.
@@ -168,6 +170,11 @@ class Clearance(Spec):
     def law(self, kind: Kind) -> LawSpec | None:
         """Return the normal law of a kind of contact: the common one, with what its own table changes."""
         return changed_law(self.normal, self._change(kind))
+
+    @property
+    def assumed(self) -> dict[str, float | str]:
+        """What is assumed, since nothing is said of it, by its key: SI numbers, names."""
+        return {}
 
 
 def law_tables(joint: Clearance) -> dict[str, dict[str, Any]]:

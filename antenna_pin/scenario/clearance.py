@@ -10,7 +10,6 @@ from pydantic import model_validator
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.scenario._base import PositiveLength, refuse
 from antenna_pin.scenario._clearance import (
-    AXIAL_PLAY,
     KINDS,
     RADIAL_PLAY,
     Clearance,
@@ -19,6 +18,7 @@ from antenna_pin.scenario._clearance import (
     check_play,
 )
 from antenna_pin.scenario._kinds import Tables
+from antenna_pin.scenario.assumed import OUTER, Assuming
 from antenna_pin.scenario.laws import LawSpec, needs_materials
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class IdealClearance(Clearance):
         return ("revolute", "continuous", "prismatic", *(("floating",) if self.model == "constraint" else ()))
 
 
-class TouchingSpec(Clearance):
+class TouchingSpec(Assuming):
     """What the models share whose journal touches the bearing.
 
     A kind of joint with play is one class below, which says its sizes, and its place in ``ClearanceSpec``.
@@ -105,14 +105,15 @@ class TouchingSpec(Clearance):
     @property
     def radial_law(self) -> LawSpec:
         """The normal law at the bore, or of the only contacts: ``normal``, with what ``radial`` changes."""
-        law = self.law("radial")
-        assert law is not None
-        return law
+        return self._law_of("radial")
 
     @property
     def axial_law(self) -> LawSpec:
         """The normal law at the flanges: ``normal``, with what ``axial`` changes."""
-        law = self.law("axial")
+        return self._law_of("axial")
+
+    def _law_of(self, kind: Kind) -> LawSpec:
+        law = self.law(kind)
         assert law is not None
         return law
 
@@ -132,7 +133,7 @@ class TouchingSpec(Clearance):
     def _check_contact(self) -> Self:
         self._check_plays()
         left = needs_materials(self.radial_law)
-        for name in ("journal_material", "bearing_material") if left else ():
+        for name in ("journal_material", "bearing_material") if left and not self.says_no_material else ():
             if getattr(self, name) is None:
                 refuse(f"is missing; it decides the {left}, or give normal.{left}", name)
         return self
@@ -185,31 +186,49 @@ class ContactClearance(TouchingSpec):
     model: Literal["contact"]
     bearing_radius: PositiveLength
     bearing_length: PositiveLength
-    bearing_outer_radius: PositiveLength
-    flange_radius: PositiveLength
 
     @property
     def axial_play(self) -> float:
-        """C_a = (L_j - L_i) / 2, whichever way it was given [m]."""
+        """C_a = (L_j - L_i) / 2, whichever way it was given [m]; as the radial one where it was not."""
         if self.axial_clearance is not None:
             return self.axial_clearance
-        assert self.flange_distance is not None
+        if self.flange_distance is None:
+            return self.radial_play
         return (self.flange_distance - self.bearing_length) / 2.0
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """R_io and R_f, given or assumed [m]."""
+        outer = (
+            OUTER * self.bearing_radius if self.bearing_outer_radius is None else self.bearing_outer_radius
+        )
+        return outer, outer if self.flange_radius is None else self.flange_radius
+
+    @property
+    def assumed(self) -> dict[str, float | str]:
+        """What is assumed, since nothing is said of it, by its key: SI numbers, names."""
+        found = super().assumed
+        if self.axial_clearance is None and self.flange_distance is None:
+            found["axial_clearance"] = self.axial_play
+        for key, radius in zip(("bearing_outer_radius", "flange_radius"), self.radii, strict=True):
+            if getattr(self, key) is None:
+                found[key] = radius
+        return found
 
     def sizes(self) -> dict[str, float]:
         """Return radii and lengths of bearing and journal."""
+        outer, flange = self.radii
         return {
             "bearing_radius": self.bearing_radius,
             "journal_radius": self.bearing_radius - self.radial_play,
             "bearing_length": self.bearing_length,
             "flange_distance": self.bearing_length + 2.0 * self.axial_play,
-            "bearing_outer_radius": self.bearing_outer_radius,
-            "flange_radius": self.flange_radius,
+            "bearing_outer_radius": outer,
+            "flange_radius": flange,
         }
 
     def _check_plays(self) -> None:
         check_play(self, RADIAL_PLAY)
-        check_play(self, AXIAL_PLAY)
         if self.axial_play < 0.0:
             self._check_hard()
 
