@@ -226,7 +226,7 @@ def _table(linear: Linearisation, eigen: Eigen, scenario: Scenario | None) -> xr
     if names:
         coordinates["part"] = names
     attributes = {
-        "title": system.mechanism.name if scenario is None else scenario.title,
+        "title": system.mechanism.name if scenario is None else scenario.title or scenario.name,
         "case": "" if scenario is None else scenario.case or "",
         "time": at.time,
         "play": dict(at.play),

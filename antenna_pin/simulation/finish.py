@@ -61,7 +61,7 @@ def finished(
         OutputError: The result cannot be written. Then it is in memory (:class:`UnsavedError`), or can be
             made of what the keeper has.
     """
-    title = scenario.title if scenario is not None else run.system.mechanism.name
+    title = scenario.title or scenario.name if scenario is not None else run.system.mechanism.name
     case = (scenario.case or "") if scenario is not None else ""
     lean = run.settings.output_form == "lean"
     compiled = CompileClock() if compiling is None else compiling

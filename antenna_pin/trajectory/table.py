@@ -63,7 +63,7 @@ def table_attributes(kind: TableKind, scenario: Scenario | None) -> dict[str, An
     """
     return {
         "format": FORMATS[kind],
-        "title": "" if scenario is None else scenario.title,
+        "title": "" if scenario is None else scenario.title or scenario.name,
         "name": "" if scenario is None else scenario.name,
         "case": "" if scenario is None else scenario.case or "",
         "scenario": "" if scenario is None else scenario.model_dump_json(),

@@ -80,3 +80,9 @@ def test_an_assumed_joint_is_the_same_from_the_file_of_its_run(tmp_path):
     scenario = panel(SHORT)
     run = simulate(scenario, duration=1e-3, out=tmp_path / "run.nc")
     assert run.scenario.clearance["hinge"] == scenario.clearance["hinge"]
+
+
+def test_a_scenario_without_a_title_goes_by_its_name():
+    """And is not taken for a system built in Python."""
+    run = simulate(load_scenario(PANEL / "first.toml"), duration=1e-3)
+    assert run.data.attrs["title"] == "first"
