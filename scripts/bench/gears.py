@@ -5,8 +5,8 @@ Two discs on one axis of a body that floats, a gear with play between them, no l
 play, half a swing in mesh, and back, for ever. Known in closed form are the instants of all touches, the rate
 at which it crosses its play, which must not creep, and momentum and energy, which stay. Three changes make a
 touch: a flank comes on, turns back, comes off. They are made in parts, each of which begins with the state
-that the one before has left. What errors become is told as it
-goes: a touch adds 1e-11 of the rate at this tolerance. A million takes half an hour.
+that the one before has left. What errors become is told as it goes: a touch adds 1e-11 of the rate at this
+tolerance. A million takes half an hour.
 """
 
 from __future__ import annotations
@@ -30,7 +30,10 @@ _LINK = (
     '<link name="{0}"><inertial><mass value="1"/>'
     '<inertia ixx="{1}" iyy="{1}" izz="{1}" ixy="0" ixz="0" iyz="0"/></inertial></link>'
 )
-_JOINT = '<joint name="{0}" type="continuous"><parent link="base"/><child link="{0}_link"/><axis xyz="0 0 1"/></joint>'
+_JOINT = (
+    '<joint name="{0}" type="continuous"><parent link="base"/><child link="{0}_link"/>'
+    '<axis xyz="0 0 1"/></joint>'
+)
 
 
 def _discs() -> System:
