@@ -62,7 +62,8 @@ def with_urdf_limits(data: Mapping[str, Any]) -> Any:
         data: All of the scenario, not yet validated.
     """
     stops = merge({}, {"stops": data.get("stops")})["stops"]
-    if not isinstance(stops, Mapping) or not isinstance(data.get("urdf_text"), str):
+    known = isinstance(data.get("urdf_text"), str) and isinstance(data.get("mechanism"), Mapping)
+    if not isinstance(stops, Mapping) or not known:
         return stops
     open_ = [
         name
