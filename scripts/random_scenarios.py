@@ -57,7 +57,7 @@ from scenario_elements import with_elements
 from scenario_generator import draw_scenario
 
 from antenna_pin import AntennaPinError, Progress, Scenario, Trajectory, simulate
-from antenna_pin.errors import StiffRunWarning
+from antenna_pin.errors import LongRunWarning, StiffRunWarning
 
 MOMENTUM = 1e-9
 ENERGY = 1e-5
@@ -150,8 +150,8 @@ def run_number(
             where = traceback.extract_tb(error.__traceback__)[-1]
             text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
             row.failures.append(text)
-    # That a run is stiff is said to be helpful; it goes on.
-    found = [one for one in said if not issubclass(one.category, StiffRunWarning)]
+    # That a run is stiff, or long, is said to be helpful; it goes on.
+    found = [one for one in said if not issubclass(one.category, StiffRunWarning | LongRunWarning)]
     texts = {f"warning {one.category.__name__}: {one.message}" for one in found}
     row.failures += sorted(texts)
     return row
