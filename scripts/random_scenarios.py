@@ -7,6 +7,7 @@ in a process apart, so that one that hangs or dies is listed like any other fail
     scripts/random_scenarios.py --count 200             # all
     scripts/random_scenarios.py --seed 1 --only 37      # one again
     scripts/random_scenarios.py --count 500 --engines   # with both engines, which must agree
+    scripts/random_scenarios.py --count 200 --elements  # with stops, latches, frictions, gears, ... as well
 
 What must hold, of runs that end early as well:
 
@@ -44,7 +45,7 @@ import time
 import traceback
 import warnings
 from collections import Counter, defaultdict, deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -52,10 +53,11 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+from scenario_elements import with_elements
 from scenario_generator import draw_scenario
 
 from antenna_pin import AntennaPinError, Progress, Scenario, Trajectory, simulate
-from antenna_pin.errors import StiffRunWarning
+from antenna_pin.errors import LongRunWarning, StiffRunWarning
 
 MOMENTUM = 1e-9
 ENERGY = 1e-5
@@ -65,7 +67,8 @@ WALL = 120.0  # [s]; coal under distributed load takes most, about half a millis
 AGREE, PART = 1e-6, 0.1  # how near engines come, after which part of a run
 
 _REPORT_INTERVAL = 0.5  # [s]
-_MAY_BE_NAN = ("release_time",)  # of a contact that still touches
+# Of a contact that still touches; of a change of what is no latch; of what a controller does not have yet.
+_MAY_BE_NAN = ("release_time", "change_energy", "tick_signal")
 
 
 @dataclass(slots=True)
@@ -119,7 +122,9 @@ class Row:
 # --- one scenario ------------------------------------------------------------------------------------------
 
 
-def run_number(seed: int, number: int, progress: Any = None, engines: bool = False) -> Row:
+def run_number(
+    seed: int, number: int, progress: Any = None, engines: bool = False, elements: bool = False
+) -> Row:
     """Make and run one scenario; return what became of it, whatever that is.
 
     Args:
@@ -127,12 +132,15 @@ def run_number(seed: int, number: int, progress: Any = None, engines: bool = Fal
         number: Of this one.
         progress: Called as the run goes on.
         engines: Whether both engines make the run.
+        elements: Whether its joints have more than play.
     """
     row = Row(number)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         try:
             scenario = draw_scenario(seed, number)
+            if elements:
+                scenario = with_elements(scenario, seed, number)
             row.classes = classes_of(scenario)
             if engines:
                 _run_with_both(row, scenario, progress)
@@ -142,8 +150,8 @@ def run_number(seed: int, number: int, progress: Any = None, engines: bool = Fal
             where = traceback.extract_tb(error.__traceback__)[-1]
             text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
             row.failures.append(text)
-    # That a run is stiff is said to be helpful; it goes on.
-    found = [one for one in said if not issubclass(one.category, StiffRunWarning)]
+    # That a run is stiff, or long, is said to be helpful; it goes on.
+    found = [one for one in said if not issubclass(one.category, StiffRunWarning | LongRunWarning)]
     texts = {f"warning {one.category.__name__}: {one.message}" for one in found}
     row.failures += sorted(texts)
     return row
@@ -214,6 +222,8 @@ def energy_to_spend(scenario: Scenario, run: Trajectory) -> float:
     """
     data = run.data
     stored = sum(float(data[f"{name}_energy"][0]) for name in ("kinetic", "contact", "spring"))
+    if "element_energy" in data:
+        stored += float(data["element_energy"][0].sum())
     if scenario.mechanism.base == "free":
         masses = ElementTree.fromstring(scenario.urdf_text).iter("mass")
         momentum = data["linear_momentum"].values[0]
@@ -248,6 +258,11 @@ def classes_of(scenario: Scenario) -> dict[str, tuple[str, ...]]:
         "law": [one.normal.law for one in joints if one.normal is not None],
         "dissipation": [one.normal.dissipation or "-" for one in joints if one.normal is not None],
         "friction": [one.friction.law for one in joints],
+        "element": [
+            f"{table} {one.kind}"
+            for table in ("stops", "latches", "frictions", "gears", "couplings", "forces", "shake")
+            for one in getattr(scenario, table).values()
+        ],
     }
     return {kind: tuple(sorted(set(names))) for kind, names in found.items()}
 
@@ -255,7 +270,7 @@ def classes_of(scenario: Scenario) -> dict[str, tuple[str, ...]]:
 # --- many, in processes of their own -----------------------------------------------------------------------
 
 
-def _work(pipe: Connection, seed: int, engines: bool) -> None:
+def _work(pipe: Connection, seed: int, how: Mapping[str, bool]) -> None:
     """Run the numbers that come through a pipe, and send back where they are and what became of them."""
     last = time.perf_counter()
 
@@ -268,17 +283,17 @@ def _work(pipe: Connection, seed: int, engines: bool) -> None:
     with contextlib.suppress(EOFError, OSError):  # nobody listens any more
         pipe.send("ready")
         while True:
-            pipe.send(run_number(seed, pipe.recv(), report, engines))
+            pipe.send(run_number(seed, pipe.recv(), report, **how))
 
 
 class _Worker:
     """A process that runs one number after another, and is ended if one takes too long."""
 
-    def __init__(self, seed: int, engines: bool) -> None:
+    def __init__(self, seed: int, how: Mapping[str, bool]) -> None:
         """Start the process; it says when it is ready."""
         context = multiprocessing.get_context("spawn")
         self.pipe, other = context.Pipe()
-        self.process = context.Process(target=_work, args=(other, seed, engines), daemon=True)
+        self.process = context.Process(target=_work, args=(other, seed, how), daemon=True)
         self.process.start()
         other.close()
         self.number: int | None = None
@@ -324,7 +339,7 @@ class _Worker:
 
 
 def run_numbers(
-    seed: int, numbers: Iterable[int], jobs: int, wall: float, engines: bool = False
+    seed: int, numbers: Iterable[int], jobs: int, wall: float, **how: bool
 ) -> Iterator[Row]:
     """Run numbers in several processes, each at most some seconds; yield rows as they come."""
     waiting = deque(numbers)
@@ -332,7 +347,7 @@ def run_numbers(
     try:
         while waiting or any(worker.number is not None for worker in workers):
             while len(workers) < min(jobs, len(waiting)):
-                workers.append(_Worker(seed, engines))
+                workers.append(_Worker(seed, how))
             for worker in workers:
                 if waiting and worker.ready and worker.number is None:
                     worker.begin(waiting.popleft())
@@ -458,6 +473,7 @@ def main() -> int:
         "--wall", type=float, default=WALL, metavar="S", help="longest time of a run in seconds (%(default)s)"
     )
     add("--engines", action="store_true", help="have both engines make each run")
+    add("--elements", action="store_true", help="give joints what they may have besides play")
     add("--brief", action="store_true", help="without the table of classes")
     add("--save", type=Path, metavar="FILE.csv", help="write a row for each scenario")
     given = parser.parse_args()
@@ -466,7 +482,8 @@ def main() -> int:
     numbers = range(given.first, given.first + given.count) if given.only is None else [given.only]
     _compile()
     rows = []
-    for row in run_numbers(given.seed, numbers, min(given.jobs, len(numbers)), given.wall, given.engines):
+    how = {"engines": given.engines, "elements": given.elements}
+    for row in run_numbers(given.seed, numbers, min(given.jobs, len(numbers)), given.wall, **how):
         rows.append(row)
         for line in failure_lines([row], given.seed):
             print(f"FAILED {line}", flush=True)

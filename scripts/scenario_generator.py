@@ -35,7 +35,7 @@ from antenna_pin.contact import (
     normal_parameters,
 )
 
-__all__ = ["draw_scenario"]
+__all__ = ["draw_scenario", "own_inertias"]
 
 Array = NDArray[np.float64]
 Random = np.random.Generator
@@ -183,7 +183,7 @@ def _attempt(seed: int, number: int, rng: Random) -> Scenario | None:
         laws = _Laws.of(rng, clearances[name], effective_modulus(*pair), mass, speed)
         clearances[name] |= _law_tables(seed, f"{k}", number, laws, tree.play[name])
     table["clearance"] = clearances
-    moments = _own_inertias(draft, system)
+    moments = own_inertias(draft, system)
     table["drives"] = _drives(seed, number, rng, tree, moments)
     table["springs"] = _springs(seed, number, rng, tree, moments, table["initial"]["joints"])
     return at_speed(table, speed, rng)
@@ -389,7 +389,7 @@ def _law_tables(seed: int, k: str, number: int, laws: _Laws, kind: str) -> Table
 # --- what acts ---------------------------------------------------------------------------------------------
 
 
-def _own_inertias(draft: Scenario, system: System) -> dict[str, float]:
+def own_inertias(draft: Scenario, system: System) -> dict[str, float]:
     """Return the inertia about (mass along) each joint's axis, all others free [kg m^2] ([kg])."""
     q, _ = initial_state(draft, system)
     inverse = inverse_mass(system, q)

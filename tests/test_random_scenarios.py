@@ -39,6 +39,15 @@ def test_a_random_scenario_keeps_its_ledgers(script, number):
     assert (row.momentum <= script.MOMENTUM) if conserved else np.isnan(row.momentum)
 
 
+@pytest.mark.parametrize("number", [12])
+def test_one_with_elements_keeps_its_ledgers(script, number):
+    """In samples at the peaks of contacts too, which are recorded when joints may stick that slipped then."""
+    row = script.run_number(SEED, number, elements=True)
+    assert row.failures == []
+    assert row.outcome == "COMPLETED", row.message
+    assert row.classes["element"]
+
+
 def test_both_engines_come_to_the_same(script):
     row = script.run_number(SEED, FEW[1], engines=True)
     assert row.failures == []

@@ -159,7 +159,10 @@ def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
         if caught:
             last = max(caught, key=lambda name: caught[name])
             text += f", the last ({last}) at {readable(caught[last], 's', 6)}"
-        yield Line("latches", text + (f"; {_counted(refused, 'refusal')}" if refused else ""))
+        energies = [one["largest_energy_refused"] for one in latches.values() if one["refusals"]]
+        if refused:
+            text += f"; {_counted(refused, 'refusal')}, at most {readable(max(energies), 'J')}"
+        yield Line("latches", text)
 
     gears = summary.get("gears", {})
     if gears:

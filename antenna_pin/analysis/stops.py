@@ -28,6 +28,7 @@ _CHANGE = {
     "rate": ("rad/s", "of the joint before (m/s)"),
     "loss": ("J", "energy lost by it"),
     "impulse": ("N m s", "on the child by it (N s)"),
+    "energy": ("J", "of the joint's own motion before: what a lock would take"),
 }
 
 
@@ -62,7 +63,7 @@ def latch_events(run: RunLike) -> xr.Dataset:
 
     Returns:
         Over ``latch_event``: ``time`` [s], ``angle`` [rad], ``rate`` [rad/s], ``loss`` [J], ``impulse``
-        [N m s], in m, m/s and N s at a joint that slides; labelled by ``latch`` (its place) and ``what``.
+        [N m s], ``energy`` [J], in m, m/s and N s at a joint that slides; labelled by ``latch`` (its place) and ``what``.
     """
     found = latch_changes(data_of(run))
     labels = {"latch": [one.element for one in found], "what": [one.what for one in found]}

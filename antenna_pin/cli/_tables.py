@@ -68,6 +68,7 @@ _ENTRIES = {
     "time_slack": ("time with a slack strand", "s"),
     "captures": ("captures", ""),
     "refusals": ("refusals", ""),
+    "largest_energy_refused": ("largest energy refused", "J"),
     "last_capture": ("last capture", "s"),
     "let_go": ("let go", ""),
     "ticks": ("instants", ""),

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from antenna_pin.dynamics.deflection import Deflections, deflections
     from antenna_pin.dynamics.evaluate import acceleration, contact_memory
     from antenna_pin.dynamics.held import HeldKind
-    from antenna_pin.dynamics.impulse import impulse
+    from antenna_pin.dynamics.impulse import impulse, reduced_inertia
     from antenna_pin.dynamics.links import acting_on_links
     from antenna_pin.dynamics.motion import JointMotion, motion_block
     from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
@@ -110,7 +110,7 @@ loaded_when_used(
         "deflection": "Deflections deflections",
         "evaluate": "acceleration contact_memory",
         "held": "HeldKind",
-        "impulse": "impulse",
+        "impulse": "impulse reduced_inertia",
         "links": "acting_on_links",
         "motion": "JointMotion motion_block",
         "samples": "Observed joint_motion observed sliding_motion",

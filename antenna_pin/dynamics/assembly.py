@@ -242,7 +242,7 @@ def check_closed(system: System, y: Array) -> None:
     open_by = max(found.gap / length, found.turn, found.speed / length, found.spin)
     if not open_by <= _GIVEN:
         raise MechanismError(f"initial state: {said_of_open(system, found, length)}")
-    workspace.hold(0.0, y)
+    workspace.hold(0.0, y, workspace.program)
 
 
 def check_motions(system: System, y: Array, begin: float, end: float) -> None:

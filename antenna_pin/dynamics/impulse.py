@@ -10,6 +10,7 @@ momentum stays.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,9 +19,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.constraints.factor_kernels import NOTHING
+from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.workspace import Workspace
 
-__all__ = ["impulse"]
+__all__ = ["impulse", "reduced_inertia"]
 
 Array = NDArray[np.float64]
 
@@ -40,26 +42,69 @@ def impulse(
         The velocity after it, (nv,); the impulses of the rows of elements that hold, (holds,), and those of
         ``wanted`` in its order [N m s] ([N s]), on the child.
     """
-    model = workspace.model
-    nq, nv = model.nq, model.nv
+    nq, nv = workspace.model.nq, workspace.model.nv
     v = y[nq : nq + nv]
-    rows: list[Array] = []
-    lacks: list[float] = []
-    held = 0
-    constraints = workspace.constraints
-    if constraints is not None:
-        workspace.prepare_motions(t, y)
-        constraints.residuals(t, y, workspace.program)
-        some = np.abs(constraints.every_row).max(axis=1) > NOTHING * constraints.plan.length
-        rows += list(np.where(some[:, None], constraints.every_row, 0.0))
-        lacks += list(np.where(some, -constraints.every_speed, 0.0))
-        held = len(constraints.loads())
+    rows, lacks, held = _held_rows(workspace, t, y)
     for at, rate in wanted.items():
         row = np.zeros(nv)
         row[at] = 1.0
         rows.append(row)
         lacks.append(rate - v[at])
-    mass: Any = pin.crba(model, workspace.data, y[:nq])
+    change, forces = _nearest(workspace, y, rows, lacks)
+    end = len(rows) - len(wanted)
+    own = forces[end - held : end] * _lengths(workspace, held)
+    return v + change, own, forces[end:]
+
+
+def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> float:
+    r"""Return the reduced inertia of an element's joint, with all rows that hold held [kg m^2] ([kg]).
+
+    .. math:: I_r = \Lambda, \qquad \text{where } r \cdot (v^+ - v^-) = 1
+
+    with the slopes r of the joint's rate over velocities. It is the impulse at the joint, on both sides, that
+    changes its rate by one.
+
+    Args:
+        workspace: The system, with the modes that its elements have.
+        t: Time [s].
+        y: State [q, v, x].
+        block: Place of the element in the program.
+
+    Returns:
+        It; infinite where the joint cannot move.
+    """
+    nq, nv = workspace.model.nq, workspace.model.nv
+    alone = y.copy()
+    row = np.zeros(nv)
+    for k in range(nv):
+        alone[nq : nq + nv] = 0.0
+        alone[nq + k] = 1.0
+        row[k] = kernels.joint_motion(workspace.program, block, alone, nq)[1]
+    rows, lacks, _ = _held_rows(workspace, t, y)
+    change, forces = _nearest(workspace, y, [*rows, row], [*(0.0 * np.array(lacks)), 1.0])
+    # What is held has no motion in common with the row: the nearest change has none of its rate.
+    return float(forces[-1]) if float(row @ change) > 0.5 else math.inf
+
+
+def _held_rows(workspace: Workspace, t: float, y: Array) -> tuple[list[Array], list[float], int]:
+    """Return the rows that hold, what their rates lack, and how many of them are elements'."""
+    constraints = workspace.constraints
+    if constraints is None:
+        return [], [], 0
+    workspace.prepare_motions(t, y)
+    constraints.residuals(t, y, workspace.program)
+    some = np.abs(constraints.every_row).max(axis=1) > NOTHING * constraints.plan.length
+    rows = list(np.where(some[:, None], constraints.every_row, 0.0))
+    lacks = list(np.where(some, -constraints.every_speed, 0.0))
+    return rows, lacks, len(constraints.loads())
+
+
+def _nearest(
+    workspace: Workspace, y: Array, rows: list[Array], lacks: list[float]
+) -> tuple[Array, Array]:
+    """Return the change of velocity nearest in kinetic energy that rows lack, and their impulses."""
+    model = workspace.model
+    mass: Any = pin.crba(model, workspace.data, y[: model.nq])
     mass = np.triu(mass) + np.triu(mass, 1).T
     root = np.linalg.cholesky(mass)
     # In z = L^T v the kinetic energy is the sum of squares: the least change is the nearest velocity.
@@ -68,12 +113,9 @@ def impulse(
     lengths[lengths == 0.0] = 1.0
     unit = reduced / lengths[:, None]
     change = np.linalg.lstsq(unit, np.array(lacks) / lengths, rcond=1e-11)[0]
-    after = v + np.linalg.solve(root.T, change)
     # Multipliers of least norm that make this change.
     forces = np.linalg.lstsq(unit.T, change, rcond=1e-11)[0] / lengths
-    end = len(rows) - len(wanted)
-    own = forces[end - held : end] * _lengths(workspace, held)
-    return after, own, forces[end:]
+    return np.linalg.solve(root.T, change), forces
 
 
 def _lengths(workspace: Workspace, held: int) -> Array:

@@ -44,9 +44,7 @@ CONTACT_WORDS = words_of(CONTACT)
 
 # What an element acts about at a joint with play, by its number.
 ABOUTS = ("bearing", "journal", "motion", "pose")
-ABOUT_JOURNAL = 1
-ABOUT_MOTION = 2
-ABOUT_POSE = 3
+ABOUT_JOURNAL, ABOUT_MOTION, ABOUT_POSE = 1, 2, 3
 
 #: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
 #: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about,
@@ -146,10 +144,12 @@ def element_state(p: Any, b: int, t: float, y: Any, nq: int) -> tuple[float, flo
 
 
 @kernel
-def element_kink(p: Any, b: int, t: float, y: Any, nq: int) -> float:
-    """Where the element block at b has kinks: a function that passes zero at them."""
-    angle, rate, _, _ = joint_motion(p, b, y, nq)
-    return float(elements.kink(element_at(p, b).kind, p, b + PARAMETERS, t, angle, rate))
+def element_kink(p: Any, b: int, k: int, t: float, y: Any) -> float:
+    """Function k of the element block at b that passes zero where it has kinks."""
+    head, e = head_of(p), element_at(p, b)
+    angle, rate, _, _ = joint_motion(p, b, y, head.nq)
+    own = y, head.nq + head.nv + e.x
+    return float(elements.kink_of(e.kind, p, b + PARAMETERS, k, (t, angle, rate), own))
 
 
 @kernel

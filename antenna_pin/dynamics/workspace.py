@@ -238,11 +238,16 @@ class Workspace:
         else:
             rates[: self.model.nv] = self._accelerate(t, y, self.tau)
 
-    def hold(self, t: float, y: Array) -> None:
-        """Bring a state that is only looked at onto the constraints, in place, and book nothing."""
+    def hold(self, t: float, y: Array, program: Array) -> None:
+        """Bring a state that is only looked at onto what a program holds, in place, and book nothing."""
         assert self.constraints is not None
-        self.prepare_motions(t, y)
-        self.constraints.project(t, y, self.program, self.retract)
+        present = self.program.copy()
+        self.program[:] = program
+        try:
+            self.prepare_motions(t, y)
+            self.constraints.project(t, y, self.program, self.retract)
+        finally:
+            self.program[:] = present
 
     def retract(self, y: Array, step: Array) -> None:
         """Move the configuration in y, in place, by a step in the coordinates of velocities, (nv,)."""

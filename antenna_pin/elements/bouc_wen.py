@@ -84,9 +84,10 @@ class BoucWen(Element):
         return float((self.slope / (self.beta + self.gamma)) ** (1.0 / self.exponent))
 
     @property
-    def has_kinks(self) -> bool:
-        """Where it turns back."""
-        return True
+    def kinks(self) -> int:
+        """Where it turns back; and where z passes zero, for size and sign of z are in its rate."""
+        odd = self.exponent % 2.0 == 1.0 and self.gamma == 0.0
+        return 1 if odd else 2
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""

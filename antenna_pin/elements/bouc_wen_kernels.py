@@ -62,6 +62,9 @@ def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
-    """Its rate: where the joint turns back, z goes another way."""
-    return rate
+def kink_of(words: Any, at: int, k: int, motion: Any, own: Any) -> float:
+    """0: its rate, for where the joint turns back z goes another way; 1: z, of whose size it yields by."""
+    if k == 0:
+        return float(motion[2])
+    y, i = own
+    return float(record(words[at : at + SIZE], LAYOUT).start + y[i + Z])

@@ -26,6 +26,8 @@ class Capture(ModalElement):
         angle: Where it holds, in the middle of the window [rad] ([m]).
         width: The window from its middle to either end [rad] ([m]); zero to try it where it passes the angle.
         greatest_rate: Up to which it captures [rad/s] ([m/s]); None for any rate.
+        greatest_energy: Up to which it captures, of the joint's own motion: half the reduced inertia of what is
+            on both sides times the rate squared, what a lock would take [J]; None for any energy.
         direction: The way that the joint must go, or be at rest, to be captured.
         holding_torque: At which it lets go [N*m] ([N]); None if never.
         switches_off: What is switched off as it captures, such as ``springs.deployment``.
@@ -35,11 +37,13 @@ class Capture(ModalElement):
 
     modes: ClassVar[tuple[str, ...]] = ("outside", "inside", "held", "let go")
     switches: ClassVar[int] = 3
+    weighs: ClassVar[bool] = True
     remembers: ClassVar[tuple[str, ...]] = ("side",)
 
     angle: float = parameter("rad", sliding="m")
     width: float = parameter("rad", sliding="m", rule="zero or more", default=0.0)
     greatest_rate: float | None = parameter("rad/s", sliding="m/s", rule="positive", default=None)
+    greatest_energy: float | None = parameter("J", rule="positive", default=None)
     direction: Direction = "both"
     holding_torque: float | None = parameter("N*m", sliding="N", rule="positive", default=None)
     switches_off: tuple[str, ...] = ()
@@ -56,10 +60,16 @@ class Capture(ModalElement):
         lower, upper = self.window
         return {"angle": float(self.angle), "lower": float(lower), "upper": float(upper)}
 
-    def captures_at(self, rate: float) -> bool:
-        """Whether a joint in the window is captured at this rate."""
-        way = _WAYS[self.direction] * rate if self.direction != "both" else abs(rate)
-        return 0.0 <= way and (self.greatest_rate is None or way <= self.greatest_rate)
+    @property
+    def weighed(self) -> tuple[int, ...]:
+        """Which of its functions ask for its joint's reduced inertia."""
+        return () if self.greatest_energy is None else (1,)
+
+    def captures(self, met: Met) -> bool:
+        """Whether a joint in the window is captured as it goes."""
+        way = _WAYS[self.direction] * met.rate if self.direction != "both" else abs(met.rate)
+        slow = self.greatest_rate is None or way <= self.greatest_rate
+        return 0.0 <= way and slow and (self.greatest_energy is None or met.energy <= self.greatest_energy)
 
     def first(self, met: Met) -> Change | None:
         """Return where the joint starts: beside the window, in it, or held there."""
@@ -67,14 +77,16 @@ class Capture(ModalElement):
         side = self._side(met)
         if not lower <= met.angle <= upper:
             return Change(OUTSIDE, memory=side)
-        return self._held(met, "") if self.captures_at(met.rate) else Change(INSIDE, memory=side)
+        if self.greatest_energy is not None and met.rate != 0.0:
+            return Change(OUTSIDE, memory=side)  # it comes in before the run begins, and is weighed then
+        return self._held(met, "") if self.captures(met) else Change(INSIDE, memory=side)
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Come into the window or leave it, be captured or refused, let go."""
         if self.mode == HELD:
             return Change(LET_GO, "let go")
         if self.mode == OUTSIDE:
-            if self.captures_at(met.rate):
+            if self.captures(met):
                 return self._held(met, "latched")
             if self.width == 0.0:
                 return Change(OUTSIDE, "refused", {"side": -self.side})
@@ -100,6 +112,7 @@ class Capture(ModalElement):
             "lower": lower,
             "upper": upper,
             "greatest_rate": math.inf if self.greatest_rate is None else self.greatest_rate,
+            "greatest_energy": math.inf if self.greatest_energy is None else self.greatest_energy,
             "direction": _WAYS[self.direction],
             "holding": math.inf if self.holding_torque is None else self.holding_torque,
             "mode": self.mode,
@@ -112,8 +125,13 @@ class Capture(ModalElement):
         told = [f"at {self.said('angle', slides)}"]
         if self.width:
             told.append(f"window {self.said('width', slides)} to either side")
-        if self.greatest_rate is not None:
-            told.append(f"captures up to {self.said('greatest_rate', slides)}")
+        most = [
+            self.said(name, slides)
+            for name in ("greatest_rate", "greatest_energy")
+            if getattr(self, name) is not None
+        ]
+        if most:
+            told.append(f"captures up to {' and '.join(most)}")
         if self.direction != "both":
             told.append(f"on the way {self.direction}")
         if self.holding_torque is not None:

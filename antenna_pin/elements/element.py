@@ -20,7 +20,8 @@ One whose torque depends on what it integrates (``states``) has instead of the f
 - ``effort_of(words, at, motion, own)``, with ``motion = (t, angle, rate)`` and ``own = (y, i)``: what it
   integrates stands at ``y[i:]``;
 - ``write_rates_of(words, at, motion, own, rates, x)``, with ``motion = (angle, rate, power)``;
-- ``stored_of(words, at, angle, own)``.
+- ``stored_of(words, at, angle, own)``;
+- where kinks depend on that ``kink_of(words, at, k, motion, own)``, function k of its ``kinks``.
 
 It enters by one line of :mod:`antenna_pin.elements.registry`; everything else follows from there.
 """
@@ -133,6 +134,11 @@ class ForceElement:
         return False
 
     @property
+    def kinks(self) -> int:
+        """How many functions its kernels have for that; more than one by ``kink_of``, which is told which."""
+        return int(self.has_kinks)
+
+    @property
     def reversals(self) -> tuple[str, ...]:
         """Joints at whose turning back its effort has a kink: steps end there too."""
         return ()
@@ -206,7 +212,7 @@ class ForceElement:
     def unit(self, name: str, slides: bool) -> str:
         """Return the unit of one of its parameters as :mod:`antenna_pin.readable` takes it."""
         found = parameters_of(type(self))[name]
-        return (found.sliding if slides and found.sliding else found.unit).replace("*", " ")
+        return (found.sliding if slides and found.sliding else found.unit).replace("**", "^").replace("*", " ")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -127,6 +127,14 @@ effort_of = _chain("effort_of", _effort)
 write_rates_of = _chain("write_rates_of", _write_rates)
 stored_of = _chain("stored_of", _stored)
 kink = _chain("kink", _no_kind)
+
+
+def _kink(asked: int, words: Any, at: int, k: int, motion: Any, own: Any) -> float:
+    t, angle, rate = motion
+    return float(kink(asked, words, at, t, angle, rate))
+
+
+kink_of = _chain("kink_of", _kink)
 reference = _chain("reference", _no_reference)
 motion = _chain("motion", _no_motion)
 # Of those with modes.

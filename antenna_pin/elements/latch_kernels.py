@@ -11,14 +11,16 @@ from antenna_pin.records import layout, words_of
 # Its modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
 OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
 
-#: Window with its middle, where it holds, greatest rate and way of capture (+1, -1, 0 for both), spring and
-#: damper with half of the play, torque at which it lets go (infinite: never), the mode, on which side of the
-#: window the joint is or was (+1 above), and which flank of its play the joint is pressed to (0: none).
+#: Window with its middle, where it holds, greatest rate, energy (infinite: any) and way of capture (+1, -1, 0
+#: for both), spring and damper with half of the play, torque at which it lets go (infinite: never), the mode,
+#: on which side of the window the joint is or was (+1 above), and which flank of its play the joint is pressed
+#: to (0: none).
 LAYOUT = layout(
     ("lower", "f8"),
     ("middle", "f8"),
     ("upper", "f8"),
     ("greatest_rate", "f8"),
+    ("greatest_energy", "f8"),
     ("direction", "f8"),
     ("stiffness", "f8"),
     ("damping", "f8"),
@@ -80,12 +82,20 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @inlined
-def beyond_capture(latch: Any, rate: float) -> float:
-    """By how much the rate is not one to be captured at [rad/s]; zero or less where it is."""
+def beyond_capture(latch: Any, rate: float, inertia: float) -> float:
+    """By how much the rate is not one to be captured at [rad/s]; zero or less where it is.
+
+    A latch with a greatest energy asks for the joint's reduced inertia; not-a-number gives not-a-number.
+    """
+    most = latch.greatest_rate
+    if not math.isinf(latch.greatest_energy):
+        by_energy = math.sqrt(2.0 * latch.greatest_energy / inertia)
+        if not by_energy > most:
+            most = by_energy
     if latch.direction == 0.0:
-        return abs(rate) - float(latch.greatest_rate)
+        return float(abs(rate) - most)
     way = latch.direction * rate
-    return float(max(way - latch.greatest_rate, -way))
+    return float(-way if -way > way - most else way - most)
 
 
 @inlined
@@ -95,15 +105,16 @@ def inside(latch: Any, angle: float) -> float:
 
 
 @kernel
-def capture(latch: Any, k: int, angle: float, rate: float) -> tuple[float, float]:
+def capture(latch: Any, k: int, motion: Any) -> tuple[float, float]:
     """Functions that a latch has whatever holds: 0 the window's end, 1 the rates that it captures at."""
+    _, angle, rate, inertia = motion
     if k == 0 and latch.mode != HELD:
         if latch.mode == OUTSIDE:
             end = latch.upper if latch.side > 0.0 else latch.lower
             return float(latch.side * (angle - end)), float(latch.side * rate)
         return inside(latch, angle), (rate if angle < latch.middle else -rate)
     if k == 1 and latch.mode == INSIDE:
-        return beyond_capture(latch, rate), 0.0
+        return beyond_capture(latch, rate, inertia), 0.0
     return 1.0, 0.0
 
 
@@ -128,7 +139,7 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion
     if k < 2:
-        return capture(latch, k, angle, rate)
+        return capture(latch, k, motion)
     if k == 3:
         return _flanks(latch, angle, rate)
     if latch.mode == HELD and not math.isinf(latch.holding):

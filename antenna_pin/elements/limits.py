@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from antenna_pin.elements.modal import ModalElement
 from antenna_pin.errors import InvalidParameterError
@@ -50,6 +51,27 @@ class Limits(ModalElement):
     def highest(self) -> float:
         """Upper limit, or infinity."""
         return math.inf if self.upper is None else self.upper
+
+    def said_by(self, name: str, side: int) -> str:
+        """Return the parameter that says what a side has: ``upper_`` one where the upper side has its own."""
+        upper = f"upper_{name}"
+        return upper if side == UPPER and getattr(self, upper, None) is not None else name
+
+    def of_side(self, name: str, side: int) -> Any:
+        """Return what a side has of a parameter in which the sides may differ."""
+        return getattr(self, self.said_by(name, side))
+
+    def differs(self, names: Iterable[str]) -> bool:
+        """Whether the upper side has any of these parameters of its own."""
+        return any(self.said_by(name, UPPER) != name for name in names)
+
+    def check_upper(self, names: Iterable[str]) -> None:
+        """Refuse parameters of an upper side that is none."""
+        for name in names if self.upper is None else ():
+            own = self.said_by(name, UPPER)
+            if own != name:
+                rule = "left out where there is no upper limit; give upper"
+                raise InvalidParameterError(self, own, rule, getattr(self, own))
 
     def words_of_limits(self, slides: bool) -> str:
         """Return the limits in words."""

@@ -5,7 +5,7 @@ Beside the kernels of any element these have
 - ``switch(words, at, k, motion)``, with ``motion = (t, angle, rate, load)``: function k of ``switches`` and
   its rate, 0 where that is not known. It is positive while the mode stays, and the mode may change where it
   passes zero; of another mode's functions it is 1. ``load`` is the torque that the element's row carries
-  [N m], on the child;
+  [N m], on the child, and of a function that is ``weighed`` its joint's reduced inertia [kg m^2];
 - ``mode(words, at)``: the present one, from its record;
 - if the element ``holds``: ``hold(words, at)``: whether its joint is held now, and where [rad].
 """
@@ -37,6 +37,8 @@ class Met(NamedTuple):
         rate: Of the joint [rad/s] ([m/s]).
         load: Torque that its row carries, on the child, 0 where it holds nothing [N m] ([N]).
         integrals: What it has integrated so far, in the order of its own.
+        inertia: Reduced inertia about the joint's axis of what is on both its sides [kg m^2] ([kg]), for those
+            that ask for it (``weighs``), else 0.
     """
 
     t: float
@@ -44,6 +46,12 @@ class Met(NamedTuple):
     rate: float
     load: float
     integrals: tuple[float, ...] = ()
+    inertia: float = 0.0
+
+    @property
+    def energy(self) -> float:
+        """Of the joint's own motion [J]: what a lock would take."""
+        return 0.5 * self.inertia * self.rate * self.rate
 
 
 class Change(NamedTuple):
@@ -88,6 +96,8 @@ class Modal(ForceElement):
     modes: ClassVar[tuple[str, ...]]
     switches: ClassVar[int]
     loaded: ClassVar[tuple[int, ...]] = ()
+    # Whether it meets its joint's reduced inertia, and the energy of its motion is told.
+    weighs: ClassVar[bool] = False
     # Fields beside ``mode`` that changes of mode write; whether it holds its joint in some mode.
     remembers: ClassVar[tuple[str, ...]] = ()
     holds: ClassVar[bool] = False
@@ -102,6 +112,11 @@ class Modal(ForceElement):
     def ever_changes(self) -> bool:
         """Whether it has more than one mode, as it is."""
         return True
+
+    @property
+    def weighed(self) -> tuple[int, ...]:
+        """Which of its functions ask for its joint's reduced inertia."""
+        return ()
 
     @property
     def has_row(self) -> bool:

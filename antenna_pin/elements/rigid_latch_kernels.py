@@ -9,13 +9,15 @@ from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.elements.latch_kernels import HELD, capture
 from antenna_pin.records import layout, words_of
 
-#: Window with its middle, greatest rate and way of capture (+1, -1, 0 for both), torque at which it lets go
-#: (infinite: never), the mode, on which side of the window the joint is or was (+1 above), where it is held.
+#: Window with its middle, greatest rate, energy (infinite: any) and way of capture (+1, -1, 0 for both), torque
+#: at which it lets go (infinite: never), the mode, on which side of the window the joint is or was (+1 above),
+#: where it is held.
 LAYOUT = layout(
     ("lower", "f8"),
     ("middle", "f8"),
     ("upper", "f8"),
     ("greatest_rate", "f8"),
+    ("greatest_energy", "f8"),
     ("direction", "f8"),
     ("holding", "f8"),
     ("mode", "i8"),
@@ -43,7 +45,7 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, load = motion
     if k < 2:
-        return capture(latch, k, angle, rate)
+        return capture(latch, k, motion)
     if latch.mode == HELD and not math.isinf(latch.holding):
         return float(latch.holding - abs(load)), 0.0
     return 1.0, 0.0

@@ -35,6 +35,7 @@ class RigidStop(Limits):
 
     Attributes:
         restitution: e, in [0, 1] [-].
+        upper_restitution: e of the upper side, where it differs; None for the same [-].
         rest_rate: Rate below which a joint that comes no longer bounces [rad/s] ([m/s]).
         on: Whether it acts from the start on; an event may switch it.
     """
@@ -44,14 +45,17 @@ class RigidStop(Limits):
     holds: ClassVar[bool] = True
 
     restitution: float = parameter(rule="zero or more")
+    upper_restitution: float | None = parameter(rule="zero or more", default=None)
     rest_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-3)
     on: bool = True
 
     def __post_init__(self) -> None:
         """Check limits and restitution."""
         Limits.__post_init__(self)
-        if self.restitution > 1.0:
-            raise InvalidParameterError(self, "restitution", "in [0, 1]", self.restitution)
+        self.check_upper(("restitution",))
+        for name in ("restitution", "upper_restitution"):
+            if (getattr(self, name) or 0.0) > 1.0:
+                raise InvalidParameterError(self, name, "in [0, 1]", getattr(self, name))
 
     def first(self, met: Met) -> Change | None:
         """Refuse a start beyond a stop; one that starts on it comes to rest there at once."""
@@ -75,9 +79,10 @@ class RigidStop(Limits):
         # What leaves and is back already hops lower than angles are known, and rests.
         if approach < 0.0 and abs(met.angle - limit) > _HOP:
             return None
-        if self.restitution == 0.0 or approach <= self.rest_rate:
+        restitution = self.of_side("restitution", side)
+        if restitution == 0.0 or approach <= self.rest_rate:
             return Change(side, f"{self.modes[side]}: rests")
-        return Change(FREE, f"{self.modes[side]}: bounces", restitution=self.restitution)
+        return Change(FREE, f"{self.modes[side]}: bounces", restitution=restitution)
 
     def bears(self, impulse: float) -> Change | None:
         """Let go of a joint that an impulse elsewhere takes off the stop."""
@@ -90,6 +95,6 @@ class RigidStop(Limits):
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        return (
-            f"rigid end stop {self.words_of_limits(slides)}, restitution {self.said('restitution', slides)}"
-        )
+        told = f"rigid end stop {self.words_of_limits(slides)}, restitution {self.said('restitution', slides)}"
+        upper = "" if self.upper_restitution is None else f", above {self.said('upper_restitution', slides)}"
+        return told + upper

@@ -51,8 +51,8 @@ class EndStop(Limits):
               f_e = K \delta \left(\frac{\delta}{1\,\mathrm{rad}}\right)^{n - 1}
 
     with f of the law named, of which the depth is the angle beyond the limit. Touch and release are located;
-    the rate of approach that many laws damp by is that of the present touch. Sides that differ are two stops
-    at the same joint. A start beyond a limit is a start pressed in, at rest with the least rate. At a joint
+    the rate of approach that many laws damp by is that of the present touch. What is said here is of both sides;
+    where the upper one differs ``upper_stiffness``, ``upper_law``, ... say it, of that side alone. A start beyond a limit is a start pressed in, at rest with the least rate. At a joint
     with play phi is the motion angle. The angle counts whole turns: a joint that turns without end has its
     limits where they are said, and once.
 
@@ -66,6 +66,15 @@ class EndStop(Limits):
         full_damping_depth: Of ``adams-impact`` [rad] ([m]).
         slope: Of ``marhefka-orin``: loss of restitution over rate [s/rad] ([s/m]).
         inertia: Of ``tsuji`` and ``jankowski``: what strikes the stop [kg*m**2] ([kg]).
+        upper_stiffness: K of the upper side; None for the same [N*m/rad] ([N/m]).
+        upper_exponent: n of the upper side; None for the same [-].
+        upper_law: Law of the upper side, which then asks for its own parameters anew where the law of both
+            sides does not have them; None for the same.
+        upper_restitution: Of the upper side; None for the same [-].
+        upper_damping: Of the upper side; None for the same [N*m*s/rad] ([N*s/m]).
+        upper_full_damping_depth: Of the upper side; None for the same [rad] ([m]).
+        upper_slope: Of the upper side; None for the same [s/rad] ([s/m]).
+        upper_inertia: Of the upper side; None for the same [kg*m**2] ([kg]).
         least_rate: Least rate of approach that a law sees [rad/s] ([m/s]).
         on: Whether it acts from the start on; an event may switch it.
         approach: Rate at the onset of the present touch [rad/s] ([m/s]).
@@ -88,6 +97,14 @@ class EndStop(Limits):
     full_damping_depth: float | None = parameter("rad", sliding="m", rule="positive", default=None)
     slope: float | None = parameter("s/rad", sliding="s/m", rule="zero or more", default=None)
     inertia: float | None = parameter("kg*m**2", sliding="kg", rule="positive", default=None)
+    upper_stiffness: float | None = parameter("N*m/rad", sliding="N/m", rule="positive", default=None)
+    upper_exponent: float | None = parameter("1", rule="1 or more", default=None)
+    upper_law: StopLaw | None = None
+    upper_restitution: float | None = parameter("1", rule="zero or more", default=None)
+    upper_damping: float | None = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=None)
+    upper_full_damping_depth: float | None = parameter("rad", sliding="m", rule="positive", default=None)
+    upper_slope: float | None = parameter("s/rad", sliding="s/m", rule="zero or more", default=None)
+    upper_inertia: float | None = parameter("kg*m**2", sliding="kg", rule="positive", default=None)
     least_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-4)
     on: bool = True
     approach: float = field(default=0.0, repr=False)
@@ -96,37 +113,43 @@ class EndStop(Limits):
     struck: float = field(default=0.0, repr=False)
 
     def __post_init__(self) -> None:
-        """Check limits and law."""
+        """Check limits and laws."""
         Limits.__post_init__(self)
-        takes = self._taken()
+        self.check_upper(_OF_SIDES)
+        for side in (LOWER, UPPER) if self.differs(_OF_SIDES) else (LOWER,):
+            self._check_law(side)
+
+    def _check_law(self, side: int) -> None:
+        """Check that the law of a side has what it asks for, and nothing else."""
+        law, takes = self.of_side("law", side), self._taken(side)
         for own in _OF_LAWS:
-            given = getattr(self, own) is not None
-            if given and own not in takes:
-                told = ", ".join(name for name in takes if name in _OF_LAWS) or "none of its own"
-                raise InvalidParameterError(
-                    self, own, f"left out: law {self.law} takes {told}", getattr(self, own)
-                )
+            name = self.said_by(own, side)
+            given = getattr(self, name) is not None
+            if given and own not in takes and not (side == UPPER and name == own):
+                told = ", ".join(item for item in takes if item in _OF_LAWS) or "none of its own"
+                raise InvalidParameterError(self, name, f"left out: law {law} takes {told}", getattr(self, name))
             if own in takes and not given:
-                raise InvalidParameterError(self, own, f"given; law {self.law} asks for it", said="none")
+                name = f"upper_{own}" if side == UPPER else own
+                raise InvalidParameterError(self, name, f"given; law {law} asks for it", said="none")
         try:
-            self.contact_law()
+            self.contact_law(side)
         except InvalidParameterError as error:
-            name = _NAMES.get(error.parameter, error.parameter)
+            name = self.said_by(_NAMES.get(error.parameter, error.parameter), side)
             raise InvalidParameterError(self, name, error.rule, getattr(self, name)) from None
 
-    def _taken(self) -> tuple[str, ...]:
-        """Return the names of its own parameters that its law takes."""
-        from antenna_pin.contact import NORMAL_LAWS
+    def _taken(self, side: int) -> tuple[str, ...]:
+        """Return the names of its own parameters that the law of a side takes."""
+        return tuple(_NAMES.get(name, name) for name in parameters_of(_law(self.of_side("law", side))))
 
-        law = NORMAL_LAWS["hertz" if self.law == "elastic" else self.law]
-        return tuple(_NAMES.get(name, name) for name in parameters_of(law))
-
-    def contact_law(self) -> Any:
-        """Return its law as contacts have it, with the angle as its depth."""
-        from antenna_pin.contact import NORMAL_LAWS
-
-        law = NORMAL_LAWS["hertz" if self.law == "elastic" else self.law]
-        given = {item.name: getattr(self, _NAMES.get(item.name, item.name)) for item in fields(law)}
+    def contact_law(self, side: int) -> Any:
+        """Return the law of a side as contacts have it, with the angle as its depth."""
+        law, takes = _law(self.of_side("law", side)), self._taken(side)
+        given = {
+            item.name: self.of_side(name, side)
+            for item in fields(law)
+            for name in [_NAMES.get(item.name, item.name)]
+            if name in takes
+        }
         return law(**{name: value for name, value in given.items() if value is not None})
 
     def values(self) -> dict[str, Any]:
@@ -136,6 +159,7 @@ class EndStop(Limits):
             "upper": self.highest,
             "least_rate": self.least_rate,
             "inertia": self.inertia or 0.0,
+            "upper_inertia": self.of_side("inertia", UPPER) or 0.0,
             "mode": self.mode,
             "approach": self.approach,
             "turned": self.turned,
@@ -176,22 +200,37 @@ class EndStop(Limits):
         return Change(side, f"{self.modes[side]}: on", {**memory, "lost": lost, "struck": struck})
 
     def tail(self) -> tuple[float, ...]:
-        """Return its law in numbers."""
-        return tuple(self.contact_law().code())
+        """Return the laws of the lower and of the upper side in numbers."""
+        return tuple(number for side in (LOWER, UPPER) for number in self.contact_law(side).code())
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        told = {"restitution": "restitution", "damping": "damping", "slope": "slope", "inertia": "inertia"}
+        told = [f"end stop {self.words_of_limits(slides)}", *self._law_words(LOWER, slides)]
+        if self.differs(_OF_SIDES):
+            upper = ", ".join(self._law_words(UPPER, slides))
+            return f"{', '.join(told)}; above {upper}"
+        return ", ".join(told)
+
+    def _law_words(self, side: int, slides: bool) -> list[str]:
+        exponent = self.of_side("exponent", side)
+        power = "" if exponent == 1.0 else f", exponent {readable(exponent, '1', GIVEN)}"
         own = [
-            f"{word} {self.said(name, slides)}"
-            for name, word in told.items()
-            if getattr(self, name) is not None
+            f"{word} {self.said(self.said_by(word, side), slides)}"
+            for word in ("restitution", "damping", "slope", "inertia")
+            if word in self._taken(side)
         ]
-        power = "" if self.exponent == 1.0 else f", exponent {readable(self.exponent, '1', GIVEN)}"
-        spring = f"stiffness {self.said('stiffness', slides)}{power}"
-        return ", ".join([f"end stop {self.words_of_limits(slides)}", spring, self.law, *own])
+        spring = f"stiffness {self.said(self.said_by('stiffness', side), slides)}{power}"
+        return [spring, self.of_side("law", side), *own]
 
 
-# Parameters that only some laws have, and their names in the laws where these are others.
+# What the sides may differ in; parameters that only some laws have, and their names in the laws where these
+# are others.
 _OF_LAWS = ("restitution", "damping", "full_damping_depth", "slope", "inertia")
+_OF_SIDES = ("stiffness", "exponent", "law", *_OF_LAWS)
 _NAMES = {"effective_mass": "inertia"}
+
+
+def _law(name: str) -> Any:
+    from antenna_pin.contact import NORMAL_LAWS
+
+    return NORMAL_LAWS["hertz" if name == "elastic" else name]

@@ -15,14 +15,15 @@ FREE, LOWER, UPPER = 0, 1, 2
 # Its function that passes zero where the joint turns back, once in a touch.
 TURNS = 2
 
-#: Limits (infinite where there is none), least approach rate, mass or inertia of laws that ask for one, mode,
-#: rate of approach at the onset of the present touch, and whether it has turned back (0 or 1). Behind it
-#: stands the law.
+#: Limits (infinite where there is none), least approach rate, mass or inertia of laws that ask for one, of
+#: the lower and of the upper side, mode, rate of approach at the onset of the present touch, and whether it
+#: has turned back (0 or 1). Behind it stand the laws of the two sides.
 LAYOUT = layout(
     ("lower", "f8"),
     ("upper", "f8"),
     ("least_rate", "f8"),
     ("inertia", "f8"),
+    ("upper_inertia", "f8"),
     ("mode", "i8"),
     ("approach", "f8"),
     ("turned", "f8"),
@@ -48,20 +49,23 @@ def way(stop: Any) -> float:
     return 1.0 if stop.mode == UPPER else 0.0
 
 
+@inlined
+def law_at(at: int, stop: Any) -> int:
+    """Where the law of the side that it touches stands."""
+    return at + SIZE + NORMAL_SIZE if stop.mode == UPPER else at + SIZE
+
+
 @kernel
 def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], out of the stop; never into it."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if stop.mode == FREE:
         return 0.0
-    law = words[at + SIZE : at + SIZE + NORMAL_SIZE]
-    sign = way(stop)
-    return float(
-        -sign
-        * normal_force(
-            law, depth(stop, angle), sign * rate, max(stop.approach, stop.least_rate), stop.inertia
-        )
-    )
+    first, sign = law_at(at, stop), way(stop)
+    law = words[first : first + NORMAL_SIZE]
+    inertia = stop.upper_inertia if stop.mode == UPPER else stop.inertia
+    approach = max(stop.approach, stop.least_rate)
+    return float(-sign * normal_force(law, depth(stop, angle), sign * rate, approach, inertia))
 
 
 @kernel
@@ -70,7 +74,8 @@ def write_rates(words: Any, at: int, angle: float, rate: float, power: float, ra
     stop = record(words[at : at + SIZE], LAYOUT)
     rates[x] = rates[x + 1] = 0.0
     if stop.mode != FREE:
-        law = words[at + SIZE : at + SIZE + NORMAL_SIZE]
+        first = law_at(at, stop)
+        law = words[first : first + NORMAL_SIZE]
         rates[x] = -power - elastic_force(law, depth(stop, angle)) * way(stop) * rate
         rates[x + 1] = abs(effort(words, at, 0.0, angle, rate))
 
@@ -81,7 +86,8 @@ def stored(words: Any, at: int, angle: float) -> float:
     stop = record(words[at : at + SIZE], LAYOUT)
     if stop.mode == FREE:
         return 0.0
-    return elastic_energy(words[at + SIZE : at + SIZE + NORMAL_SIZE], depth(stop, angle))
+    first = law_at(at, stop)
+    return elastic_energy(words[first : first + NORMAL_SIZE], depth(stop, angle))
 
 
 @inlined

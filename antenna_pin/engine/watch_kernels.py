@@ -7,6 +7,7 @@ looks closely; so this needs to see too much rather than too little.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 from antenna_pin._by_address import by_address
@@ -27,10 +28,14 @@ RATE = 2
 GAP = 3
 FORCE = 4
 SWITCH = 5
+# A function that asks for its joint's reduced inertia, which only the loop outside knows: while it counts it
+# is not-a-number here, so that steps are looked at closely.
+WEIGHED = -2
 
 #: What is watched; where: block of the element, of the joint in the watch's own program, or the contact; the
 #: value to be passed; the side that it is on, 0 if that is not known; the parts of a step that are looked at.
-#: Of a change of mode the number of the function, and of the hold whose load it asks for (-1: none).
+#: Of a kink and of a change of mode the number of the function; of the latter that of the hold whose load it
+#: asks for (-1: none, -2: WEIGHED).
 WATCHED = layout(
     ("what", "i8"),
     ("where", "i8"),
@@ -73,9 +78,9 @@ def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
         ask_elements(t, y, numbers)
         out[0] = kink_on_links(t, y, program, w.where, numbers.tree, numbers.places)
     elif w.what == KINK:
-        out[0] = element_kink(program, w.where, t, y, nq)
+        out[0] = element_kink(program, w.where, w.number, t, y)
     elif w.what == SWITCH:
-        load = 0.0
+        load = math.nan if w.hold == WEIGHED else 0.0
         if w.hold >= 0:
             derivative(t, y, numbers, watched.rates, False)
             plan, own = plan_of(numbers.plan), hold_at(numbers.plan, w.hold)

@@ -45,7 +45,7 @@ def carried(state: State, system: System, *, scale: float = 1.0) -> State:
     for place, value in kept:
         adjustments.set(place, value)
     if workspace.constraints is not None:
-        workspace.hold(time, y)
+        workspace.hold(time, y, workspace.program)
     system.turn_on(y)
     adjusted = modes_in_another(system, y, time, kept)
     nq, nv = system.model.nq, system.model.nv

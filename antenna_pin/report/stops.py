@@ -86,11 +86,14 @@ def _latches(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterat
                 name,
                 (int((one["what"].values == what).sum()) if own else None for one, own in _pairs(mine, has)),
             )
+        refused = [one.isel(latch_event=np.flatnonzero(one["what"].values == "refused")) for one in mine]
+        yield quantities("largest energy refused", [_largest(one["energy"].values) for one in refused], "J", 4)
         captures = [one.isel(latch_event=np.flatnonzero(one["what"].values == "latched")) for one in mine]
         for name, key, unit in (
             ("last capture", "time", "s"),
             ("at", "angle", angle),
             ("with a rate of", "rate", rate),
+            ("with an energy of", "energy", "J"),
             ("impulse", "impulse", impulse),
         ):
             yield quantities(name, [_last(one[key].values) for one in captures], unit, 4, scales)

@@ -37,6 +37,20 @@ _ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]]
     ),
 }
 
+# What a word stands for where a table may stand.
+_SHORT: dict[tuple[str, ...], dict[bool, dict[str, Any]]] = {
+    # A rigid stop without rebound is the one that needs no number of anybody's: no stiffness, no restitution.
+    ("stops",): {
+        True: {"*": {"kind": "rigid", "restitution": 0.0, "replace": True}},
+        False: {"replace": True},
+    },
+}
+
+
+def _written_out(path: tuple[str, ...], value: Any) -> Any:
+    """Return the table that ``true`` or ``false`` at a place stands for; everything else as it is."""
+    return _SHORT[path][value] if isinstance(value, bool) and path in _SHORT else value
+
 
 def merge(base: Mapping[str, Any], over: Mapping[str, Any], path: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return one table laid over another.
@@ -56,7 +70,8 @@ def merge(base: Mapping[str, Any], over: Mapping[str, Any], path: tuple[str, ...
             if given & over.keys():
                 for key in excluded:
                     merged.pop(key, None)
-    for key, value in over.items():
+    for key, written in over.items():
+        value = _written_out((*path, key), written)
         if isinstance(value, Mapping):
             below = merged.get(key)
             fresh = value.get("replace")

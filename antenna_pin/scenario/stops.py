@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 
 from antenna_pin.arguments import takes
 from antenna_pin.scenario._base import read_quantity, refuse
+from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.shipped import tables
 
 __all__ = ["ALL", "joint_limits", "with_urdf_limits"]
@@ -55,13 +56,14 @@ def with_urdf_limits(data: Mapping[str, Any]) -> Any:
 
     A stop with neither ``lower`` nor ``upper`` gets both from the ``<limit>`` of its joint, as
     ``mechanism.joints`` changes it; the table ``[stops."*"]`` becomes a stop at each joint with limits that
-    has none.
+    has none, and ``stops = true`` rigid stops there, of restitution 0.
 
     Args:
         data: All of the scenario, not yet validated.
     """
-    stops = data.get("stops")
-    if not isinstance(stops, Mapping) or not isinstance(data.get("urdf_text"), str):
+    stops = merge({}, {"stops": data.get("stops")})["stops"]
+    known = isinstance(data.get("urdf_text"), str) and isinstance(data.get("mechanism"), Mapping)
+    if not isinstance(stops, Mapping) or not known:
         return stops
     open_ = [
         name

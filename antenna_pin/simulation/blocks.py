@@ -22,7 +22,7 @@ def _chunks(samples: Samples, parts: Parts | None) -> Iterator[Chunk]:
     yield samples.held
 
 
-def _with_late(chunk: Chunk, late: Sequence[Late]) -> Chunk:
+def _with_late(chunk: Chunk, late: Sequence[Late], samples: Samples) -> Chunk:
     """Return a chunk with late samples at their places; where there is one of their time that one stays."""
     there = set(chunk.times[np.searchsorted(chunk.times, [one.time for one in late])].tolist())
     new = [one for one in late if one.time not in there]
@@ -30,11 +30,15 @@ def _with_late(chunk: Chunk, late: Sequence[Late]) -> Chunk:
         return chunk
     places = np.searchsorted(chunk.times, [one.time for one in new])
     programs = list(chunk.programs)
+    # What held at the sample before holds on to the next event.
+    states = [one.state.copy() for one in new]
+    for place, one, state in zip(places.tolist(), new, states, strict=True):
+        samples.hold(one.time, state, programs[max(place - 1, 0)])
     for place, _ in sorted(zip(places.tolist(), new, strict=True), key=lambda one: -one[0]):
         programs.insert(place, programs[max(place - 1, 0)])
     return Chunk(
         np.insert(chunk.times, places, [one.time for one in new]),
-        np.insert(chunk.states, places, [one.state for one in new], axis=0),
+        np.insert(chunk.states, places, states, axis=0),
         np.insert(chunk.memories, places, np.array([one.memory for one in new]), axis=0),
         programs,
     )
@@ -52,7 +56,7 @@ def _merged(samples: Samples, parts: Parts | None) -> Iterator[Chunk]:
             mine, late = late[:count], late[count:]
             if before is not None:  # whose last program goes on before this chunk's first sample
                 chunk = Chunk.joined([before.part(-1, None), chunk])
-            chunk = _with_late(chunk, mine)
+            chunk = _with_late(chunk, mine, samples)
             if before is not None:
                 chunk = chunk.part(1, None)
         before = chunk

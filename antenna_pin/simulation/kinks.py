@@ -19,13 +19,15 @@ class Passing:
 
     Attributes:
         block: Place of the element in the program.
+        number: Of the function.
     """
 
     block: int
+    number: int = 0
 
     def __call__(self, moment: Moment) -> float:
         """Return how far it is past the kink."""
-        return moment.kink(self.block)
+        return moment.kink(self.block, self.number)
 
 
 def ends_of(system: System) -> tuple[Event, ...]:
@@ -50,9 +52,9 @@ def edges_of(system: System) -> tuple[Event, ...]:
 def kinks_of(system: System) -> tuple[Event, ...]:
     """Return the events at which steps end for the sake of elements whose effort has kinks."""
     kinks = [
-        Event(name=f"{one.label} has a kink", when=Passing(one.block), action=Kink())
+        Event(name=f"{one.label} has a kink", when=Passing(one.block, k), action=Kink())
         for one in acting_in(system)
-        if one.element.has_kinks
+        for k in range(one.element.kinks)
     ]
     reversals = [
         Event(name=f"{one.label} has a kink where {joint!r} turns back", when=Rate(joint), action=Kink())

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import FAMILIES, LOSS, Change, Met, Modal, StickingFriction
+from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.errors import MechanismError
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.kinks import edges_of, ends_of, kinks_of
@@ -45,7 +46,7 @@ class Switching:
         place: Of the element.
         block: Place of the element in the program.
         number: Of the function.
-        hold: Of the hold whose load it asks for, or -1.
+        hold: Of the hold whose load it asks for, or -1; WEIGHED if for its joint's reduced inertia.
     """
 
     place: str
@@ -76,6 +77,7 @@ class Changed:
         rate_after: See there.
         loss: Energy lost in the impulse [J].
         impulse: On the child [N m s] ([N s]).
+        energy: Of the joint's own motion before, of elements that weigh it [J]; NaN of others.
     """
 
     name: str
@@ -87,6 +89,7 @@ class Changed:
     rate_after: float
     loss: float
     impulse: float
+    energy: float = math.nan
 
 
 def switches_of(system: System) -> tuple[Event, ...]:
@@ -95,9 +98,7 @@ def switches_of(system: System) -> tuple[Event, ...]:
     return tuple(
         Event(
             name=f"{one.label} switches by {k}",
-            when=Switching(
-                one.place, one.block, k, holds.index(one.place) if k in one.element.loaded else -1
-            ),
+            when=Switching(one.place, one.block, k, _asks(one.element, one.place, k, holds)),
             direction=-1,
             action=Switch(one.place, k),
         )
@@ -105,6 +106,13 @@ def switches_of(system: System) -> tuple[Event, ...]:
         if isinstance(one.element, Modal) and one.element.ever_changes
         for k in range(one.element.switches)
     )
+
+
+def _asks(element: Modal, place: str, k: int, holds: list[str]) -> int:
+    """Return what function k of an element asks for: the number of its hold, WEIGHED, or -1 for nothing."""
+    if k in element.weighed:
+        return WEIGHED
+    return holds.index(place) if k in element.loaded else -1
 
 
 def own_events(system: System) -> tuple[Event, ...]:
@@ -163,7 +171,10 @@ class Modes:
         head = self._workspace.program[self._acting[place].block :][: kernels.PARAMETERS]
         first = nq + self._workspace.model.nv + int(head.view(kernels.ELEMENT)[0]["x"])
         own = tuple(float(y[first + k]) for k in range(len(self._element(place).integrals)))
-        return Met(t, float(angle), float(rate), load, own)
+        inertia = 0.0
+        if self._element(place).weighs:
+            inertia = self._moment.set(t, y).inertia(self._acting[place].block)
+        return Met(t, float(angle), float(rate), load, own, inertia)
 
     def begin(self, t: float, y: Array) -> None:
         """Bring all into the modes that they have at the start of a run."""
@@ -202,8 +213,10 @@ class Modes:
         if action.place in self._dry:
             self._settle(t, y, action)
         elif not self._pass(action.place, action.number, t, y):
-            value, _ = self._moment.set(t, y).switch(self._acting[action.place].block, action.number, -1)
-            if value < -ZERO and action.number not in self._element(action.place).loaded:
+            element = self._element(action.place)
+            asks = _asks(element, action.place, action.number, self._holds)
+            block = self._acting[action.place].block
+            if asks < 0 and self._moment.set(t, y).switch(block, action.number, asks)[0] < -ZERO:
                 raise NeverSettlesError(action.place)
             return False
         settled = action.place in self._dry
@@ -252,7 +265,7 @@ class Modes:
             if not dry and place in self._dry:
                 continue
             for k in range(element.switches):
-                hold = self._holds.index(place) if k in element.loaded else -1
+                hold = _asks(element, place, k, self._holds)
                 value, slope = moment.switch(one.block, k, hold)
                 if hold >= 0 or abs(value) > ZERO:
                     passes = value < 0.0
@@ -280,7 +293,8 @@ class Modes:
             one = self._acting[place]
             name = f"{FAMILIES[one.family].word} {one.name}: {change.what}"
             mode = element.modes[change.mode]
-            self.changed.append(Changed(name, place, t, mode, met.angle, met.rate, rate, loss, blow))
+            energy = met.energy if element.weighs else math.nan
+            self.changed.append(Changed(name, place, t, mode, met.angle, met.rate, rate, loss, blow, energy))
         return True
 
     def _jump(

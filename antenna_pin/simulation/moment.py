@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import JointMotion, System, Workspace, kernels
+from antenna_pin.dynamics import JointMotion, System, Workspace, kernels, reduced_inertia
+from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.records import PROGRAM, memory_numbers
 
@@ -52,11 +53,11 @@ class Moment:
         self._measured = self._evaluated = False
         return self
 
-    def kink(self, block: int) -> float:
-        """Return how far the effort of an element, by its place in the program, is past its kink."""
+    def kink(self, block: int, number: int) -> float:
+        """Return how far the effort of an element, by its place in the program, is past one of its kinks."""
         if block >= int(self._workspace.program[: kernels.HEADER].view(PROGRAM)["points"][0]):
             return self._workspace.kink_on_links(block, self.time, self._y)
-        return float(kernels.element_kink(self._workspace.program, block, self.time, self._y, self._nq))
+        return float(kernels.element_kink(self._workspace.program, block, number, self.time, self._y))
 
     def load(self, hold: int) -> float:
         """Return the torque [N m] (force [N]) that an element carries that holds its joint, by its number."""
@@ -67,9 +68,16 @@ class Moment:
             self._loads = self._workspace.constraints.loads().tolist()
         return float(self._loads[hold])
 
+    def inertia(self, block: int) -> float:
+        """Return the reduced inertia of the joint of an element, by its place in the program [kg m^2]."""
+        return reduced_inertia(self._workspace, self.time, self._y, block)
+
     def switch(self, block: int, number: int, hold: int) -> tuple[float, float]:
         """Return a function of an element, by its place in the program, and its rate (0: not known)."""
-        load = self.load(hold) if hold >= 0 else 0.0
+        if hold == WEIGHED:
+            load = self.inertia(block)
+        else:
+            load = self.load(hold) if hold >= 0 else 0.0
         return kernels.element_switch(self._workspace.program, block, number, self.time, self._y, load)
 
     @property

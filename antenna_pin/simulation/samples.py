@@ -39,7 +39,7 @@ class Late(NamedTuple):
 
     Attributes:
         time: [s].
-        state: [q, v, x].
+        state: [q, v, x], of the dense output: it is held where the program of its time is known.
         memory: Contact memory, MEMORY, (contacts,).
     """
 
@@ -256,17 +256,15 @@ class Samples:
         self._memories[place : place + count] = memories.view(np.uint8).reshape(count, -1)
         self.programs[place : place + count] = [self.program] * count
 
-    def _hold(self, t: float, y: Array) -> None:
-        """Bring a state of the dense output, which is only nearly there, onto the constraints."""
+    def hold(self, t: float, y: Array, program: Array) -> None:
+        """Bring a state of the dense output, which is only nearly there, onto what its program holds."""
         if self._workspace.constraints is not None:
-            self._workspace.hold(t, y)
+            self._workspace.hold(t, y, program)
 
     def insert(self, t: float, y: Array, memory: NDArray[Any]) -> None:
         """Put a sample with its contact memory between others in time; one that is there already stays."""
         if t <= self._handed:
-            late = Late(t, y.copy(), memory.copy())
-            self._hold(t, late.state)
-            self.late.append(late)
+            self.late.append(Late(t, y.copy(), memory.copy()))
             return
         place = int(np.searchsorted(self.times, t))
         if place < self._count and self._times[place] == t:
@@ -279,7 +277,7 @@ class Samples:
         self._times[place] = t
         self._put(place, y, memory)
         self.programs[place] = program
-        self._hold(t, self._states[place])
+        self.hold(t, self._states[place], program)
 
     # --- to go back -----------------------------------------------------------------------------------------
 

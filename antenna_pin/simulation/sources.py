@@ -188,6 +188,7 @@ def _changes_of(run: Run) -> Values:
         "change_rate_after": "rate_after",
         "change_loss": "loss",
         "change_impulse": "impulse",
+        "change_energy": "energy",
     }
     return {name: np.array([getattr(one, of) for one in changed], dtype=float) for name, of in names.items()}
 

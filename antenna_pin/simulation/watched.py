@@ -42,7 +42,7 @@ class Watched:
             when = event.when
             row["parts"] = event.nodes
             if isinstance(when, Passing):
-                row["what"], row["where"] = kernels.KINK, when.block
+                row["what"], row["where"], row["number"] = kernels.KINK, when.block, when.number
             elif isinstance(when, Switching):
                 row["what"], row["where"] = kernels.SWITCH, when.block
                 row["number"], row["hold"] = when.number, when.hold

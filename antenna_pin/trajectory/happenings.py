@@ -34,6 +34,7 @@ HAPPENINGS: tuple[Variable, ...] = (
         ("change_rate_after", "rad/s", "rate after (m/s)"),
         ("change_loss", "J", "energy lost in the impulse"),
         ("change_impulse", "N m s", "impulse about the axis on the child (N s)"),
+        ("change_energy", "J", "energy of a latch's joint, 1/2 I_r rate^2; NaN: no latch", Rule(lacks=True)),
     ),
     *rows(
         "episodes: tick",

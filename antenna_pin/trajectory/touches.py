@@ -45,6 +45,7 @@ class ModeChange(NamedTuple):
         rate_after: After [rad/s] ([m/s]).
         loss: Energy lost by it; of a release, since the onset [J].
         impulse: On the child by it; of a release, since the onset [N m s] ([N s]).
+        energy: Of the joint's own motion before, of a latch [J]; NaN of others.
     """
 
     element: str
@@ -55,6 +56,7 @@ class ModeChange(NamedTuple):
     rate_after: float
     loss: float
     impulse: float
+    energy: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,9 +195,11 @@ def met_by_elements(data: xr.Dataset) -> dict[str, dict[str, dict[str, Any]]]:
         elif family == "latches":
             own = [change for change in changes if change.element == place]
             captures = [change for change in own if change.what == "latched"]
+            refused = [change for change in own if change.what == "refused"]
             found[family][name] = {
                 "captures": len(captures),
-                "refusals": sum(change.what == "refused" for change in own),
+                "refusals": len(refused),
+                "largest_energy_refused": _most(change.energy for change in refused) if refused else None,
                 "last_capture": captures[-1].time if captures else None,
                 "let_go": sum(change.what == "let go" for change in own),
             }

@@ -18,14 +18,16 @@ from antenna_pin.nonlinear import DiagramPlan
 from antenna_pin.scenario.merge import merge
 from fuzzing.declared import NEW, Named, Place, Table, places_of
 from fuzzing.inputs import Change, Draft, Input
+from fuzzing.kinds import RIG, rigs
 from fuzzing.odd import misspelt, odd_value
 from fuzzing.texts import text_change
 from fuzzing.values import Names, admits, name_for, sound_value, toml
 
 __all__ = ["Base", "document", "draw_diagram", "draw_scenario", "draw_study", "scenarios", "small_scenario"]
 
-# Of shipped scenarios the small ones are drawn so many times as often.
-_SMALL, _OFTEN = ("impact_pair", "pendulum", "slider", "spherical_pendulum"), 4
+# Of shipped scenarios the small ones are drawn so many times as often, and so are those of a kind each; that
+# with most kinds is drawn as often as all of these.
+_SMALL, _OFTEN, _MOST = ("impact_pair", "pendulum", "slider", "spherical_pendulum"), 4, 50
 
 #: What keeps a run short, whatever a file says.
 SHORT = ("--set", "integrator.max_steps=200")
@@ -64,8 +66,8 @@ class _Work:
 
 @functools.cache
 def scenarios() -> tuple[Base, ...]:
-    """Return the shipped scenarios, one for each case, short."""
-    return tuple(_cases())
+    """Return the shipped scenarios, one for each case, short; and those with an element of every kind."""
+    return (*_cases(), *_rigs())
 
 
 def small_scenario() -> Base:
@@ -93,6 +95,13 @@ def _cases() -> Iterator[Base]:
             yield from [base] * (_OFTEN if folder.name in _SMALL else 1)
 
 
+def _rigs() -> Iterator[Base]:
+    for number, table in enumerate(rigs()):
+        files = {"rig.urdf": RIG.encode()}
+        base = Base("scenario.toml", Scenario, table, files, _names(table, files))
+        yield from [base] * (_OFTEN if number else _MOST)
+
+
 def _names(table: Mapping[str, Any], files: Mapping[str, bytes]) -> Names:
     robot = ElementTree.fromstring(files[table["mechanism"]["urdf"]])
     joints = [joint.get("name", "") for joint in robot.findall("joint")]
@@ -103,7 +112,12 @@ def _names(table: Mapping[str, Any], files: Mapping[str, bytes]) -> Names:
         "material": [*table.get("materials", ()), *MATERIALS],
         "contact": [f"{joint}.{side}" for joint in joints for side in ("radial+", "axial-", "radial")],
         "file": [*files],
-        "set": [f"{kind}.{name}.on" for kind in FAMILIES for name in table.get(kind, ())],
+        "set": [
+            f"{kind}.{name}.on"
+            for kind in FAMILIES
+            if isinstance(table.get(kind), Mapping)
+            for name in table[kind]
+        ],
         "key": [".".join(place.path) for place in places_of(Scenario, table) if place.there],
     }
     return found | {"": [name for names in found.values() for name in names] + ["world", "new"]}

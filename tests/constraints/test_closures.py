@@ -170,7 +170,7 @@ def test_corrections_close_and_leave_momentum(kind):
     workspace.retract(off, random.normal(scale=1e-5, size=nv))
     off[nq : nq + nv] += random.normal(scale=1e-5, size=nv)
     before, moved = off.copy(), off.copy()
-    workspace.hold(0.0, moved)
+    workspace.hold(0.0, moved, workspace.program)
     assert (moved[:nq] != before[:nq]).any()
     found = workspace.constraints.residuals(0.0, moved, workspace.program)
     assert max(found.gap, found.turn, found.speed, found.spin) < 2e-14  # round-off of 1 m and 1 m/s

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from interruptions import in_pieces, same
 
-from antenna_pin import RunSettings, build_system, load_scenario, modes, simulate
+from antenna_pin import RunSettings, Study, build_system, load_scenario, modes, run_study, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.elements import (
     ConstantDrive,
@@ -217,14 +218,69 @@ def test_switched_off_it_keeps_its_bristles(tmp_path):
     assert list(Trajectory.load(tmp_path / "run.nc").data["bristle"].values) == ["frictions.j"]
 
 
-def test_a_scenario_has_them(tmp_path):
-    (tmp_path / "one.urdf").write_text(ONE.format(type="revolute", axis="0 0 1"))
-    (tmp_path / "scenario.toml").write_text(
-        'format = 1\nduration = "0.1 s"\n[mechanism]\nurdf = "one.urdf"\nbase = "fixed"\n[frictions.j]\n'
-        'kind = "lugre"\ncoulomb = "2 N*m"\nstatic = "3 N*m"\nstribeck_rate = "0.2 rad/s"\n'
-        'stiffness = "40 N*m/rad"\ndamping = "0.6 N*m*s/rad"\nviscous = "0.1 N*m*s/rad"\n'
+SCENARIO = """format = 1
+duration = "0.5 s"
+[mechanism]
+urdf = "one.urdf"
+base = "fixed"
+[initial.joints.j]
+rate = "1 rad/s"
+[drives.j]
+kind = "sine"
+amplitude = "3 N*m"
+frequency = "4 Hz"
+[integrator]
+engine = "compiled"
+[output]
+rate = "1 kHz"
+[frictions.j]
+"""
+TABLES = {
+    "dahl": 'kind = "dahl"\ncoulomb = "2 N*m"\nstiffness = "40 N*m/rad"\n',
+    "lugre": 'kind = "lugre"\ncoulomb = "2 N*m"\nstatic = "3 N*m"\nstribeck_rate = "0.2 rad/s"\n'
+    'stiffness = "40 N*m/rad"\ndamping = "0.6 N*m*s/rad"\nviscous = "0.1 N*m*s/rad"\n',
+    "gonthier": 'kind = "gonthier-bristle"\ncoulomb = "2 N*m"\nstatic = "3 N*m"\nstribeck_rate = "0.2 rad/s"\n'
+    'stiffness = "40 N*m/rad"\ndamping = "0.6 N*m*s/rad"\ndwell_time = "0.5 s"\n',
+}
+
+
+def _written(folder, law):
+    (folder / "one.urdf").write_text(ONE.format(type="revolute", axis="0 0 1"))
+    (folder / "scenario.toml").write_text(SCENARIO + TABLES[law])
+    return folder / "scenario.toml"
+
+
+@pytest.mark.parametrize("law", list(LAWS))
+def test_a_scenario_has_them(tmp_path, law):
+    assert build_system(load_scenario(_written(tmp_path, law))).families["frictions"]["j"] == LAWS[law]
+
+
+@pytest.mark.filterwarnings("ignore::antenna_pin.simulation.CheckpointsWaitedWarning")
+@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+@pytest.mark.parametrize("law", list(LAWS))
+def test_it_goes_on_from_checkpoints_bit_for_bit(tmp_path, small_parts, law, engine):
+    """However often it was stopped: bristles and dwell are part of what a checkpoint holds."""
+    scenario = load_scenario(_written(tmp_path, law), overrides=[f"integrator.engine={engine}"])
+    whole = simulate(scenario, duration=0.2)
+    pieces = in_pieces(scenario, 0.2, tmp_path / "run.nc", np.random.default_rng(5), 6)
+    same(whole, pieces)
+    assert float(np.ptp(whole.data["bristle_bend"].values)) > 0.9  # they were bent as far as they go
+
+
+def test_a_study_over_it_has_the_values_of_single_runs(tmp_path):
+    """Over the torque at which it slides; the last angle is that of a run of its own, bit for bit."""
+    path = _written(tmp_path, "lugre")
+    study = Study.model_validate(
+        {
+            "scenario": str(path),
+            "parameters": {"torque": {"key": "frictions.j.coulomb", "values": [0.5, 1.0, 2.0]}},
+            "responses": {"angle": {"measure": "final_angle", "of": "j"}},
+        }
     )
-    assert build_system(load_scenario(tmp_path / "scenario.toml")).families["frictions"]["j"] == LUGRE
+    found = run_study(study, tmp_path / "few.study")
+    for torque, angle in zip((0.5, 1.0, 2.0), found["angle"].values.tolist(), strict=True):
+        run = simulate(load_scenario(path, overrides={"frictions.j.coulomb": torque}))
+        assert float(run.data["final_angle"].sel(joint="j")) == angle
 
 
 @pytest.mark.parametrize("law", list(LAWS))

@@ -96,6 +96,45 @@ def test_captured_where_it_slows_down_in_the_window():
     assert float(run.data.change_angle[1]) == pytest.approx(0.25, abs=1e-9)
 
 
+@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+@pytest.mark.parametrize("holds", [RigidLatch, Latch])
+def test_captured_where_its_energy_falls_to_the_greatest(holds, engine):
+    """As by the rate of which 2 kg have that energy: refused with 0.49 J, captured at 0.25 J in the window."""
+    spring = {} if holds is RigidLatch else {"stiffness": 1e3}
+    latch = holds(joint="j", angle=0.3, width=0.15, greatest_energy=0.25, **spring)
+    made = system(latches=[latch], springs={"damper": JointSpring(joint="j", damping=4.0)})
+    settings = RunSettings(rtol=1e-11, max_step=0.02, output_rate=50.0, engine=engine)
+    run = simulate(made, q=[0.0], v=[1.0], duration=0.5, settings=settings)
+    names, times = seen(run)
+    assert names == ["latch l0: refused", "latch l0: latched"]
+    assert times == pytest.approx([-0.5 * np.log(1.0 - 0.15 / 0.5), 0.5 * np.log(2.0)], abs=1e-9)
+    # m v^2 / 2 with v = 1 - c x / m at 0.15 m; and that of the limit.
+    assert run.data.change_energy.values == pytest.approx([0.7**2, 0.25], abs=1e-9)
+
+
+@pytest.mark.parametrize(("share", "what"), [(0.999, "refused"), (1.001, "latched")])
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_the_energy_is_that_of_the_reduced_inertia_on_a_free_base(kind, share, what):
+    """What a lock took is what counts: a thousandth less is refused, and both are told the energy."""
+    v = np.array([0.1, 0.2, -0.1, 0.3, -0.2, 0.4, 0.9])
+    lock = {"joint": "j", "angle": 0.4, "width": 0.01}
+    took = simulate(system(kind, "free", latches=[RigidLatch(**lock)]), v=v, duration=0.6, settings=TIGHT)
+    energy = float(took.data.change_loss[0])
+    latch = RigidLatch(**lock, greatest_energy=share * energy)
+    run = simulate(system(kind, "free", latches=[latch]), v=v, duration=0.6, settings=TIGHT)
+    assert seen(run)[0][0] == f"latch l0: {what}"
+    assert float(run.data.change_energy[0]) == pytest.approx(energy, rel=1e-11)
+    assert float(took.data.change_energy[0]) == pytest.approx(energy, rel=1e-11)
+
+
+def test_a_start_that_moves_in_the_window_is_weighed():
+    """One joule of 2 kg at 1 m/s: above the greatest energy it stays free, below it is held from the start."""
+    for greatest, held in ((0.9, False), (1.1, True)):
+        latch = RigidLatch(joint="j", angle=0.0, width=0.5, greatest_energy=greatest)
+        run = simulate(system(latches=[latch]), v=[1.0], duration=0.2, settings=TIGHT)
+        assert float(run.data.v.values[-1, 0]) == pytest.approx(0.0 if held else 1.0, abs=1e-12)
+
+
 def test_the_wrong_way_is_refused_until_it_turns():
     """Thrown down into the window of a latch that captures on the way up, a spring turns it: at rate zero."""
     spring = JointSpring(joint="j", stiffness=8.0)

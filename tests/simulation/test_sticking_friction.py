@@ -57,9 +57,9 @@ def _one(kind: str, axis: str, friction: StickingFriction, centre: str = "0 0 0"
     return System(build_mechanism(urdf, "fixed", (0, 0, -G)), elements={"frictions": {"j": friction}}, **more)
 
 
-def _two(base: str, gravity: float, **frictions: StickingFriction) -> System:
+def _two(base: str, gravity: float, drives=None, **frictions: StickingFriction) -> System:
     mechanism = build_mechanism(Urdf.from_text(TWO, "two.urdf"), base, (0, 0, -gravity))
-    return System(mechanism, elements={"frictions": frictions})
+    return System(mechanism, drives=drives or {}, elements={"frictions": frictions})
 
 
 @pytest.mark.parametrize("engine", [pytest.param("pinocchio", marks=pytest.mark.slow), "compiled"])
@@ -215,6 +215,25 @@ def test_joints_that_stick_on_a_free_base_stay_and_keep_momentum() -> None:
             momentum = run.data[f"{name}_momentum"].values
             assert np.abs(momentum - momentum[0]).max() < 1e-9 * np.abs(momentum).max()
         assert np.abs(run.data.energy_error).max() < 1e-8
+
+
+def test_a_joint_that_sticks_holds_for_an_hour_while_all_else_moves() -> None:
+    """On a base that turns freely, another joint driven: what pulls at it comes and goes, it does not creep."""
+    a = StickingFriction(joint="a", coulomb=2.0)
+    drive = SineDrive(joint="b", amplitude=0.3, frequency=0.2)
+    system = _two("free", 0.0, drives={"b": drive}, a=a)
+    v = np.array([0.01, 0.02, -0.01, 0.03, -0.02, 0.04, 0.0, 0.0])
+    settings = RunSettings(rtol=1e-12, max_step=0.5, output_rate=0.5, engine="compiled")
+    run = simulate(system, v=v, duration=3600.0, settings=settings)
+    assert run.completed and run.data.sizes.get("change", 0) == 0
+    held = run.data.q.values[:, 7]
+    # Seven hundred periods: the row is closed at each step's end, to round-off.
+    assert np.ptp(held) < 1e-13
+    load = run.data.element_effort.values[:, 0]
+    assert load.max() > 0.01 and load.min() < -0.01
+    for name in ("linear", "angular"):
+        momentum = run.data[f"{name}_momentum"].values
+        assert np.abs(momentum - momentum[0]).max() < 1e-9 * float(run.data.momentum_scale.max())
 
 
 def test_of_two_joints_that_stick_one_lets_go_when_its_hold_is_overcome() -> None:

@@ -103,6 +103,57 @@ def test_a_free_base_comes_back_with_the_restitution_of_the_law(kind, law, more,
     assert float(run.data.total_element_loss[0]) > 0.0
 
 
+def test_the_upper_side_has_the_law_that_is_said_of_it_alone():
+    """Elastic above, half an oscillation long; half the rate comes back below; as two stops of a side each."""
+    stiffness, speed, mass = 4e4, 0.7, 2.0
+    below = {"stiffness": 1e4, "restitution": 0.5}
+    upper = {"upper_stiffness": stiffness, "upper_law": "elastic"}
+    one = EndStop(joint="j", lower=0.0, upper=0.3, **below, **upper)
+    two = (
+        EndStop(joint="j", lower=0.0, **below),
+        EndStop(joint="j", upper=0.3, stiffness=stiffness, law="elastic"),
+    )
+    runs = [
+        simulate(system("prismatic", "fixed", *stops), q=[0.1], v=[speed], duration=2.0, settings=TIGHT)
+        for stops in ((one,), two)
+    ]
+    on, off = (changes(runs[0], f"upper: {what}") for what in ("on", "off"))
+    # Tight tolerances leave 1e-9 s of a touch; found: 1e-12 s.
+    assert off[:1] - on[:1] == pytest.approx(np.pi * np.sqrt(mass / stiffness), abs=1e-9)
+    rates = runs[0].data.change_rate.values
+    names = [name.partition(": ")[2] for name in runs[0].data.change.values]
+    assert [rates[names.index(f"{side}: off")] for side in ("upper", "lower")] == pytest.approx(
+        [-speed, 0.5 * speed], rel=1e-8
+    )
+    # Steps are cut alike; a stop that is off adds a zero.
+    assert np.abs(runs[0].data.q.values[-1] - runs[1].data.q.values[-1]).max() < 1e-12
+    assert one.words(True).endswith("; above stiffness 40\xa0kN/m, elastic")
+
+
+def test_a_rigid_stop_may_send_back_less_above_than_below():
+    """Blows at 0.2 s above, with a quarter of the rate, and 1.2 s later below, with half of that."""
+    stop = RigidStop(joint="j", lower=0.0, upper=0.3, restitution=0.5, upper_restitution=0.25)
+    run = simulate(system("prismatic", "fixed", stop), q=[0.1], v=[1.0], duration=2.0, settings=TIGHT)
+    assert changes(run, "upper: bounces") == pytest.approx([0.2], abs=1e-11)
+    assert changes(run, "lower: bounces") == pytest.approx([1.4], abs=1e-10)
+    assert float(run.data.v.values[-1, 0]) == pytest.approx(0.125, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"upper_law": "kelvin-voigt"}, "upper_damping must be given; law kelvin-voigt asks for it"),
+        ({"upper_damping": 1.0}, "upper_damping must be left out: law exact-restitution takes restitution"),
+        ({"upper_restitution": 1.5}, r"upper_restitution must be in \[0, 1\], got 1.5"),
+        ({"upper_exponent": 1.5, "upper": None}, "upper_exponent must be left out where there is no upper"),
+    ],
+)
+def test_an_upper_side_that_cannot_be_is_refused_by_name(more, said):
+    given = {"lower": 0.0, "upper": 1.0, "stiffness": 1e4, "restitution": 0.5} | more
+    with pytest.raises(AntennaPinError, match=said):
+        EndStop(joint="j", **given)
+
+
 def _mass(made, run, change):
     """Mass matrix where a change happened, without its reflected parts: of velocities."""
     import pinocchio as pin

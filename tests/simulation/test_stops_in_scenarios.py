@@ -82,6 +82,25 @@ def test_a_stop_takes_the_limits_of_the_urdf_and_changes_of_them(tmp_path):
     assert build_system(every).families["stops"]["slide"].upper == 0.1
 
 
+def test_true_stands_for_rigid_stops_at_the_limits_of_the_urdf(tmp_path):
+    """A carriage at 1 m/s comes to rest at 0.5 m, in half a second; what has a stop of its own keeps it."""
+    plain = written(tmp_path, SLIDER.replace("duration", "stops = true\nduration"))
+    start = {"initial.joints.slide.velocity": 1.0, "mechanism.gravity": [0.0, 0.0, 0.0]}
+    run = simulate(load_scenario(plain, overrides=start))
+    assert [str(name) for name in run.data.change.values] == ["stop slide: upper: rests"]
+    assert float(run.data.change_time[0]) == pytest.approx(0.5, abs=1e-12)
+    assert float(run.data.slide_position[-1, 0]) == pytest.approx(0.5, abs=1e-12)
+    own = load_scenario(plain, overrides=["stops.slide={kind='rigid', restitution=0.5, upper=0.2}"])
+    assert (own.stops["slide"].restitution, own.stops["slide"].upper) == (0.5, 0.2)
+    assert load_scenario(plain, overrides=["stops=false"]).stops == {}
+    assert load_scenario(written(tmp_path, f"stops = false\n{SLIDER}")).stops == {}
+    law = '[stops."*"]\nstiffness = "1e5 N/m"\nrestitution = 0.5\n'
+    over = load_scenario(written(tmp_path, SLIDER + law), overrides=["stops=true"])
+    assert over.stops["slide"].kind == "rigid"  # in place of the other for all joints
+    with pytest.raises(AntennaPinError, match=r"stops must be a table, got 'yes'"):
+        load_scenario(plain, overrides=["stops=yes"])
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [
