@@ -235,8 +235,7 @@ def check_closed(system: System, y: Array) -> None:
     if system.plan is None:
         return
     workspace = Workspace(system)
-    constraints = workspace.constraints
-    assert constraints is not None
+    assert (constraints := workspace.constraints) is not None
     workspace.prepare_motions(0.0, y)
     found = constraints.residuals(0.0, y, workspace.program)
     length = constraints.plan.length
