@@ -32,6 +32,7 @@ from antenna_pin._stand_alone import (
     parts_of,
     symbols_of,
 )
+from antenna_pin._sweep import pack_of, sweep
 from antenna_pin._turns import Turn
 
 try:
@@ -186,9 +187,13 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
         """Keep what an entry needs; OSError where it cannot be."""
         self._write(self._pack_path(key), content)
 
+    def sweep(self) -> None:
+        """Delete what is kept beside it under other stamps: nobody reads that any more."""
+        if self.closed:
+            sweep(self._index_path, self._read, (self._version, self._source_stamp))
+
     def _pack_path(self, key: Any) -> str:
-        digest = hashlib.sha256(str(key[0]).encode()).hexdigest()
-        return f"{os.path.splitext(self._index_path)[0]}.{digest[:16]}.nbp"
+        return pack_of(self._index_path, key)
 
     def _read(self, path: str) -> Any:
         with open(path, "rb") as file:
@@ -285,6 +290,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
                 if self._cache_file.closed and kept is not None:
                     key = self._index_key(sig, data.codegen)
                     self._cache_file.save(key, kept)
+                    self._cache_file.sweep()
                     self._note(key, kept)
         except OSError as error:  # full, or no longer to be written
             _tell(f"{self._cache_path}: {error.strerror or error}")

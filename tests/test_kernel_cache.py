@@ -11,7 +11,7 @@ import warnings
 import numba
 import pytest
 
-from antenna_pin import _kernel_cache, load_scenario, simulate
+from antenna_pin import _kernel_cache, _sweep, load_scenario, simulate
 from antenna_pin._kernel_cache import KernelCacheWarning, keep
 from antenna_pin._stand_alone import kernel_named, needs_of
 
@@ -246,6 +246,32 @@ def test_a_pack_of_another_stamp_is_not_linked(source, monkeypatch):
     assert answer(_PAIR)[0] == "7"
     other = _PAIR.replace('"stamp"', '"other"').replace("2 * x", "4 * x")
     assert [answer(other)[0], answer(other)[0]] == ["13", "13"]
+
+
+def test_what_is_kept_under_other_stamps_goes_when_something_is_kept(source, monkeypatch):
+    """Of other functions too, but for what cannot be read, and for other versions of Python."""
+    monkeypatch.setattr(_sweep, "_swept", set())
+    compiled(source, "old")(2)
+    folder = source.parent / "__pycache__"
+    (index,) = files(source, ".nbi")
+    old = [*files(source, ".nbi"), *files(source, ".nbc")]
+    for path in old:  # as of a function that has moved to another line, and of another Python
+        path.with_name(path.name.replace("twice-1.", "twice-9.")).write_bytes(path.read_bytes())
+        other = path.name.replace("twice-1.", "twice-9.").replace(".py3", ".py2")
+        path.with_name(other).write_bytes(path.read_bytes())
+    (folder / index.name.replace("twice-1.", "twice-8.").replace(".nbi", ".0123.nbp")).write_bytes(b"left")
+    strange = [folder / index.name.replace("twice-1.", "strange-1.")]
+    strange.append(strange[0].with_name(strange[0].name.replace(".nbi", ".1.nbc")))
+    for path in strange:
+        path.write_bytes(b"somebody else's")
+    monkeypatch.setattr(_sweep, "_swept", set())  # another process
+    assert compiled(source, "new")(2) == 4
+    left = {path.name for path in [*files(source, ".nbi"), *files(source, ".nbc"), *files(source, ".nbp")]}
+    mine = {path.name for path in old}
+    elsewhere = {name.replace("twice-1.", "twice-9.").replace(".py3", ".py2") for name in mine}
+    assert left == mine | elsewhere | {path.name for path in strange}
+    again = compiled(source, "new")
+    assert (again(2), hits(again)) == (4, 1)
 
 
 def test_callers_hold_nothing_of_a_kernel_that_stands_alone():

@@ -232,10 +232,10 @@ def check_closed(system: System, y: Array) -> None:
         system: The system.
         y: State [q, v, x], at time zero.
     """
-    workspace = Workspace(system)
-    constraints = workspace.constraints
-    if constraints is None:
+    if system.plan is None:
         return
+    workspace = Workspace(system)
+    assert (constraints := workspace.constraints) is not None
     workspace.prepare_motions(0.0, y)
     found = constraints.residuals(0.0, y, workspace.program)
     length = constraints.plan.length

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -171,6 +172,26 @@ def build_mechanism(
     acceleration = np.array(gravity, dtype=np.float64)
     if acceleration.shape != (3,) or not np.all(np.isfinite(acceleration)):
         raise InvalidParameterError("build_mechanism", "gravity", "three finite numbers [m/s^2]", gravity)
+    model, groups, moved = _read(urdf, base)
+    model = model.copy()
+    model.gravity = pin.Motion(acceleration, np.zeros(3))
+    moving = list(model.names)[1:]
+    joints = {name: _slot(model, urdf, name) for name in moving if name != _ROOT_JOINT}
+    _put_armature(model, joints, armature)
+    return Mechanism(
+        name=urdf.name,
+        model=model,
+        urdf=urdf,
+        base=base,
+        joints=joints,
+        base_body=groups[urdf.root].name,
+        bodies=tuple(moved[name].name for name in moving),
+    )
+
+
+@functools.lru_cache(maxsize=4)  # of variants that are made once and used by many systems
+def _read(urdf: Urdf, base: Base) -> tuple[Any, Mapping[str, RigidGroup], Mapping[str, RigidGroup]]:
+    """Return Pinocchio's model of a URDF, looked at and to be copied; bodies by link; what joints move."""
     groups = rigid_groups(urdf.robot)
     if base == "free":
         check_inertia(groups[urdf.root], urdf.where, urdf.allow_impossible_inertia, urdf.rounding)
@@ -189,19 +210,7 @@ def build_mechanism(
     _check_mass(model, urdf)
     moved = _moved(urdf, groups)
     check_regular(model, urdf.where, moved, _ROOT_JOINT)
-    model.gravity = pin.Motion(acceleration, np.zeros(3))
-    moving = list(model.names)[1:]
-    joints = {name: _slot(model, urdf, name) for name in moving if name != _ROOT_JOINT}
-    _put_armature(model, joints, armature)
-    return Mechanism(
-        name=urdf.name,
-        model=model,
-        urdf=urdf,
-        base=base,
-        joints=joints,
-        base_body=groups[urdf.root].name,
-        bodies=tuple(moved[name].name for name in moving),
-    )
+    return model, groups, moved
 
 
 def _put_armature(model: Any, joints: Mapping[str, JointSlot], armature: Mapping[str, float]) -> None:

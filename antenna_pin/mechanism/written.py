@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from antenna_pin.changes import JointChange, JointVariant, LinkChange
 from antenna_pin.mechanism import _dynamics_tag, _plain, _xml
@@ -68,6 +68,25 @@ def _outline(text: str, where: str) -> _Outline:
     found = _plain.clean(robot, Path(where).stem).passed_over
     passed = tuple(PassedOver(what, tuple(lines)) for what, lines in sorted(found.items()))
     return _Outline(links, joints, friction, left_out, passed)
+
+
+class _Asked(NamedTuple):
+    """What a variant is made of: the same as another if it reads the same, each number to its last digit."""
+
+    said: str
+    changed: tuple[Any, ...]
+    more: dict[str, Any]
+
+    def __hash__(self) -> int:
+        return hash(self.said)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Asked) and self.said == other.said
+
+
+@lru_cache(maxsize=4)  # what is tried over and over differs in play, laws, drives; a URDF may be large
+def _made(asked: _Asked) -> Urdf:
+    return Urdf.made(*asked.changed, **asked.more)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -133,16 +152,13 @@ class WrittenUrdf:
         origins: Mapping[str, JointChange] | None = None,
     ) -> Urdf:
         """Return the mechanism with changes made, judged: :meth:`antenna_pin.mechanism.Urdf.variant`."""
-        return Urdf.made(
-            self.text,
-            self.where,
-            joints,
-            links,
-            origins,
-            folder=self.folder,
-            package_path=self.package_path,
-            allow_impossible_inertia=self.allow_impossible_inertia,
-        )
+        more = {
+            "folder": self.folder,
+            "package_path": self.package_path,
+            "allow_impossible_inertia": self.allow_impossible_inertia,
+        }
+        changed = self.text, self.where, joints, links, origins
+        return _made(_Asked(repr((changed, more)), changed, more))
 
     def said_of_passed_over(self) -> str | None:
         """Return one line on what was passed over, None if nothing was."""

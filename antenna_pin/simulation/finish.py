@@ -16,8 +16,9 @@ from antenna_pin.errors import OutputError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.record import Recording, dataset
+from antenna_pin.simulation.record import Recording, recorded
 from antenna_pin.trajectory import Trajectory, library_versions, write_blocks
+from antenna_pin.trajectory.labelled import Unlabelled
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -67,17 +68,17 @@ def finished(
     compiled = CompileClock() if compiling is None else compiling
     before = compiled.seconds
 
-    def result(data: xr.Dataset) -> Trajectory:
+    def result(data: Unlabelled) -> Trajectory:
         if start:
-            data.attrs["start"] = start
+            data.more["start"] = start
         if run.oversight.advice:
-            data.attrs["advice"] = run.oversight.advice
-        data.attrs["finished"] = datetime.now(UTC).isoformat(timespec="seconds")
+            data.more["advice"] = run.oversight.advice
+        data.more["finished"] = datetime.now(UTC).isoformat(timespec="seconds")
         nonlocal began
         now = time.perf_counter() - (compiled.seconds - before)
         run.wall, began = run.wall + now - began, now
-        return Trajectory(
-            data=data,
+        return Trajectory.later(
+            data.labelled,
             outcome=run.outcome,
             message=run.message,
             counts=replace(run.counts(), compile_seconds=compiled.seconds),
@@ -86,7 +87,7 @@ def finished(
         )
 
     if keeper is None or not keeper.parts.rows:
-        trajectory = result(dataset(run, title, case, library_versions(), lean=lean))
+        trajectory = result(recorded(run, title, case, library_versions(), lean=lean))
         if keeper is not None:
             try:
                 trajectory.save(keeper.path)
@@ -105,7 +106,7 @@ def _streamed(run: Run, keeper: Keeper, about: Mapping[str, Any], result: Any, l
     about = {**about, "versions": json.dumps(library_versions())}
 
     def dataset_of(series: Mapping[str, Any]) -> xr.Dataset:
-        stored: xr.Dataset = result(recording.labelled(series, about, lean=lean)).stored()
+        stored: xr.Dataset = result(recording.unlabelled(series, about, lean=lean)).stored()
         return stored
 
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 from collections.abc import Iterator, Mapping
@@ -25,10 +26,10 @@ from antenna_pin.simulation.sources import SERIES, TOTALS, episodes_of, sizes_of
 from antenna_pin.simulation.tick_record import labels_of_ticks, values_of_ticks
 from antenna_pin.trajectory import ENDED_WELL, Outcome
 from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
-from antenna_pin.trajectory.labelled import labelled
+from antenna_pin.trajectory.labelled import Unlabelled
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = ["Recording", "at_present", "dataset"]
+__all__ = ["Recording", "at_present", "recorded"]
 
 Values = Mapping[str, Any]
 
@@ -38,8 +39,8 @@ _ENERGIES = {one.name for one in VARIABLES.values() if one.units == "J" and "tim
 }
 
 
-def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False) -> xr.Dataset:
-    """Return a finished run as a labelled dataset (docs/trajectory.md lists the variables).
+def recorded(run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False) -> Unlabelled:
+    """Return what the dataset of a finished run is made of (docs/trajectory.md lists the variables).
 
     Args:
         run: The run, all of its samples in memory.
@@ -60,7 +61,7 @@ def dataset(run: Run, title: str, case: str, versions: dict[str, str], *, lean: 
                 whole[name] = np.empty((recording.count, *part.shape[1:]), part.dtype)
             whole[name][first : first + len(part)] = part
     about = {"title": title, "case": case, "versions": json.dumps(versions)}
-    return recording.labelled(whole, about, lean=lean)
+    return recording.unlabelled(whole, about, lean=lean)
 
 
 def at_present(run: Run) -> xr.Dataset:
@@ -74,7 +75,7 @@ def at_present(run: Run) -> xr.Dataset:
     recording = Recording(run, samples=samples)
     ((_, values),) = recording.blocks()
     run.outcome, run.message = outcome  # what is recorded of an instant is no judgement of the run
-    return recording.labelled(values, {})
+    return recording.unlabelled(values, {}).labelled()
 
 
 class Recording:
@@ -153,8 +154,8 @@ class Recording:
                 key = f"{name}_{kind}"
                 self._audit[key] = np.maximum(self._audit.get(key, most), most)
 
-    def labelled(self, series: Values, about: Mapping[str, Any], *, lean: bool = False) -> xr.Dataset:
-        """Return the dataset of the blocks so far with these series; of the run, once all have been made.
+    def unlabelled(self, series: Values, about: Mapping[str, Any], *, lean: bool = False) -> Unlabelled:
+        """Return the data of the blocks so far with these series; of the run, once all have been made.
 
         Args:
             series: By name, ``time`` among them; none for a lean result.
@@ -170,14 +171,20 @@ class Recording:
             "samples": self.count,
             "gap_difference": self.run.search.gap_difference,
             "conservation": json.dumps(self._conservation()),
-            **mechanism_attributes(self.run.system),
-            **constraint_attributes(self.run, first.state, last.state, self._peaks["peak_residual"]),
         }
         ticked = self.run.ticks.ticked
         values = {**series, **self._totals, **self._peaks, **episodes_of(self.run), **values_of_ticks(ticked)}
         labels = self._labels | labels_of_ticks(ticked, lean) | ({} if lean else {"time": series["time"]})
-        free = self.run.system.mechanism.base == "free"
-        return labelled(values, labels, attributes, free_base=free, lean=lean)
+        residual = self._peaks["peak_residual"]
+        return Unlabelled(
+            values,
+            labels,
+            attributes,
+            of_system=functools.partial(mechanism_attributes, self.run.system),
+            more=constraint_attributes(self.run, first.state, last.state, residual),
+            free_base=self.run.system.mechanism.base == "free",
+            lean=lean,
+        )
 
     def _conservation(self) -> dict[str, Any]:
         """Return how well what must be kept was kept, relative to scales that do not pass through zero."""

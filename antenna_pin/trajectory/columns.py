@@ -152,7 +152,10 @@ def first_not_finite(values: Numbers, *, lacks: bool = False, infinite: bool = F
     """
     if values.dtype.kind != "f":
         return len(values)
-    good = np.isfinite(values) | (lacks & np.isnan(values)) | (infinite & np.isinf(values))
+    good = np.isfinite(values)
+    if good.all():
+        return len(values)
+    good |= (lacks & np.isnan(values)) | (infinite & np.isinf(values))
     if good.all():
         return len(values)
     return int(np.argmin(good.reshape(len(values), -1).all(axis=1)))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,35 @@ import xarray as xr
 
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
 
-__all__ = ["labelled"]
+__all__ = ["Unlabelled", "labelled"]
+
+
+@dataclass(slots=True)
+class Unlabelled:
+    """All that a dataset is made of. To make it takes longer than a short run: it is made where it is read.
+
+    Attributes:
+        values: Of each variable, by name.
+        labels: As :func:`labelled` takes them.
+        attributes: The first of the dataset.
+        of_system: What tells those that follow, of what was run.
+        more: The last ones; to be added to.
+        free_base: Whether the base is free.
+        lean: Whether the series are left out.
+    """
+
+    values: Mapping[str, Any]
+    labels: Mapping[str, Any]
+    attributes: Mapping[str, Any]
+    of_system: Callable[[], Mapping[str, Any]]
+    more: dict[str, Any]
+    free_base: bool
+    lean: bool = False
+
+    def labelled(self) -> xr.Dataset:
+        """Return the dataset."""
+        attributes = {**self.attributes, **self.of_system(), **self.more}
+        return labelled(self.values, self.labels, attributes, free_base=self.free_base, lean=self.lean)
 
 
 def labelled(

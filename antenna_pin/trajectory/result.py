@@ -7,11 +7,11 @@ import json
 import math
 import os
 import platform
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, cast
 
 import xarray as xr
 
@@ -51,8 +51,14 @@ def library_versions() -> dict[str, str]:
     return dict(_versions())
 
 
+class _Later:
+    """Room for what makes the data of a result, beside its fields."""
+
+    __slots__ = ("_make",)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class Trajectory:
+class Trajectory(_Later):
     """One run, sampled.
 
     It shows itself: ``run.plot("contact_forces")``, ``run.record("run.html")``,
@@ -78,6 +84,32 @@ class Trajectory:
     record = View[Recorder]()
     report = View[Reporter]()
     analyse = View[RunNumbers]()
+
+    @classmethod
+    def later(cls, make: Callable[[], xr.Dataset], **fields: Any) -> Self:
+        """Return a result whose data are made when they are first asked for.
+
+        Args:
+            make: What makes them, always the same.
+            **fields: The other fields.
+        """
+        made = cls(data=cast("xr.Dataset", None), **fields)
+        object.__delattr__(made, "data")
+        object.__setattr__(made, "_make", make)
+        return made
+
+    if not TYPE_CHECKING:  # a checker is to know no other names than those that there are
+
+        def __getattr__(self, name: str) -> Any:
+            """Make the data; asked for nothing else that there is."""
+            if name != "data":
+                said = f"{type(self).__name__!r} object has no attribute {name!r}"
+                raise AttributeError(said, name=name, obj=self)
+            make = self._make
+            if make is not None:
+                object.__setattr__(self, "data", make())
+                object.__setattr__(self, "_make", None)  # after: another thread may ask meanwhile
+            return object.__getattribute__(self, "data")
 
     @property
     def constraints(self) -> dict[str, Any]:

@@ -11,7 +11,14 @@ import yourdfpy
 
 from antenna_pin.constraints import Anchor, on_body
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
-from antenna_pin.mechanism import JointChange, Urdf, build_mechanism, frame_aligning_z
+from antenna_pin.mechanism import (
+    JointChange,
+    LinkChange,
+    Urdf,
+    WrittenUrdf,
+    build_mechanism,
+    frame_aligning_z,
+)
 
 KINDS = ("ideal", "free", "planar", "locked")
 CASES = [("crooked", "wrist"), ("crooked", "swivel"), ("antenna", "elevation"), ("antenna", "azimuth")]
@@ -461,3 +468,25 @@ def test_the_cross_of_a_universal_joint_needs_no_mass():
     matrix = pin.crba(mechanism.model, mechanism.model.createData(), pin.neutral(mechanism.model))
     # m l^2 = 0.75 kg m^2 more than about the mass centre; sums of a few decimal numbers.
     assert np.triu(matrix) == pytest.approx(np.diag([2.75, 3.25]), abs=1e-14)
+
+
+def test_a_model_that_somebody_alters_is_nobody_elses(crooked_text):
+    written = WrittenUrdf(text=crooked_text, where="crooked")
+    first, second = (build_mechanism(written.variant({"wrist": "free"})) for _ in range(2))
+    assert first.urdf is second.urdf  # what has been read and judged is not again
+    assert first.model == second.model and first.model is not second.model
+    first.model.gravity.linear = np.array([0.0, 0.0, -9.81])
+    first.model.inertias[1] = pin.Inertia.Zero()
+    again = build_mechanism(written.variant({"wrist": "free"}))
+    assert again.model == second.model
+
+
+def test_the_last_digit_of_a_change_makes_another_variant(crooked_text):
+    written = WrittenUrdf(text=crooked_text, where="crooked")
+    link = next(one for one in written.variant().robot.links if one.inertial is not None)
+    mass = link.inertial.mass
+    found = []
+    for one in (mass, math.nextafter(mass, 2.0 * mass)):
+        changed = written.variant(links={link.name: LinkChange(mass=one)})
+        found.append(changed.link(link.name).inertial.mass)
+    assert found == [mass, math.nextafter(mass, 2.0 * mass)]

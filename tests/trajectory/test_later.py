@@ -1,0 +1,67 @@
+"""The data of a result are made when they are first read: nobody can tell, but by the time that it takes."""
+
+import copy
+import dataclasses
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from antenna_pin import load_scenario, simulate
+from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory.labelled import Unlabelled
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """Return how often datasets have been made; a fresh run of two samples beside it."""
+    count, labelled = [], Unlabelled.labelled
+    monkeypatch.setattr(Unlabelled, "labelled", lambda one: count.append(1) or labelled(one))
+    return count, simulate(load_scenario("pendulum", case="ideal"), duration=1e-3)
+
+
+def test_data_are_made_once_and_when_they_are_read(made):
+    count, run = made
+    assert run.completed and run.counts.accepted > 0 and not count
+    assert run.data is run.data and count == [1]
+    assert {"title", "urdf", "finished"} <= run.data.attrs.keys()
+
+
+@pytest.mark.parametrize(
+    "of", [copy.copy, copy.deepcopy, dataclasses.replace, lambda r: pickle.loads(pickle.dumps(r))]
+)
+def test_a_copy_has_the_same_data(made, of):
+    _, run = made
+    other = of(run)
+    assert other.data.identical(run.data) and other.outcome is run.outcome
+
+
+def test_threads_that_read_at_once_see_the_same_numbers(made):
+    _, run = made
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda _: run.data, range(8)))
+    assert all(one.identical(run.data) for one in found)
+
+
+def test_a_result_has_no_other_names_than_its_own(made):
+    _, run = made
+    with pytest.raises(AttributeError, match="'Trajectory' object has no attribute 'dats'"):
+        run.dats  # noqa: B018 - asked for
+    with pytest.raises(AttributeError):
+        Trajectory.__new__(Trajectory).data  # noqa: B018 - without any
+
+
+def test_what_makes_data_may_fail_and_be_asked_again(made):
+    _, run = made
+    data, tries = run.data, []
+
+    def make():
+        tries.append(1)
+        if len(tries) == 1:
+            raise MemoryError
+        return data
+
+    late = Trajectory.later(make, outcome=run.outcome, message=run.message, counts=run.counts)
+    with pytest.raises(MemoryError):
+        late.data  # noqa: B018 - made
+    assert late.data is data and len(tries) == 2
