@@ -97,15 +97,20 @@ def deviations(mechanism, seed):
 
 
 def change_deviations(mechanism, seed):
-    """Of the acceleration's derivatives over the state and over forces, relative to the largest of each."""
+    """Of the acceleration's derivatives over the state and over forces, relative to the largest of each.
+
+    A slide alone feels neither its place nor its speed: over the state the acceleration itself counts too.
+    """
     model, tree = mechanism.model, TreeDynamics(mechanism)
     q, v, tau = random_state(model, seed)
     data = model.createData()  # what it returns are views on that
     right = pin.computeABADerivatives(model, data, q, v, tau)
     inverse = np.triu(right[2])
-    blocks = np.hstack(right[:2]), inverse + np.triu(inverse, 1).T
+    inverse += np.triu(inverse, 1).T
+    blocks = np.column_stack([*right[:2], pin.aba(model, data, q, v, tau)]), inverse
     found = tree.acceleration_changes(q, v, tau, np.eye(3 * model.nv))
-    found = np.split(found, [2 * model.nv], axis=1)
+    found = np.insert(found, 2 * model.nv, tree.acceleration(q, v, tau), axis=1)
+    found = np.split(found, [2 * model.nv + 1], axis=1)
     return [np.abs(a - b).max() / np.abs(b).max() for a, b in zip(found, blocks, strict=True)]
 
 
