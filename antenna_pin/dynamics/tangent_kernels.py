@@ -88,7 +88,8 @@ def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: A
                 _move(part, kind, s, n, y, h, room)
                 count = _act(part, t + h if kind == 3 else t, room)
                 add(room.looked, count, side, point, step, room.weights, room.trial)
-        off = max(apart(room.trial, 0, forces), apart(room.trial, forces, whole))
+        off = apart(room.trial, room.looked, step, 0, forces)
+        off = max(off, apart(room.trial, room.looked, step, forces, whole))
         best = keep(room.trial, whole, off, best, room.column)
         if not goes_on(off, best):
             break
@@ -148,7 +149,7 @@ def add_element_changes(part: Any, t: float, y: Any, ways: Any, steps: Any, room
     for d in range(ways.shape[0]):
         own = steps[d] * abs(ways[d, at])
         if own > 0.0:
-            step = own if step == 0.0 else min(step, own)
+            step = max(step, own)
     _differentiate(part, (3, 0, 0), t, y, step, room)
     _add_column(part, at, ways, room, out)
 

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from antenna_pin._compile import inlined
 
 #: How often a step is made finer at most, and by how much.
 OFTEN, FINER = 8, 8.0
 #: Difference of the orders over the derivative that is good enough.
 _GOOD = 1e-10
+_ROUND_OFF = 16.0 * float(np.finfo(float).eps)
 
 
 @inlined
@@ -36,13 +39,18 @@ def add(values: Any, count: int, side: float, point: int, step: float, weights: 
 
 
 @inlined
-def apart(trial: Any, first: int, last: int) -> float:
-    """Return by how much two orders differ in ``first <= i < last``, over the largest derivative there."""
-    largest, off = 0.0, 0.0
+def apart(trial: Any, values: Any, step: float, first: int, last: int) -> float:
+    """Return by how much two orders differ in ``first <= i < last``, over the largest derivative there.
+
+    What the round-off of values makes of it does not count: it is all there is where a derivative is zero.
+    """
+    largest, off, size = 0.0, 0.0, 0.0
     for i in range(first, last):
         largest = max(largest, abs(trial[0, i]))
         off = max(off, abs(trial[0, i] - trial[1, i]))
-    return off / largest if largest > 0.0 else 0.0
+        size = max(size, abs(values[i]))
+    off -= _ROUND_OFF * size / step
+    return off / largest if off > 0.0 else 0.0
 
 
 @inlined

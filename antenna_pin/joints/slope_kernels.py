@@ -96,14 +96,14 @@ def _look_at_joint(p: Any, b: int, room: Any) -> None:
 
 
 @inlined
-def _geometry_apart(p: Any, b: int, room: Any) -> float:
+def _geometry_apart(p: Any, b: int, step: float, room: Any) -> float:
     """Return by how much the orders of a trial of geometry differ: of gaps, normals, points, rates."""
     j, worst = joint_at(p, b), 0.0
     for k in range(j.contacts):
         if room.numbers.memory[j.row + k].touching != 0.0:
             at, trial = FIRST + k * LOOKED, room.trial
             for first, last in ((GAP, NORMAL), (NORMAL, POINT), (POINT, RATE), (RATE, TWIRL)):
-                worst = max(worst, apart(trial, at + first, at + last))
+                worst = max(worst, apart(trial, room.looked, step, at + first, at + last))
     return worst
 
 
@@ -126,7 +126,7 @@ def differentiate_geometry(p: Any, b: int, f: int, y: Any, way: Any, room: Any, 
                 displace_joint(f, y, side * (point + 1.0) * step, way, room)
                 _look_at_joint(p, b, room)
                 add(room.looked, count, side, point, step, room.weights, room.trial)
-        off = _geometry_apart(p, b, room)
+        off = _geometry_apart(p, b, step, room)
         best = keep(room.trial, count, off, best, out)
         if not goes_on(off, best):
             break
@@ -201,7 +201,8 @@ def differentiate_laws(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: 
                     room.asked[i] = here + side * (point + 1.0) * step
                     _say(p, b, k, room)
                     add(room.said, said, side, point, step, room.weights, room.trial)
-            off = max(apart(room.trial, 0, V_BRISTLE), apart(room.trial, V_BRISTLE, said))
+            off = apart(room.trial, room.said, step, 0, V_BRISTLE)
+            off = max(off, apart(room.trial, room.said, step, V_BRISTLE, said))
             best = keep(room.trial, said, off, best, room.laws[k, i])
             if not goes_on(off, best):
                 break
