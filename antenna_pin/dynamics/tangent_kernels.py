@@ -32,8 +32,8 @@ PART = layout(
     ("bristle_end", "i8"),
 )
 
-# First steps, over units; over the steps of differences of the whole, of time.
-_OWN = 1e-4
+# First steps, over units.
+_OWN = 1e-3
 
 
 @inlined

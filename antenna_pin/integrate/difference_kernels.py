@@ -17,7 +17,7 @@ from antenna_pin._compile import inlined
 OFTEN, FINER = 8, 8.0
 #: Difference of the orders over the derivative that is good enough.
 _GOOD = 1e-10
-_ROUND_OFF = 16.0 * float(np.finfo(float).eps)
+_UNSURE = 16.0 * float(np.finfo(float).eps)
 
 
 @inlined
@@ -49,7 +49,7 @@ def apart(trial: Any, values: Any, step: float, first: int, last: int) -> float:
         largest = max(largest, abs(trial[0, i]))
         off = max(off, abs(trial[0, i] - trial[1, i]))
         size = max(size, abs(values[i]))
-    off -= _ROUND_OFF * size / step
+    off -= _UNSURE * size / step
     return off / largest if off > 0.0 else 0.0
 
 
