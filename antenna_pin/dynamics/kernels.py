@@ -30,7 +30,6 @@ from antenna_pin.joints.pose_kernels import (
     journal_state,
     motion_angle,
     onto_joint,
-    wrapped_angle,
 )
 from antenna_pin.mechanism.tree_kernels import unwrapped
 from antenna_pin.records import BLOCK, CIRCLE, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
@@ -66,9 +65,6 @@ ELEMENT = layout(
     ("on", "f8"),
 )
 PARAMETERS = words_of(ELEMENT)
-
-#: A turned angle: its place in x, block of its joint with play or -1, starts of the joint's parts of q and v.
-TURN = layout(("x", "i8"), ("play", "i8"), ("q", "i8"), ("v", "i8"))
 
 
 @inlined
@@ -264,6 +260,15 @@ def _bearing(p: Any, b: int, y: Any, head: Any, pose: Any, tau: Any, rates: Any)
 
 
 @inlined
+def element_forces(p: Any, b: int, t: float, y: Any, pose: Any, tau: Any, rates: Any) -> None:
+    """Add the generalized force of the element at a joint whose block stands at b; write its rates of x."""
+    if element_at(p, b).about == ABOUT_POSE:
+        _bearing(p, b, y, head_of(p), pose, tau, rates)
+    else:
+        _element(p, b, t, y, head_of(p), tau, rates)
+
+
+@inlined
 def element_energy(p: Any, b: int, y: Any, nq: int) -> float:
     """Energy stored in the element block at b, whether it is on or not [J]."""
     e = element_at(p, b)
@@ -295,10 +300,8 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
         block = block_at(program, b)
         if block.kind == CLEARANCE:
             clearance_joint(program, b, y, nq, nv, memory, table, pose, tau, rates)
-        elif element_at(program, b).about == ABOUT_POSE:
-            _bearing(program, b, y, head, pose, tau, rates)
         else:
-            _element(program, b, t, y, head, tau, rates)
+            element_forces(program, b, t, y, pose, tau, rates)
         b += block.length
 
 
@@ -320,31 +323,3 @@ def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float,
                 springs += e.on * element_energy(program, b, y, nq)
         b += block.length
     return contacts, springs
-
-
-@kernel
-def turn_on(program: Any, turns: Any, y: Any) -> float:
-    """Bring the turned angles in a state's x up to its configuration; return the fastest rate [rad/s].
-
-    ``turns`` has a record ``TURN`` per angle.
-    """
-    head = head_of(program)
-    x0 = head.nq + head.nv
-    fastest = 0.0
-    for k in range(turns.shape[0]):
-        turn = turns[k]
-        at = x0 + turn.x
-        i = head.nq + turn.v
-        if turn.play < 0:
-            angle = math.atan2(y[turn.q + 1], y[turn.q])
-            rate = abs(y[i])
-        else:
-            j = joint_at(program, turn.play)
-            angle, _, _ = wrapped_angle(j, y)
-            if j.planar != 0:
-                rate = abs(y[i + 2])
-            else:
-                rate = math.sqrt(y[i + 3] * y[i + 3] + y[i + 4] * y[i + 4] + y[i + 5] * y[i + 5])
-        y[at] = unwrapped(angle, y[at])
-        fastest = max(fastest, rate)
-    return fastest

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
-from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics import kernels, turn_kernels
 from antenna_pin.dynamics.blocks import (
     Blocks,
     InPython,
@@ -184,13 +184,13 @@ class System:
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points
         slots = {name: self.mechanism.joint(name) for name in self.turn_x}
-        #: The turned angles as :func:`kernels.turn_on` takes them, ``TURN``.
+        #: The turned angles as :func:`turn_kernels.turn_on` takes them, ``TURN``.
         self.turns = np.array(
             [
                 (x, self.clearance_blocks.get(name, -1), slots[name].q.start, slots[name].v.start)
                 for name, x in self.turn_x.items()
             ],
-            dtype=kernels.TURN,
+            dtype=turn_kernels.TURN,
         )
         self.manifold = Manifold(spaces(self.model), blocks.x)
 
@@ -338,7 +338,7 @@ class System:
 
         To be called where a step is accepted: no joint may have turned by half a turn since then.
         """
-        return float(kernels.turn_on(self.program, self.turns, y))
+        return float(turn_kernels.turn_on(self.program, self.turns, y))
 
     def neutral(self) -> Array:
         """Return the configuration with joints at zero, or as couplings want, and journals centred, (nq,)."""

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
     from antenna_pin.engine.pace import Pace, Sizes
     from antenna_pin.engine.slopes import Slopes
+    from antenna_pin.engine.tangents import Tangents
 
 __all__ = [
     "Compiled",
@@ -15,6 +16,7 @@ __all__ = [
     "Pace",
     "Sizes",
     "Slopes",
+    "Tangents",
     "check_compiled",
 ]
 
@@ -24,5 +26,6 @@ loaded_when_used(
         "compiled": "Compiled CompiledStepper check_compiled",
         "pace": "Pace Sizes",
         "slopes": "Slopes",
+        "tangents": "Tangents",
     },
 )

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.dynamics.kernels import turn_on
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
 from antenna_pin.dynamics.trial_kernels import contacts_in
+from antenna_pin.dynamics.turn_kernels import turn_on
 from antenna_pin.engine.episode_kernels import keep_peaks
 from antenna_pin.engine.hold_kernels import close
 from antenna_pin.engine.step_kernels import attempt, prepare_dense

@@ -103,6 +103,48 @@ def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> N
         retract_factor(factor_of(layout, f), q0, r0, u, ru, q, r)
 
 
+@inlined
+def move_factor(factor: Any, rows: Any, r: int, step: Any) -> None:
+    """:func:`move_by_velocity` of one factor."""
+    kind, i, j = factor.kind, factor.q, factor.v
+    if kind == VECTOR:
+        for k in range(factor.nv):
+            rows[r, i + k] += step[j + k]
+    elif kind == RIGID:
+        x, y, z, w = rows[r, i + 3], rows[r, i + 4], rows[r, i + 5], rows[r, i + 6]
+        tx = 2.0 * (y * step[j + 2] - z * step[j + 1])
+        ty = 2.0 * (z * step[j] - x * step[j + 2])
+        tz = 2.0 * (x * step[j + 1] - y * step[j])
+        rows[r, i] += step[j] + w * tx + y * tz - z * ty
+        rows[r, i + 1] += step[j + 1] + w * ty + z * tx - x * tz
+        rows[r, i + 2] += step[j + 2] + w * tz + x * ty - y * tx
+        _turn(rows, r, i + 3, (step[j + 3], step[j + 4], step[j + 5]), rows, r)
+    elif kind == ROTATION:
+        _turn(rows, r, i, (step[j], step[j + 1], step[j + 2]), rows, r)
+    else:
+        angle = step[j]
+        if kind == PLANE:
+            c, s = rows[r, i + 2], rows[r, i + 3]
+            rows[r, i] += c * step[j] - s * step[j + 1]
+            rows[r, i + 1] += s * step[j] + c * step[j + 1]
+            i += 2
+            angle = step[j + 2]
+        c, s = math.cos(angle), math.sin(angle)
+        qc = rows[r, i] * c - rows[r, i + 1] * s
+        qs = rows[r, i] * s + rows[r, i + 1] * c
+        scale = 1.0 / math.sqrt(qc * qc + qs * qs)
+        rows[r, i] = qc * scale
+        rows[r, i + 1] = qs * scale
+
+
+@inlined
+def factor_size(factor: Any) -> int:
+    """Return how many numbers of q a factor has."""
+    if factor.kind == VECTOR:
+        return int(factor.nv)
+    return 7 if factor.kind == RIGID else 4 if factor.kind == ROTATION or factor.kind == PLANE else 2
+
+
 @kernel
 def move_by_velocity(layout: Any, rows: Any, r: int, step: Any) -> None:
     """Move the configuration rows[r], in place, by a step in the coordinates of velocities, in body axes.
@@ -110,36 +152,7 @@ def move_by_velocity(layout: Any, rows: Any, r: int, step: Any) -> None:
     It is of first order, as for corrections: along a straight line, then turned.
     """
     for f in range(space_of(layout).factors):
-        factor = factor_of(layout, f)
-        kind, i, j = factor.kind, factor.q, factor.v
-        if kind == VECTOR:
-            for k in range(factor.nv):
-                rows[r, i + k] += step[j + k]
-        elif kind == RIGID:
-            x, y, z, w = rows[r, i + 3], rows[r, i + 4], rows[r, i + 5], rows[r, i + 6]
-            tx = 2.0 * (y * step[j + 2] - z * step[j + 1])
-            ty = 2.0 * (z * step[j] - x * step[j + 2])
-            tz = 2.0 * (x * step[j + 1] - y * step[j])
-            rows[r, i] += step[j] + w * tx + y * tz - z * ty
-            rows[r, i + 1] += step[j + 1] + w * ty + z * tx - x * tz
-            rows[r, i + 2] += step[j + 2] + w * tz + x * ty - y * tx
-            _turn(rows, r, i + 3, (step[j + 3], step[j + 4], step[j + 5]), rows, r)
-        elif kind == ROTATION:
-            _turn(rows, r, i, (step[j], step[j + 1], step[j + 2]), rows, r)
-        else:
-            angle = step[j]
-            if kind == PLANE:
-                c, s = rows[r, i + 2], rows[r, i + 3]
-                rows[r, i] += c * step[j] - s * step[j + 1]
-                rows[r, i + 1] += s * step[j] + c * step[j + 1]
-                i += 2
-                angle = step[j + 2]
-            c, s = math.cos(angle), math.sin(angle)
-            qc = rows[r, i] * c - rows[r, i + 1] * s
-            qs = rows[r, i] * s + rows[r, i + 1] * c
-            scale = 1.0 / math.sqrt(qc * qc + qs * qs)
-            rows[r, i] = qc * scale
-            rows[r, i + 1] = qs * scale
+        move_factor(factor_of(layout, f), rows, r, step)
 
 
 @inlined

@@ -7,7 +7,7 @@ from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkC
 
 if TYPE_CHECKING:
     from antenna_pin.mechanism._size import check_size
-    from antenna_pin.mechanism.dynamics import ROOM, TreeDynamics
+    from antenna_pin.mechanism.dynamics import CHANGE, ROOM, TreeDynamics
     from antenna_pin.mechanism.frames import (
         frame_aligning_z,
         quaternion,
@@ -20,12 +20,13 @@ if TYPE_CHECKING:
     from antenna_pin.mechanism.model import WORLD, Base, JointKind, JointSlot, Mechanism, build_mechanism
     from antenna_pin.mechanism.rotors import check_turns, rotor_joint, with_rotor
     from antenna_pin.mechanism.shaken import with_shaken_base
-    from antenna_pin.mechanism.tree import BODY, PLACE, body_tree
+    from antenna_pin.mechanism.tree import BODY, PLACE, body_tree, freedoms_below
     from antenna_pin.mechanism.urdf import Urdf
     from antenna_pin.mechanism.written import PassedOver, WrittenJoint, WrittenUrdf
 
 __all__ = [
     "BODY",
+    "CHANGE",
     "JOINT_VARIANTS",
     "Base",
     "JointChange",
@@ -49,6 +50,7 @@ __all__ = [
     "check_size",
     "check_turns",
     "frame_aligning_z",
+    "freedoms_below",
     "link_motion",
     "link_poses",
     "link_twists",
@@ -66,14 +68,14 @@ loaded_when_used(
     __name__,
     {
         "_size": "check_size",
-        "dynamics": "ROOM TreeDynamics",
+        "dynamics": "CHANGE ROOM TreeDynamics",
         "frames": "frame_aligning_z quaternion quaternions roll_pitch_yaw rotation",
         "kinematics": "link_motion link_poses link_twists",
         "loads": "transmitted_wrenches",
         "model": "WORLD Base JointKind JointSlot Mechanism build_mechanism",
         "rotors": "check_turns rotor_joint with_rotor",
         "shaken": "with_shaken_base",
-        "tree": "BODY PLACE body_tree",
+        "tree": "BODY PLACE body_tree freedoms_below",
         "urdf": "Urdf",
         "written": "PassedOver WrittenJoint WrittenUrdf",
     },

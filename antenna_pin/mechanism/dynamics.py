@@ -13,10 +13,11 @@ from antenna_pin.mechanism.dynamics_kernels import aba
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.model import Mechanism
 from antenna_pin.mechanism.room_kernels import ROOM
-from antenna_pin.mechanism.tree import body_tree
+from antenna_pin.mechanism.tangent_kernels import CHANGE, prepare_changes, solve_tree, subtract_changes
+from antenna_pin.mechanism.tree import body_tree, freedoms_below
 from antenna_pin.mechanism.tree_kernels import PLACE, bias_accelerations, place_bodies
 
-__all__ = ["ROOM", "TreeDynamics"]
+__all__ = ["CHANGE", "ROOM", "TreeDynamics"]
 
 Array = NDArray[np.float64]
 
@@ -68,6 +69,28 @@ class TreeDynamics:
         force = np.array(tau, dtype=float)
         aba(self._state(q, v), self.nq, self.tree, self.gravity, force, self.room(), found)
         return found
+
+    def acceleration_changes(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, ways: ArrayLike) -> Array:
+        """Return the derivatives of the acceleration along displacements, (nv, k).
+
+        Args:
+            q: Configuration, (nq,).
+            v: Velocity, (nv,).
+            tau: Generalized force, (nv,).
+            ways: Displacements of the configuration, in the coordinates of velocities, of the velocity and
+                of the force, (3 nv, k).
+        """
+        along = np.ascontiguousarray(np.asarray(ways, dtype=float).T)
+        nv, force = self.nv, np.array(tau, dtype=float)
+        places, bodies = np.zeros(len(self.tree) + 1, PLACE), np.zeros(len(self.tree), CHANGE)
+        mass, below = np.zeros((nv, nv)), freedoms_below(self.tree)
+        scratch = places, self.room(), mass, np.zeros(nv)
+        prepare_changes(self._state(q, v), self.nq, (self.tree, below), self.gravity, force, scratch, bodies)
+        out = along[:, 2 * nv :].copy()
+        for way, change in zip(along, out, strict=True):
+            subtract_changes(way, self.tree, places, self.gravity, bodies, change)
+            solve_tree(mass, below, change)
+        return np.asarray(out.T)
 
     def mass_and_bias(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
         """Return the mass matrix, (nv, nv), and the generalized force of gravity and velocities, (nv,)."""

@@ -13,7 +13,7 @@ from antenna_pin.mechanism.model import Mechanism
 from antenna_pin.mechanism.tree_kernels import BODY, PLACE
 from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE
 
-__all__ = ["BODY", "PLACE", "body_tree"]
+__all__ = ["BODY", "PLACE", "body_tree", "freedoms_below"]
 
 _KINDS = {
     "revolute": FIXED_AXIS,
@@ -23,6 +23,8 @@ _KINDS = {
     "spherical": ROTATION,
     "planar": PLANE,
 }
+
+_FREEDOMS = {RIGID: 6, ROTATION: 3, PLANE: 3}
 
 
 @takes()
@@ -45,3 +47,20 @@ def body_tree(mechanism: Mechanism) -> NDArray[Any]:
         body["rotation"], body["position"] = placement.rotation, placement.translation
         body["mass"], body["centre"], body["inertia"] = inertia.mass, inertia.lever, inertia.inertia
     return tree
+
+
+@takes()
+def freedoms_below(tree: NDArray[Any]) -> NDArray[np.int64]:
+    """Return the freedom next below each one of a tree, towards its root, -1 where there is none, (nv,).
+
+    Args:
+        tree: Bodies, parents first, ``BODY``, (bodies,).
+    """
+    below: list[int] = []
+    last: list[int] = []
+    for body in tree:
+        under = last[body["parent"]] if body["parent"] >= 0 else -1
+        count = _FREEDOMS.get(int(body["kind"]), 1)
+        below += [under, *range(len(below), len(below) + count - 1)]
+        last.append(len(below) - 1)
+    return np.array(below, dtype=np.int64)

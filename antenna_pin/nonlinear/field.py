@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.engine import Slopes
+from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at, parts_of
 from antenna_pin.nonlinear.kept import Kept
@@ -65,6 +65,11 @@ class Field:
         self._stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
         self.bristles = np.asarray(system.bristle_x, dtype=int)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
+        self._tangents = (
+            Tangents(system, self._stepper, np.concatenate(self.units), WEIGHTS)
+            if Tangents.takes(system)
+            else None
+        )
         self._y = np.zeros(system.manifold.size)
         self._memory = self.workspace.memory.copy()
         #: Parts of a displacement, and its size.
@@ -149,7 +154,7 @@ class Field:
             By differences of sixth and of fourth order, (nv + nx, k) each; and steps, (k,).
         """
         steps = self._steps(y, ways, True)
-        found = self._differences(time, y, ways, steps)
+        found = self._differences(time, y, ways, steps, self._tangents or self._slopes)
         off, noise = self._sizes(found[0] - found[1]), _NOISY * self.round_off
         least = np.maximum(_STRADDLES * self._sizes(found[0]).max(initial=0.0), noise / steps)
         rough, finer = np.flatnonzero(off > least), steps.copy()
@@ -178,9 +183,14 @@ class Field:
             return np.ones(len(steps), dtype=bool)
         return np.asarray(steps < _SHALLOW * self._steps(y, ways, False))
 
-    def _differences(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
-        """Return derivatives of the rates by differences of sixth and fourth order, (2, nv + nx, k)."""
-        found = np.array(self._slopes.rates(time, y, np.ascontiguousarray(ways), steps))
+    def _differences(
+        self, time: float, y: Array, ways: Array, steps: Array, by: Slopes | Tangents | None = None
+    ) -> Array:
+        """Return derivatives of the rates by differences of sixth and fourth order, (2, nv + nx, k).
+
+        They are of the whole where it is not said by what.
+        """
+        found = np.array((by or self._slopes).rates(time, y, np.ascontiguousarray(ways), steps))
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
         own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
         kept = ways[self.parts[-2]][own]

@@ -5,18 +5,31 @@ Of impacts of two free bodies, case 3 of the antenna, the slider-crank and the 4
 many coordinates there are; the time of both over that of a run of the same span at the same tolerance, 1e-12;
 and by how much the variational equation differs from differences of second order of a small step, over the
 largest number of the matrix. What is left is mostly theirs.
+
+Then of one derivative of the rates, of case 3 in contact: its time along one displacement, ten and all, over that
+of the rates themselves; put together from parts, and by differences of the whole.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 import time
+from collections.abc import Callable
 
 import numpy as np
 from bench_tools import Report
 
-from antenna_pin import load_scenario
+from antenna_pin import RunSettings, load_scenario
+from antenna_pin.differences import WEIGHTS
+from antenna_pin.dynamics import Workspace
+from antenna_pin.engine import Slopes, Tangents
+from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear import flow_of
+from antenna_pin.nonlinear.frames import Units
+from antenna_pin.records import memory_records
+from antenna_pin.simulation.scales import scale_vector
+from antenna_pin.simulation.stretches import stepper_of
 
 COMPILED = {"integrator.engine": "compiled"}
 # Model, case, joint with play, from when on [s], how long [s], step of differences.
@@ -26,6 +39,51 @@ PROBLEMS = {
     "slider_crank": ("slider_crank", "planar", "pin", 1e-3, 2e-3, 1e-4),
     "chen2021": ("chen2021", "friction-005", "s2", 1.0, 0.05, 1e-6),
 }
+
+
+CALLS = 2000
+
+
+def seconds(make: Callable[[], object]) -> float:
+    """Return the time of one call, the fastest of some rounds of them [s]."""
+    make()
+    fastest = math.inf
+    for _ in range(5):
+        began = time.perf_counter()
+        for _ in range(CALLS // 5):
+            make()
+        fastest = min(fastest, 5 * (time.perf_counter() - began) / CALLS)
+    return fastest
+
+
+def of_rates(report: Report) -> None:
+    """Measure one derivative of the rates, in the first contact of case 3."""
+    closed = COMPILED | {"clearance.elevation.geometry": "closed-form"}
+    flow, start = flow_of(load_scenario("bai2020", case="case3", overrides=closed))
+    while not memory_records(start.memory)["touching"].any():
+        start = flow.after(start, 1e-3)
+    system, settings = flow.system, RunSettings(engine="compiled")
+    workspace, units = Workspace(system), np.concatenate(Units.of(system))
+    workspace.memory[:] = memory_records(start.memory)
+    stepper = stepper_of(
+        workspace, method_named(settings.method), scale_vector(system, settings.scales), settings
+    )
+    y, count = np.ascontiguousarray(start.y), len(units)
+    size = count + 2 * len(workspace.memory) + 1
+    makers = {
+        "parts": Tangents(system, stepper, units, WEIGHTS),
+        "differences": Slopes(stepper, np.asarray(system.bristle_x), WEIGHTS),
+    }
+    rates = seconds(lambda: stepper.rates(start.time, y))
+    for label, maker in makers.items():
+        for k in (1, 10, count):
+            ways = np.zeros((size, k))
+            ways[:count] = np.diag(units)[:, count - k :]
+            steps = np.full(k, 1e-4)
+            taken = seconds(
+                lambda maker=maker, ways=ways, steps=steps: maker.rates(start.time, y, ways, steps)
+            )
+            report.add(f"{label}: derivatives along {k}, over the rates", taken / rates)
 
 
 def main() -> int:
@@ -55,6 +113,7 @@ def main() -> int:
         for label in list(makers)[1:]:
             report.add(f"{name}: {label}, over a run", fastest[label] / fastest["run"])
         report.add(f"{name}: apart", float(np.abs(ours - other).max() / np.abs(ours).max()))
+    of_rates(report)
     return report.finish()
 
 

@@ -96,6 +96,32 @@ def deviations(mechanism, seed):
     return [np.abs(a - b).max() / np.abs(b).max() for a, b in zip(found, right, strict=True)]
 
 
+def change_deviations(mechanism, seed):
+    """Of the acceleration's derivatives over the state and over forces, relative to the largest of each.
+
+    A slide alone feels neither its place nor its speed: over the state the acceleration itself counts too.
+    """
+    model, tree = mechanism.model, TreeDynamics(mechanism)
+    q, v, tau = random_state(model, seed)
+    data = model.createData()  # what it returns are views on that
+    right = pin.computeABADerivatives(model, data, q, v, tau)
+    inverse = np.triu(right[2])
+    inverse += np.triu(inverse, 1).T
+    blocks = np.column_stack([*right[:2], pin.aba(model, data, q, v, tau)]), inverse
+    found = tree.acceleration_changes(q, v, tau, np.eye(3 * model.nv))
+    found = np.insert(found, 2 * model.nv, tree.acceleration(q, v, tau), axis=1)
+    found = np.split(found, [2 * model.nv + 1], axis=1)
+    return [np.abs(a - b).max() / np.abs(b).max() for a, b in zip(found, blocks, strict=True)]
+
+
+@pytest.mark.parametrize("base", ["free", "fixed"])
+@pytest.mark.parametrize("seed", range(40))
+def test_the_acceleration_changes_as_pinocchios(base, seed):
+    """One by one along every freedom, and so along any displacement, for it is linear in that."""
+    mechanism = build_mechanism(random_urdf(seed, 1 + seed % 12), base, GRAVITY)
+    assert max(change_deviations(mechanism, seed)) < CLOSE
+
+
 @pytest.mark.parametrize("base", ["free", "fixed"])
 @pytest.mark.parametrize("seed", range(40))
 def test_random_trees_are_pinocchios(base, seed):
@@ -155,7 +181,9 @@ def spans(model):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_joints_that_no_urdf_has_are_pinocchios(seed):
-    assert max(deviations(by_hand(np.random.default_rng(seed)), seed)) < CLOSE
+    mechanism = by_hand(np.random.default_rng(seed))
+    assert max(deviations(mechanism, seed)) < CLOSE
+    assert max(change_deviations(mechanism, seed)) < CLOSE
 
 
 @pytest.mark.parametrize("seed", range(4))

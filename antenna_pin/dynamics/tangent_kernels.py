@@ -1,0 +1,205 @@
+"""How generalized forces of elements, and the rates of what they integrate, change with the state, compiled.
+
+An element at joints knows the numbers of these, its own states and time: it is differentiated over each of
+them that a displacement moves, by itself. Elements on links see all joints below these, and are so along
+each displacement as a whole. ``room`` is :class:`antenna_pin.engine.tangent_kernels.TangentRoom`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.dynamics.kernels import element_forces
+from antenna_pin.dynamics.link_kernels import add_forces
+from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, apart, clear, goes_on, keep
+from antenna_pin.integrate.manifold_kernels import factor_of, move_by_velocity, space_of
+from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
+from antenna_pin.records import layout
+
+#: What acts, a joint with play (``element`` 0) or an element at joints: its block in the program; the joint's
+#: freedoms in v and its factor of the configuration space, twice, the other joint's of an element that knows
+#: two (none: of no freedoms); where in x what it integrates begins and ends, and its bristles among all.
+PART = layout(
+    ("element", "i8"),
+    ("block", "i8"),
+    ("v", "i8", (2,)),
+    ("freedoms", "i8", (2,)),
+    ("factor", "i8", (2,)),
+    ("x", "i8"),
+    ("x_end", "i8"),
+    ("bristle", "i8"),
+    ("bristle_end", "i8"),
+)
+
+# First steps, over units.
+_OWN = 1e-3
+
+
+@inlined
+def _act(part: Any, t: float, room: Any) -> int:
+    """Write what an element does in ``room.state`` to ``room.looked``; return how many numbers that is."""
+    tau, rates, out = room.tau, room.rates, room.looked
+    nv = tau.shape[0]
+    for s in range(2):
+        for k in range(part.freedoms[s]):
+            tau[part.v[s] + k] = 0.0
+    element_forces(room.numbers.program, part.block, t, room.state[0], room.poses[1], tau, rates)
+    count = 0
+    for s in range(2):
+        for k in range(part.freedoms[s]):
+            out[count] = tau[part.v[s] + k]
+            count += 1
+    for x in range(part.x, part.x_end):
+        out[count] = rates[nv + x]
+        count += 1
+    return count
+
+
+@inlined
+def _move(part: Any, kind: int, s: int, n: int, y: Any, h: float, room: Any) -> None:
+    """Displace one number that an element knows: a way (0) or rate (1) of a joint of its, a state (2)."""
+    space, state = space_of(room.layout), room.state[0]
+    if kind == 0:
+        own = factor_of(room.layout, part.factor[s])
+        for k in range(own.nv):
+            room.freedoms[k] = 0.0
+        room.freedoms[part.v[s] + n - own.v] = 1.0
+        displace_joint(part.factor[s], y, h, room.freedoms, room)
+    elif kind == 1:
+        i = space.nq + part.v[s] + n
+        state[i] = y[i] + h
+    elif kind == 2:
+        i = space.nq + space.nv + room.bristles[n]
+        state[i] = y[i] + h
+
+
+@kernel
+def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: Any) -> int:
+    """Write the derivatives of what an element does over one number to ``room.column``; return how many."""
+    kind, s, n = about
+    best, count, forces = -1.0, 0, part.freedoms[0] + part.freedoms[1]
+    whole = forces + part.x_end - part.x
+    for _ in range(OFTEN):
+        clear(room.trial, whole)
+        for point in range(room.weights.shape[1]):
+            for side in (1.0, -1.0):
+                h = side * (point + 1.0) * step
+                _move(part, kind, s, n, y, h, room)
+                count = _act(part, t + h if kind == 3 else t, room)
+                add(room.looked, count, side, point, step, room.weights, room.trial)
+        off = apart(room.trial, room.looked, step, 0, forces)
+        off = max(off, apart(room.trial, room.looked, step, forces, whole))
+        best = keep(room.trial, whole, off, best, room.column)
+        if not goes_on(off, best):
+            break
+        step /= FINER
+    _move(part, kind, s, n, y, 0.0, room)
+    return int(whole)
+
+
+@kernel
+def _add_column(part: Any, at: int, ways: Any, room: Any, out: Any) -> None:
+    """Add the derivatives over one number times what each displacement has of it, at ways[:, at]."""
+    nv = room.tau.shape[0]
+    for d in range(ways.shape[0]):
+        share = ways[d, at]
+        if share == 0.0:
+            continue
+        for kind in range(out.shape[0]):
+            count = 0
+            for s in range(2):
+                for k in range(part.freedoms[s]):
+                    out[kind, d, part.v[s] + k] += share * room.column[kind, count]
+                    count += 1
+            for x in range(part.x, part.x_end):
+                out[kind, d, nv + x] += share * room.column[kind, count]
+                count += 1
+
+
+@kernel
+def add_element_changes(part: Any, t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
+    """Add how an element at joints changes generalized forces and rates of x along displacements.
+
+    Args:
+        part: The element, ``PART``.
+        t: Time [s].
+        y: State; ``room.state`` is it too.
+        ways: Displacements, row by row, (k, displacement).
+        steps: Of differences along these as a whole, (k,).
+        room: What to compute with.
+        out: (kinds, k, nv + nx).
+    """
+    nv = room.tau.shape[0]
+    for s in range(2):
+        for n in range(part.freedoms[s]):
+            for kind in range(2):
+                at = kind * nv + part.v[s] + n
+                if is_moved(ways, at):
+                    _differentiate(part, (kind, s, n), t, y, _OWN * room.units[at], room)
+                    _add_column(part, at, ways, room, out)
+    for n in range(part.bristle, part.bristle_end):
+        at = 2 * nv + n
+        if is_moved(ways, at):
+            _differentiate(part, (2, 0, n), t, y, _OWN * room.units[at], room)
+            _add_column(part, at, ways, room, out)
+    if room.asks[TIMES] == 0:
+        return
+    at, step = ways.shape[1] - 1, 0.0
+    for d in range(ways.shape[0]):
+        own = steps[d] * abs(ways[d, at])
+        if own > 0.0:
+            step = max(step, own)
+    _differentiate(part, (3, 0, 0), t, y, step, room)
+    _add_column(part, at, ways, room, out)
+
+
+@inlined
+def _displace(y: Any, way: Any, h: float, room: Any) -> None:
+    """Write the state displaced by h times a displacement to ``room.state``."""
+    space, state = space_of(room.layout), room.state
+    nq, nv = space.nq, space.nv
+    for i in range(nq + nv + space.nx):
+        state[0, i] = y[i]
+    for i in range(nv):
+        room.step[i] = h * way[i]
+    move_by_velocity(room.layout, state, 0, room.step)
+    for i in range(nv):
+        state[0, nq + i] += h * way[nv + i]
+    for i in range(room.bristles.shape[0]):
+        state[0, nq + nv + room.bristles[i]] += h * way[2 * nv + i]
+
+
+@kernel
+def add_link_changes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
+    """Add how elements on links do, by differences along each displacement.
+
+    Args:
+        t: Time [s].
+        y: State; ``room.state`` is it too.
+        ways: Displacements, row by row, (k, displacement).
+        steps: Of the differences, over a displacement, (k,).
+        room: What to compute with.
+        out: (kinds, k, nv + nx).
+    """
+    nv, numbers = room.tau.shape[0], room.numbers
+    first = nv + room.links_x[0]
+    for d in range(ways.shape[0]):
+        for point in range(room.weights.shape[1]):
+            for side in (1.0, -1.0):
+                h = side * (point + 1.0) * steps[d]
+                _displace(y, ways[d], h, room)
+                for k in range(nv):
+                    room.tau[k] = 0.0
+                time = t + h * ways[d, ways.shape[1] - 1]
+                add_forces(
+                    time, room.state[0], numbers.program, numbers.tree, numbers.places, room.tau, room.rates
+                )
+                for kind in range(out.shape[0]):
+                    weight = side * room.weights[kind, point] / steps[d]
+                    for k in range(nv):
+                        out[kind, d, k] += weight * room.tau[k]
+                    for k in range(first, out.shape[2]):
+                        out[kind, d, k] += weight * room.rates[k]
+    for i in range(y.shape[0]):
+        room.state[0, i] = y[i]

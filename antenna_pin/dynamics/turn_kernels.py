@@ -1,0 +1,47 @@
+"""Turned angles of a state, brought up to its configuration, compiled.
+
+What they are stands in :mod:`antenna_pin.dynamics.kernels`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from antenna_pin._compile import kernel
+from antenna_pin.dynamics.kernels import head_of
+from antenna_pin.joints.layout_kernels import joint_at
+from antenna_pin.joints.pose_kernels import wrapped_angle
+from antenna_pin.mechanism.tree_kernels import unwrapped
+from antenna_pin.records import layout
+
+#: A turned angle: its place in x, block of its joint with play or -1, starts of the joint's parts of q and v.
+TURN = layout(("x", "i8"), ("play", "i8"), ("q", "i8"), ("v", "i8"))
+
+
+@kernel
+def turn_on(program: Any, turns: Any, y: Any) -> float:
+    """Bring the turned angles in a state's x up to its configuration; return the fastest rate [rad/s].
+
+    ``turns`` has a record ``TURN`` per angle.
+    """
+    head = head_of(program)
+    x0 = head.nq + head.nv
+    fastest = 0.0
+    for k in range(turns.shape[0]):
+        turn = turns[k]
+        at = x0 + turn.x
+        i = head.nq + turn.v
+        if turn.play < 0:
+            angle = math.atan2(y[turn.q + 1], y[turn.q])
+            rate = abs(y[i])
+        else:
+            j = joint_at(program, turn.play)
+            angle, _, _ = wrapped_angle(j, y)
+            if j.planar != 0:
+                rate = abs(y[i + 2])
+            else:
+                rate = math.sqrt(y[i + 3] * y[i + 3] + y[i + 4] * y[i + 4] + y[i + 5] * y[i + 5])
+        y[at] = unwrapped(angle, y[at])
+        fastest = max(fastest, rate)
+    return fastest

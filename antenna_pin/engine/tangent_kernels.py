@@ -1,0 +1,150 @@
+"""The derivative of a tree's rates along displacements of a state, part by part, compiled.
+
+Displacements are laid out as in :mod:`antenna_pin.engine.slope_kernels`. The state's own forces and
+accelerations are computed once for all of them. What joints with play and elements do is differentiated over
+their own arguments (:mod:`antenna_pin.joints.tangent_kernels`, :mod:`antenna_pin.dynamics.tangent_kernels`);
+the tree in closed form (:mod:`antenna_pin.mechanism.tangent_kernels`).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from antenna_pin._by_address import by_address
+from antenna_pin._compile import kernel
+from antenna_pin.dynamics.kernels import evaluate, head_of
+from antenna_pin.dynamics.link_kernels import add_forces
+from antenna_pin.dynamics.tangent_kernels import add_element_changes, add_link_changes
+from antenna_pin.joints.slope_kernels import REMEMBERED, TIMES, is_moved
+from antenna_pin.joints.tangent_kernels import add_joint_changes
+from antenna_pin.mechanism.tangent_kernels import prepare_changes, solve_tree, subtract_changes
+
+
+@by_address
+class TangentRoom(NamedTuple):
+    """What the parts of a derivative are computed with.
+
+    Attributes:
+        numbers: The system; its contact memory and program are those of the moment.
+        parts: What acts at joints, PART, (parts,).
+        links_x: Where in x what elements on links integrate begins, (1,).
+        weights: Of differences at 1, 2, ... steps, of each kind, (kinds, points).
+        layout: Of the manifold.
+        bristles: Their places in x, (bristles,).
+        bristle_of: Which bristle each place of x is, -1 if none, (nx,).
+        units: Of ways, rates and bristles, (2 nv + bristles,).
+        below: The freedom next below each one, (nv,).
+        asks: What is asked for, scratch, (3,).
+        state: The state, and where it is displaced, (1, size).
+        step: Of ways, scratch, (nv,).
+        tau: Generalized force, scratch, (nv,).
+        rates: Of velocities and of x, scratch, (nv + nx,).
+        poses: POSE, (2,): of a journal as it is, and displaced.
+        remembered: MEMORY, scratch, (1,).
+        freedoms: One freedom of a factor, scratch, (nv,).
+        looked: What is looked at, scratch, (values,).
+        change: How it changes, scratch, (values,).
+        trial: Its differences, scratch, (kinds, values).
+        column: Those that are kept, (kinds, values).
+        geometry: Those of a joint's contacts, of each way, (6, kinds, values).
+        asked: What laws are asked with, scratch.
+        said: What they say, scratch.
+        laws: Derivatives of that, (contacts of a joint, asked, kinds, said).
+        twirls: What arms of flanges do, (contacts of a joint,).
+        places: PLACE, (bodies + 1,), the tree's own.
+        room: ROOM, likewise.
+        mass: Factors of the mass matrix, (nv, nv).
+        acceleration: (nv,).
+        bodies: CHANGE, (bodies,).
+    """
+
+    numbers: Any
+    parts: Any
+    links_x: Any
+    weights: Any
+    layout: Any
+    bristles: Any
+    bristle_of: Any
+    units: Any
+    below: Any
+    asks: Any
+    state: Any
+    step: Any
+    tau: Any
+    rates: Any
+    poses: Any
+    remembered: Any
+    freedoms: Any
+    looked: Any
+    change: Any
+    trial: Any
+    column: Any
+    geometry: Any
+    asked: Any
+    said: Any
+    laws: Any
+    twirls: Any
+    places: Any
+    room: Any
+    mass: Any
+    acceleration: Any
+    bodies: Any
+
+
+@kernel
+def _prepare(t: float, y: Any, ways: Any, room: Any) -> None:
+    """Evaluate the state itself, and look at what displacements have."""
+    numbers, asks = room.numbers, room.asks
+    head = head_of(numbers.program)
+    nv, contacts = head.nv, numbers.memory.shape[0]
+    first = 2 * nv + room.bristles.shape[0]
+    asks[REMEMBERED] = 0
+    for i in range(first, first + 2 * contacts):
+        if is_moved(ways, i):
+            asks[REMEMBERED] = 1
+    asks[TIMES] = 1 if is_moved(ways, ways.shape[1] - 1) else 0
+    for i in range(y.shape[0]):
+        room.state[0, i] = y[i]
+    tau = numbers.work[:nv]
+    evaluate(t, y, numbers.program, numbers.work, room.rates)
+    if head.points < numbers.program.shape[0]:
+        add_forces(t, y, numbers.program, numbers.tree, numbers.places, tau, room.rates)
+    space, scratch = (numbers.tree, room.below), (room.places, room.room, room.mass, room.acceleration)
+    prepare_changes(y, head.nq, space, numbers.gravity, tau, scratch, room.bodies)
+
+
+@kernel
+def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
+    """Write the derivatives of the rates along displacements.
+
+    Args:
+        t: Time [s].
+        y: State.
+        ways: Displacements, row by row, (k, displacement).
+        steps: Of differences along these as a whole, where there are any, (k,).
+        room: What to compute with.
+        out: To write to, (kinds, k, nv + nx): of sixth and of fourth order where there are differences.
+    """
+    numbers, nv = room.numbers, room.tau.shape[0]
+    out[:] = 0.0
+    _prepare(t, y, ways, room)
+    for i in range(room.parts.shape[0]):
+        part = room.parts[i]
+        if part.element != 0:
+            add_element_changes(part, t, y, ways, steps, room, out)
+        else:
+            add_joint_changes(numbers.program, part.block, part.factor[0], y, ways, room, out)
+    if head_of(numbers.program).points < numbers.program.shape[0]:
+        add_link_changes(t, y, ways, steps, room, out)
+    for d in range(ways.shape[0]):
+        own = out[0, d, :nv]
+        differs = False
+        for k in range(nv):
+            out[1, d, k] -= own[k]
+            differs = differs or out[1, d, k] != 0.0
+        subtract_changes(ways[d], numbers.tree, room.places, numbers.gravity, room.bodies, own)
+        solve_tree(room.mass, room.below, own)
+        if differs:
+            solve_tree(room.mass, room.below, out[1, d, :nv])
+        for k in range(nv):
+            out[1, d, k] += own[k]

@@ -1,0 +1,162 @@
+"""Derivatives of a tree's rates along displacements of a state, at less than an evaluation for each."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import System, acting_in, kernels
+from antenna_pin.dynamics.tangent_kernels import PART
+from antenna_pin.engine.compiled import CompiledStepper
+from antenna_pin.engine.tangent_kernels import TangentRoom, write_tangent
+from antenna_pin.integrate import manifold_kernels
+from antenna_pin.joints import layout_kernels, slope_kernels
+from antenna_pin.mechanism import CHANGE, PLACE, ROOM, freedoms_below
+from antenna_pin.records import MEMORY, POSE, PROGRAM
+
+__all__ = ["Tangents"]
+
+Array = NDArray[np.float64]
+
+
+class Tangents:
+    """Derivatives of a tree's rates, put together from those of its parts.
+
+    They are what :class:`antenna_pin.engine.Slopes` has by differences of the whole, and good to round-off
+    where those are to that of a force over its step: geometry, laws and elements are differentiated over
+    their own arguments, the tree in closed form. Each of these is looked at on its own scale, and finer where
+    a kink is near. Not taken are systems with rows (closures, motions, couplings, elements that hold), loads
+    that are distributed, and gaps, laws or elements that are asked in Python (:meth:`takes`).
+
+    Args:
+        system: The system.
+        stepper: Its; contact memory and program are those of the moment.
+        units: Of ways, rates and bristles, (2 nv + bristles,).
+        weights: Of differences at 1, 2, ... steps, of sixth and of fourth order, (2, points).
+    """
+
+    def __init__(self, system: System, stepper: CompiledStepper, units: Array, weights: Array) -> None:
+        """Allocate once."""
+        numbers, manifold = stepper.numbers, stepper.manifold
+        nv, nx, contacts = manifold.nv, manifold.nx, len(numbers.memory)
+        parts, links_x = _parts(system)
+        bristles = np.asarray(system.bristle_x, dtype=np.int64)
+        bristle_of = np.full(nx, -1, dtype=np.int64)
+        bristle_of[bristles] = np.arange(len(bristles))
+        of_parts = [int(part["freedoms"].sum() + part["x_end"] - part["x"]) for part in parts]
+        looked = slope_kernels.FIRST + contacts * slope_kernels.LOOKED
+        values, kinds = max(looked, *of_parts, 0), len(weights)
+        asked = slope_kernels.A_BRISTLE + slope_kernels.STATES
+        said = slope_kernels.V_BRISTLE + slope_kernels.STATES
+        self._answers = stepper.answers
+        self._room = TangentRoom(
+            numbers=numbers,
+            parts=parts,
+            links_x=np.array([links_x]),
+            weights=weights,
+            layout=manifold.layout,
+            bristles=bristles,
+            bristle_of=bristle_of,
+            units=np.ascontiguousarray(units),
+            below=freedoms_below(numbers.tree),
+            asks=np.zeros(3, dtype=np.int64),
+            state=np.zeros((1, manifold.size)),
+            step=np.zeros(nv),
+            tau=np.zeros(nv),
+            rates=np.zeros(nv + nx),
+            poses=np.zeros(2, POSE),
+            remembered=np.zeros(1, MEMORY),
+            freedoms=np.zeros(max(nv, 6)),
+            looked=np.zeros(values),
+            change=np.zeros(values),
+            trial=np.zeros((kinds, max(values, said))),
+            column=np.zeros((kinds, values)),
+            geometry=np.zeros((6, kinds, looked)),
+            asked=np.zeros(asked),
+            said=np.zeros(said),
+            laws=np.zeros((contacts, asked, kinds, said)),
+            twirls=np.zeros(contacts),
+            places=np.zeros(len(numbers.tree) + 1, PLACE),
+            room=np.zeros(len(numbers.tree) + 1, ROOM),
+            mass=np.zeros((nv, nv)),
+            acceleration=np.zeros(nv),
+            bodies=np.zeros(len(numbers.tree), CHANGE),
+        )
+        self._rates = nv + nx
+
+    @staticmethod
+    def takes(system: System) -> bool:
+        """Whether a system is one whose rates are differentiated part by part."""
+        joints = system.clearances
+        compiled = all(j.compiled and j.backend == "closed-form" and j.load == "point" for j in joints)
+        return compiled and not system.plan and not system.callables
+
+    def rates(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
+        """Return the derivatives of [acceleration (nv), rate of x (nx)], (2, nv + nx, k).
+
+        They are of differences of sixth and of fourth order, wherever there are any.
+
+        Args:
+            time: [s].
+            y: State.
+            ways: Displacements as :mod:`antenna_pin.engine.slope_kernels` lays them out, (displacement, k).
+            steps: Of differences along them, (k,), for time and for elements on links.
+        """
+        out = np.zeros((len(self._room.weights), ways.shape[1], self._rates))
+        write_tangent(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self._room, out)
+        self._answers.check()
+        return np.asarray(out.transpose(0, 2, 1))
+
+
+def _parts(system: System) -> tuple[NDArray[np.void], int]:
+    """Return what acts at a system's joints, ``PART``, and where in x books of elements on links begin."""
+    factor_of, found, links_x = _factors(system), [], system.manifold.nx
+    for block in system.clearance_blocks.values():
+        joint = system.program[block:][: layout_kernels.JOINT_WORDS].view(layout_kernels.JOINT)[0]
+        if joint["contacts"] > 0:
+            part = np.zeros(1, PART)
+            part["block"], part["v"][0, 0] = block, joint["v"]
+            part["factor"][0, 0] = factor_of[int(joint["v"])]
+            found.append(part)
+    bristles = np.asarray(system.bristle_x)
+    for acting in acting_in(system):
+        head = _head(system, acting.block)
+        if acting.block >= int(system.program[: kernels.HEADER].view(PROGRAM)[0]["points"]):
+            links_x = min(links_x, int(head["x"]))
+            continue
+        part = np.zeros(1, PART)
+        part["element"], part["block"] = 1, acting.block
+        part["x"], part["x_end"] = head["x"], int(head["x"]) + len(acting.element.integrals)
+        own = (bristles >= part["x"][0]) & (bristles < part["x_end"][0])
+        first = int(np.argmax(own)) if own.any() else 0
+        part["bristle"], part["bristle_end"] = first, first + int(own.sum())
+        other = int(head["partner"]) or int(head["sensed"])
+        heads = [head, _head(system, acting.block + other)] if other else [head]
+        if other and heads[1]["v"] == head["v"]:
+            heads = heads[:1]
+        for s, one in enumerate(heads):
+            part["v"][0, s], part["factor"][0, s] = one["v"], factor_of[int(one["v"])]
+            part["freedoms"][0, s] = _freedoms(system, one)
+        found.append(part)
+    return np.concatenate([np.zeros(0, PART), *found]), links_x
+
+
+def _head(system: System, block: int) -> np.void:
+    """Return the head of an element in a system's program."""
+    return np.void(system.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0])
+
+
+def _freedoms(system: System, head: np.void) -> int:
+    """Return how many freedoms the joint of an element's head has that it may know."""
+    if head["play"] < 0:
+        return 1
+    joint = system.program[int(head["play"]) :][: layout_kernels.JOINT_WORDS].view(layout_kernels.JOINT)[0]
+    return 3 if joint["planar"] else 6
+
+
+def _factors(system: System) -> dict[int, int]:
+    """Return the factor of the configuration space that each freedom is of."""
+    layout, words = system.manifold.layout, manifold_kernels.FACTOR_WORDS
+    factors = layout[manifold_kernels.SPACE_WORDS :].view(manifold_kernels.FACTOR)
+    assert len(layout) == manifold_kernels.SPACE_WORDS + words * len(factors)
+    return {int(one["v"]) + k: f for f, one in enumerate(factors) for k in range(int(one["nv"]))}

@@ -1,0 +1,305 @@
+"""How the acceleration of a tree changes with its state and its forces, compiled.
+
+By ``M a + b(q, v) = tau`` a displacement (w, dv) of the state, w and dv in the coordinates of velocities, and
+one of the forces make
+
+    M da = dtau - D[M a + b] (w, dv),
+
+the derivative of inverse dynamics at the acceleration that is. With spatial vectors in world axes about one
+point that rests, no transforms are needed, and of a body, as its own axes see them (Featherstone (2008),
+Rigid Body Dynamics Algorithms, chapter 2; the derivatives are those of Carpentier and Mansard (2018),
+Analytical Derivatives of Rigid Body Dynamics Algorithms, RSS, along one direction)::
+
+    dV = dV_p - d x V_p + S dv                       d = S w,  V = V_p + S v
+    dA = dA_p - d x A_p + dV x S v + V x S dv        A = A_p + S v' + V x S v,  A_0 = -g
+    dF = I dA + dV x* I V + V x* I dV + sum (dF_c + d_c x* F_c)
+    S^T dF                                           F = I A + V x* I V + sum F_c
+
+The mass matrix is factorized from the leaves on, where it has its zeros (ibid., section 6.5).
+
+It is in numbers in, numbers out: spatial vectors are (linear, angular) or (force, moment), six numbers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.mechanism.mass_kernels import mass_and_bias
+from antenna_pin.mechanism.room_kernels import crossed, symmetric_times, turned, turned_back, turned_symmetric
+from antenna_pin.mechanism.tree_kernels import bias_accelerations, place_bodies
+from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout
+
+#: Of a body, about the point and in world axes: place of its origin [m]; its velocity and acceleration, in
+#: which the ground rises against gravity; what its joint adds to the velocity; its momentum; the wrench that
+#: its joint gives. Its mass, first moment and moment of inertia. Then for one displacement: ``way`` by the
+#: joint, changes of velocity, acceleration and wrench.
+CHANGE = layout(
+    ("origin", np.float64, (3,)),
+    ("velocity", np.float64, (6,)),
+    ("acceleration", np.float64, (6,)),
+    ("joint_rate", np.float64, (6,)),
+    ("momentum", np.float64, (6,)),
+    ("wrench", np.float64, (6,)),
+    ("mass", np.float64),
+    ("first", np.float64, (3,)),
+    ("inertia", np.float64, (6,)),
+    ("way", np.float64, (6,)),
+    ("velocity_change", np.float64, (6,)),
+    ("acceleration_change", np.float64, (6,)),
+    ("wrench_change", np.float64, (6,)),
+)
+
+
+@inlined
+def _set(out: Any, x: Any) -> None:
+    """Write six numbers."""
+    a, b, c, d, e, f = x
+    out[0], out[1], out[2], out[3], out[4], out[5] = a, b, c, d, e, f
+
+
+@inlined
+def _plus(out: Any, x: Any) -> None:
+    """Add six numbers."""
+    a, b, c, d, e, f = x
+    out[0] += a
+    out[1] += b
+    out[2] += c
+    out[3] += d
+    out[4] += e
+    out[5] += f
+
+
+@inlined
+def _cross(a: Any, b: Any) -> tuple[float, float, float, float, float, float]:
+    """Return a x b of two motions."""
+    x, y, z = crossed(a[3], a[4], a[5], b[3], b[4], b[5])
+    p, q, r = crossed(a[3], a[4], a[5], b[0], b[1], b[2])
+    u, v, w = crossed(a[0], a[1], a[2], b[3], b[4], b[5])
+    return p + u, q + v, r + w, x, y, z
+
+
+@inlined
+def _cross_wrench(a: Any, f: Any) -> tuple[float, float, float, float, float, float]:
+    """Return a x* f of a motion and a wrench."""
+    x, y, z = crossed(a[3], a[4], a[5], f[0], f[1], f[2])
+    p, q, r = crossed(a[3], a[4], a[5], f[3], f[4], f[5])
+    u, v, w = crossed(a[0], a[1], a[2], f[0], f[1], f[2])
+    return x, y, z, p + u, q + v, r + w
+
+
+@inlined
+def _momentum(own: Any, a: Any) -> tuple[float, float, float, float, float, float]:
+    """Return I a of a body."""
+    m, h = own.mass, own.first
+    x, y, z = crossed(a[3], a[4], a[5], h[0], h[1], h[2])
+    p, q, r = crossed(h[0], h[1], h[2], a[0], a[1], a[2])
+    u, v, w = symmetric_times(own.inertia, a[3], a[4], a[5])
+    return m * a[0] + x, m * a[1] + y, m * a[2] + z, p + u, q + v, r + w
+
+
+@inlined
+def _along_joint(body: Any, rotation: Any, own: Any, x: Any, out: Any) -> None:
+    """Write the motion of a body that the joint's part of a generalized velocity makes."""
+    k, kind, axis = body.v, body.kind, body.axis
+    ux, uy, uz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if kind == FIXED_AXIS or kind == CIRCLE:
+        wx, wy, wz = x[k] * axis[0], x[k] * axis[1], x[k] * axis[2]
+    elif kind == SLIDE:
+        ux, uy, uz = x[k] * axis[0], x[k] * axis[1], x[k] * axis[2]
+    elif kind == RIGID:
+        ux, uy, uz, wx, wy, wz = x[k], x[k + 1], x[k + 2], x[k + 3], x[k + 4], x[k + 5]
+    elif kind == ROTATION:
+        wx, wy, wz = x[k], x[k + 1], x[k + 2]
+    else:
+        ux, uy, wz = x[k], x[k + 1], x[k + 2]
+    ux, uy, uz = turned(rotation, ux, uy, uz)
+    wx, wy, wz = turned(rotation, wx, wy, wz)
+    p = own.origin
+    px, py, pz = crossed(p[0], p[1], p[2], wx, wy, wz)
+    _set(out, (ux + px, uy + py, uz + pz, wx, wy, wz))
+
+
+@inlined
+def _onto_joint(body: Any, rotation: Any, own: Any, out: Any) -> None:
+    """Subtract from the joint's part of ``out`` what the change of its wrench does along it."""
+    f, p, k, kind, axis = own.wrench_change, own.origin, body.v, body.kind, body.axis
+    x, y, z = crossed(p[0], p[1], p[2], f[0], f[1], f[2])
+    mx, my, mz = turned_back(rotation, f[3] - x, f[4] - y, f[5] - z)
+    if kind == FIXED_AXIS or kind == CIRCLE:
+        out[k] -= axis[0] * mx + axis[1] * my + axis[2] * mz
+        return
+    fx, fy, fz = turned_back(rotation, f[0], f[1], f[2])
+    if kind == SLIDE:
+        out[k] -= axis[0] * fx + axis[1] * fy + axis[2] * fz
+        return
+    if kind != ROTATION:
+        out[k] -= fx
+        out[k + 1] -= fy
+        k += 2
+    if kind == RIGID:
+        out[k] -= fz
+        k += 1
+    if kind != PLANE:
+        out[k] -= mx
+        out[k + 1] -= my
+        k += 2
+    out[k] -= mz
+
+
+@kernel
+def _read_bodies(y: Any, nq: int, tree: Any, places: Any, gravity: Any, a: Any, bodies: Any) -> None:
+    """Write how bodies move about the first one's origin, accelerating by a, and the wrenches that takes."""
+    count = tree.shape[0]
+    point = places[0].origin
+    for b in range(count):
+        body, place, own = tree[b], places[b], bodies[b]
+        r, c, i = place.rotation, body.centre, body.inertia
+        p = own.origin
+        for k in range(3):
+            p[k] = place.origin[k] - point[k]
+        v = own.velocity
+        x, y_, z = crossed(p[0], p[1], p[2], place.spin[0], place.spin[1], place.spin[2])
+        v[0], v[1], v[2] = place.velocity[0] + x, place.velocity[1] + y_, place.velocity[2] + z
+        v[3], v[4], v[5] = place.spin[0], place.spin[1], place.spin[2]
+        m, j, h = body.mass, own.inertia, own.first
+        x, y_, z = turned(r, c[0], c[1], c[2])
+        x, y_, z = x + p[0], y_ + p[1], z + p[2]
+        j[0], j[1], j[2], j[3], j[4], j[5] = i[0, 0], i[0, 1], i[0, 2], i[1, 1], i[1, 2], i[2, 2]
+        j[0], j[1], j[2], j[3], j[4], j[5] = turned_symmetric(r, j)
+        own.mass = m
+        h[0], h[1], h[2] = m * x, m * y_, m * z
+        j[0] += h[1] * y_ + h[2] * z
+        j[1] -= h[0] * y_
+        j[2] -= h[0] * z
+        j[3] += h[0] * x + h[2] * z
+        j[4] -= h[1] * z
+        j[5] += h[0] * x + h[1] * y_
+        _along_joint(body, r, own, y[nq:], own.joint_rate)
+        _along_joint(body, r, own, a, own.acceleration)
+        _plus(own.acceleration, _cross(v, own.joint_rate))
+        if body.parent < 0:
+            for k in range(3):
+                own.acceleration[k] -= gravity[k]
+        else:
+            on = bodies[body.parent].acceleration
+            _plus(own.acceleration, (on[0], on[1], on[2], on[3], on[4], on[5]))
+        _set(own.momentum, _momentum(own, v))
+        _set(own.wrench, _momentum(own, own.acceleration))
+        _plus(own.wrench, _cross_wrench(v, own.momentum))
+    for b in range(count - 1, -1, -1):
+        if tree[b].parent >= 0:
+            f = bodies[b].wrench
+            _plus(bodies[tree[b].parent].wrench, (f[0], f[1], f[2], f[3], f[4], f[5]))
+
+
+@inlined
+def _change_along(body: Any, way: Any, nv: int, place: Any, bodies: Any, own: Any, gravity: Any) -> None:
+    """Write how a body's motion, and the wrench of itself, change along a displacement [w (nv), dv (nv)]."""
+    u, a, f, rate = own.velocity_change, own.acceleration_change, own.wrench_change, own.joint_rate
+    _along_joint(body, place.rotation, own, way, own.way)
+    _along_joint(body, place.rotation, own, way[nv:], u)
+    _set(a, _cross(own.velocity, u))
+    if body.parent < 0:
+        x, y, z = crossed(own.way[3], own.way[4], own.way[5], gravity[0], gravity[1], gravity[2])
+        a[0] += x
+        a[1] += y
+        a[2] += z
+    else:
+        on = bodies[body.parent]
+        p, q = on.velocity_change, on.acceleration_change
+        _plus(u, (p[0], p[1], p[2], p[3], p[4], p[5]))
+        _plus(u, _cross(on.velocity, own.way))
+        _plus(a, (q[0], q[1], q[2], q[3], q[4], q[5]))
+        _plus(a, _cross(on.acceleration, own.way))
+    _plus(a, _cross(u, rate))
+    _set(f, _momentum(own, u))
+    _set(f, _cross_wrench(own.velocity, f))
+    _plus(f, _momentum(own, a))
+    _plus(f, _cross_wrench(u, own.momentum))
+
+
+@kernel
+def subtract_changes(way: Any, tree: Any, places: Any, gravity: Any, bodies: Any, out: Any) -> None:
+    """Subtract from ``out`` how M a + b changes along a displacement, with :func:`prepare_changes` done.
+
+    Args:
+        way: Displacement, [w (nv), dv (nv), ...].
+        tree: Bodies, parents first, BODY, (bodies,).
+        places: Where they are, PLACE.
+        gravity: In world axes [m/s^2], (3,).
+        bodies: How they move; written to, CHANGE, (bodies,).
+        out: (nv,).
+    """
+    count = tree.shape[0]
+    for b in range(count):
+        _change_along(tree[b], way, out.shape[0], places[b], bodies, bodies[b], gravity)
+    for b in range(count - 1, -1, -1):
+        body, own = tree[b], bodies[b]
+        _onto_joint(body, places[b].rotation, own, out)
+        if body.parent >= 0:
+            f, on = own.wrench_change, bodies[body.parent].wrench_change
+            _plus(on, (f[0], f[1], f[2], f[3], f[4], f[5]))
+            _plus(on, _cross_wrench(own.way, own.wrench))
+
+
+@kernel
+def factorize_tree(mass: Any, below: Any) -> None:
+    """Factorize a tree's mass matrix in place: L^T D L with D on the diagonal and the unit L below it.
+
+    ``below``: the freedom next below each one, -1 at the root, (nv,); where a freedom is not below another
+    the matrix and L have zeros, which are not looked at.
+    """
+    for k in range(below.shape[0] - 1, -1, -1):
+        i = below[k]
+        while i >= 0:
+            share = mass[k, i] / mass[k, k]
+            j = i
+            while j >= 0:
+                mass[i, j] -= share * mass[k, j]
+                j = below[j]
+            mass[k, i] = share
+            i = below[i]
+
+
+@kernel
+def solve_tree(factors: Any, below: Any, x: Any) -> None:
+    """Solve M x = x in place, with the factors of :func:`factorize_tree`."""
+    for i in range(below.shape[0] - 1, -1, -1):
+        j = below[i]
+        while j >= 0:
+            x[j] -= factors[i, j] * x[i]
+            j = below[j]
+    for i in range(below.shape[0]):
+        x[i] /= factors[i, i]
+        j = below[i]
+        while j >= 0:
+            x[i] -= factors[i, j] * x[j]
+            j = below[j]
+
+
+@kernel
+def prepare_changes(y: Any, nq: int, space: Any, gravity: Any, tau: Any, scratch: Any, bodies: Any) -> None:
+    """Write how a tree moves and accelerates under forces, and the factors of its mass matrix.
+
+    Args:
+        y: State, q and v first.
+        nq: Where v starts in it.
+        space: Bodies, and the freedom next below each (:func:`factorize_tree`).
+        gravity: In world axes [m/s^2], (3,).
+        tau: Generalized force, (nv,).
+        scratch: PLACE and ROOM, (bodies + 1,) each, mass matrix, (nv, nv), and acceleration, (nv,): written.
+        bodies: To write to, CHANGE, (bodies,).
+    """
+    tree, below = space
+    places, room, mass, acceleration = scratch
+    place_bodies(y, nq, tree, places)
+    bias_accelerations(tree, places)
+    mass_and_bias(tree, places, gravity, room, mass, acceleration)
+    factorize_tree(mass, below)
+    for k in range(tau.shape[0]):
+        acceleration[k] = tau[k] - acceleration[k]
+    solve_tree(mass, below, acceleration)
+    _read_bodies(y, nq, tree, places, gravity, acceleration, bodies)

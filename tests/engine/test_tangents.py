@@ -1,0 +1,158 @@
+"""Derivatives of the rates put together from those of parts: as differences of the whole, and better."""
+
+import importlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from antenna_pin import RunSettings, build_system, load_scenario
+from antenna_pin.differences import WEIGHTS
+from antenna_pin.engine import Slopes, Tangents
+from antenna_pin.nonlinear.field import Field
+
+ROOT = Path(__file__).parents[2]
+TIME = 0.123
+STEPS = 10.0 ** np.arange(0.0, -9.0, -0.5)
+CLOSE, NOTHING = 1e-7, 1e-9
+"""Of its column and of the largest of all, in units: what differences of the whole, of the best of steps, are
+good to where a contact is a millionth of a metre deep and the round-off of places 1e-17 m."""
+
+
+def built(model, case, **overrides):
+    return build_system(load_scenario(model, case=case, overrides=overrides))
+
+
+def press(field, y, joint, rng):
+    """Take a journal from its middle along no axis into the wall; say what touches."""
+    system, workspace = field.system, field.workspace
+    own = system.mechanism.joint(joint.name).v
+    first = system.contact_names.index(joint.contact_names[0])
+    direction = rng.normal(size=own.stop - own.start) * field.units.way[own]
+    for size in np.geomspace(0.3, 300.0, 200):
+        there, way = y.copy(), np.zeros(system.model.nv)
+        way[own] = size * direction
+        workspace.retract(there, way)
+        gaps = np.array([workspace.along_normal(there, first + k)[1] for k in range(joint.contacts)])
+        if gaps.min() < -1e-3 * joint.geometry.radial_clearance:
+            y[:] = there
+            workspace.memory["touching"][first : first + joint.contacts] = gaps < 0.0
+            return
+    raise AssertionError(f"{joint.name} never touches")
+
+
+def anywhere(system, seed):
+    """Return a field, and a state in which everything moves and all joints with play touch."""
+    field, rng = Field(system, RunSettings(engine="compiled")), np.random.default_rng(seed)
+    nq, nv, units = system.model.nq, system.model.nv, field.units
+    with_play = [system.mechanism.joint(joint.name).v for joint in system.clearances]
+    y, way = system.state(system.neutral(), 0.3 * rng.normal(size=nv)), 0.3 * rng.normal(size=nv)
+    for own in with_play:
+        way[own] = 0.0
+    field.workspace.retract(y, way)
+    memory = field.workspace.memory
+    memory["approach_speed"], memory["effective_mass"] = 0.05, 1.3
+    for joint, own in zip(system.clearances, with_play, strict=True):
+        press(field, y, joint, rng)
+        y[nq:][own] = 3.0 * rng.normal(size=own.stop - own.start) * units.rate[own]
+    y[nq + nv + field.bristles] = 0.01 * rng.normal(size=len(field.bristles)) * units.bristle
+    system.turn_on(y)
+    return field, y
+
+
+def ways_of(field):
+    """Return displacements by one unit of everything that rates depend on, by columns, and one of all."""
+    own, every = field.parts[-2], np.eye(field.displacement)
+    scale = np.concatenate([*field.units, np.ones(field.displacement - sum(map(len, field.units)))])
+    scale[-1] = 1e-3
+    ways = np.delete(every * scale, np.arange(field.displacement)[own], axis=1)
+    return np.column_stack([ways, ways.sum(axis=1)])
+
+
+def judge(system, seed):
+    """Compare both kinds of derivatives in a state; return the largest deviation over what is asked."""
+    field, y = anywhere(system, seed)
+    ways = ways_of(field)
+    units = np.concatenate(field.units)
+    stepper = field._stepper
+    whole = Slopes(stepper, field.bristles, WEIGHTS)
+    parts = Tangents(system, stepper, units, WEIGHTS)
+    found = parts.rates(TIME, y, ways, np.full(ways.shape[1], 1e-4))[0]
+    few = [parts.rates(TIME, y, ways[:, [k]], np.full(1, 1e-4))[0, :, 0] for k in range(ways.shape[1])]
+    right, least = np.zeros_like(found), np.full(ways.shape[1], np.inf)
+    for step in STEPS:
+        sixth, fourth = whole.rates(TIME, y, ways, np.full(ways.shape[1], step))
+        off = np.abs(field._weighed(sixth - fourth)).max(axis=0)
+        better = off < least
+        right[:, better], least[better] = sixth[:, better], off[better]
+    worst = 0.0
+    for one in (found, np.column_stack(few)):
+        for values, wanted in (
+            (field._weighed(one), field._weighed(right)),
+            (one[system.model.nv :], right[system.model.nv :]),
+        ):
+            size = np.abs(wanted)
+            asked = CLOSE * size.max(axis=0, initial=0.0) + NOTHING * size.max(initial=1e-300)
+            worst = max(worst, (np.abs(values - wanted) / asked).max(initial=0.0))
+    return worst
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_joints_with_play_change_as_the_whole_does(number, monkeypatch):
+    """Revolute, planar and spherical ones in random trees, of all laws, with drives and springs."""
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    scenario = importlib.import_module("scenario_generator").draw_scenario(3, number)
+    plain = {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}
+    plain |= {f"clearance.{n}.load": "point" for n, one in scenario.clearance.items() if hasattr(one, "load")}
+    assert judge(build_system(scenario.with_overrides(plain)), number) < 1.0
+
+
+@pytest.mark.parametrize("number", [0, 1, 9, 11, 27, 28, 33, 41, 45])
+def test_elements_change_as_the_whole_does(number, monkeypatch):
+    """Those of trees without rows: springs, stops, latches, bearings, bristles, gears, motors."""
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    system = importlib.import_module("random_trees").drawn(0, number).system
+    assert judge(system, number) < 1.0
+
+
+def test_a_flange_pressed_flat_changes_as_the_whole_does():
+    """Its force's point goes with tilt over depth, which both are small."""
+    system = built("impact_pair", "flange", **{"clearance.bore.geometry": "closed-form"})
+    assert judge(system, 3) < 1.0
+
+
+def test_a_force_changes_by_its_exponent_over_any_depth():
+    """Of a contact at rest: F = K depth^1.5, so that F' = K 1.5 depth^0.5, down to what a depth is known to.
+
+    Depths are differences of 0.1 mm, which is 1e-20 m: a billionth of 1e-11 m.
+    """
+    closed = {"clearance.bore.geometry": "closed-form"}
+    system = built("impact_pair", "planar", **closed)
+    field = Field(system, RunSettings(engine="compiled"))
+    memory, nv = field.workspace.memory, system.model.nv
+    memory["touching"], memory["approach_speed"] = 1.0, 0.1
+    own = system.mechanism.joint("bore").v.start
+    way = np.zeros((field.displacement, 1))
+    way[own] = 1.0
+    stiffness = []
+    for depth in 10.0 ** -np.arange(5.0, 12.0):
+        y = system.state(system.neutral(), np.zeros(nv))
+        along = np.zeros(nv)
+        along[own] = system.clearances[0].geometry.radial_clearance + depth
+        field.workspace.retract(y, along)
+        gap = field.workspace.along_normal(y, 0)[1]
+        found = Tangents(system, field._stepper, np.concatenate(field.units), WEIGHTS)
+        slope = found.rates(0.0, y, way, np.full(1, 1e-4))[0, own, 0]
+        stiffness.append(slope / np.sqrt(-gap))
+    assert np.ptp(stiffness) < 1e-10 * np.abs(stiffness).max()
+
+
+def test_what_is_not_put_together_from_parts():
+    """Closures, gaps of coal and loads that are shared out are left to differences of the whole."""
+    closed = {"clearance.elevation.geometry": "closed-form"}
+    assert Tangents.takes(built("bai2020", "case3", **closed))
+    assert not Tangents.takes(built("bai2020", "case3", **{"clearance.elevation.geometry": "coal"}))
+    assert not Tangents.takes(
+        built("bai2020", "case3", **closed, **{"clearance.elevation.load": "distributed"})
+    )
+    assert not Tangents.takes(built("slider_crank", "planar"))
