@@ -46,8 +46,8 @@ class Recording:
             slider, the viewer's ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of
             it (poses of seven numbers, placements of twelve, or times from which and until which it is
             shown), ``bodies``, ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time of
-            its ``poster`` for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times and series and 32
-            for the rest.
+            its ``poster`` for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times
+            and series and 32 for the rest.
         frames: The samples of the run that became key frames.
     """
 
