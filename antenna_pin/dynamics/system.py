@@ -142,9 +142,7 @@ class System:
         said = "".join(f", {name}: {len(part)}" for name, part in parts.items() if part)
         return f"System({self.mechanism.name!r}, nq={self.model.nq}, nv={self.model.nv}{said})"
 
-    def _repr_html_(self) -> str:
-        """Show it in a notebook."""
-        return as_html(self)
+    _repr_html_ = as_html
 
     # --- layout ---------------------------------------------------------------------------------------------
 
