@@ -33,7 +33,7 @@ def say_answer(trajectory: Trajectory, label: str = "") -> None:
     told = found.title if not label or found.title.endswith(f"case {label}") else f"{label}: {found.title}"
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else _PAGE
     widest = max(len(line.about) for line in found.lines)
-    head = _wrapped(f"{told}: {found.ended}", width)
+    head = _wrapped(f"{told}: {found.ended}", width, " " * 4)
     parts = [line.text.split("; ") for line in found.lines]
     room = max(width - widest - 4, 30)
     rows = [_wrapped("; ".join(part), room) for part in parts]
@@ -54,5 +54,8 @@ def say_answer(trajectory: Trajectory, label: str = "") -> None:
             say(" " * len(about) + part)
 
 
-def _wrapped(text: str, width: int) -> list[str]:
-    return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
+def _wrapped(text: str, width: int, further: str = "") -> list[str]:
+    """Return a text in rows; ``further``: what all but the first begin with."""
+    return textwrap.wrap(
+        text, width, subsequent_indent=further, break_long_words=False, break_on_hyphens=False
+    )
