@@ -60,6 +60,7 @@ VIEWS = {
     "Study.card": "_cards.study_card",
     "Modes.card": "_cards.modes_card",
     "Orbit.card": "_cards.orbit_card",
+    "System.card": "systems.system_card",
 }
 
 

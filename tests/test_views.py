@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import pytest
 
 import antenna_pin
-from antenna_pin import _views, laws, load_scenario, load_study, modes, simulate
+from antenna_pin import _views, build_system, laws, load_scenario, load_study, modes, simulate
 from antenna_pin.analysis import numbers_of
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.plot import CATALOGUE
@@ -101,6 +101,8 @@ def cards(pair):
     yield "scenario", load_scenario("solar_array")
     yield "study", load_study("bai2020/tolerances")
     yield "modes", modes(load_scenario("bai2020", case="flexible"))
+    for name in ("solar_array", "chen2021", "slider_crank", "reaction_wheel"):
+        yield f"system {name}", build_system(load_scenario(name))
 
 
 def test_cards_are_well_formed_small_and_run_no_scripts(pair):
@@ -111,6 +113,23 @@ def test_cards_are_well_formed_small_and_run_no_scripts(pair):
         assert tree.stack == [], name
         assert len(html.encode()) < 30_000, name
         assert "<script" not in html and "http" not in html.replace("http://www.w3.org/2000/svg", ""), name
+
+
+def test_a_system_says_what_acts_on_what_and_names_its_coordinates():
+    system = build_system(load_scenario("solar_array"))
+    html = system._repr_html_()
+    for family in ("joints", "springs", "stops", "latches", "gears"):
+        assert f"<dt>{family}</dt>" in html, family
+    assert "root, first, second, third (with play, RevoluteClearance)" in html
+    assert ", ".join(system.names_q[system.mechanism.joint("first").q]) in html
+    assert f"{system.model.nq} numbers of configuration" in html
+
+
+def test_every_column_of_a_card_that_has_numbers_has_a_head(pair):
+    """A head stands on the side on which its numbers do."""
+    cells = re.findall(r"<th([^>]*)>([^<]*)</th>", pair[1]._repr_html_())
+    assert [text for look, text in cells if look and not text] == []
+    assert ' class="n"' in {look for look, text in cells if text == "rate at the end"}
 
 
 def test_numbers_of_a_card_are_the_results(pair):

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from antenna_pin.analysis.round_off import is_round_off
 from antenna_pin.arguments import takes
 from antenna_pin.geometry.looks import LOOKS
 from antenna_pin.readable import number, readable
@@ -24,9 +25,11 @@ __all__ = ["Answer", "Line", "answer"]
 # Joints with play that have a line of their own: the others share one.
 _JOINTS = 3
 # Lines in all, of which the joints have what the others leave.
-_LINES = 10
+_LINES = 9
 # Less time than this, of compiling, is nothing to tell of [s].
 _COMPILED = 0.1
+# Angles and ways smaller than round-off of these are none.
+_SCALES = {"rad": 1.0, "m": 1.0}
 
 
 class Line(NamedTuple):
@@ -34,7 +37,7 @@ class Line(NamedTuple):
 
     Attributes:
         about: What it is about, such as the name of a joint.
-        text: What is said of it.
+        text: What is said of it: parts with "; " between them, those that matter most first.
     """
 
     about: str
@@ -47,7 +50,7 @@ class Answer(NamedTuple):
     Attributes:
         title: What was run.
         ended: How it ended.
-        lines: What has happened, at most ten.
+        lines: What has happened, at most nine.
     """
 
     title: str
@@ -132,11 +135,21 @@ def _apart(data: xr.Dataset, joint: str) -> str:
     # Along a guide a slider is to move, and a ball is to turn.
     axes = 2 if part in ("slider", "rod") else 3
     off = float(np.linalg.norm(data["journal_position"].values[:, place, :axes], axis=-1).max())
-    text = f"; {part} up to {readable(off, 'm', 3)} off"
+    said = [] if _is_nothing(off, "m") else [f"{readable(off, 'm', 3)} off"]
     if "journal_tilt" in data and part != "ball":
         tilt = float(np.abs(data["journal_tilt"].values[:, place]).max())
-        text += f", {readable(tilt, 'rad', 3)} askew" if tilt > 0.0 else ""
-    return text
+        said += [] if _is_nothing(tilt, "rad") else [f"{readable(tilt, 'rad', 3)} askew"]
+    return f"; {part} up to {', '.join(said)}" if said else ""
+
+
+def _is_nothing(size: float, unit: str) -> bool:
+    return size == 0.0 or is_round_off(size, unit, _SCALES)
+
+
+def _judged(value: float, unit: str, scales: Mapping[str, float] = _SCALES) -> str:
+    """Return a quantity, or that it is zero but for round-off."""
+    nearly = is_round_off(value, unit, scales)
+    return f"≈\N{NO-BREAK SPACE}0\N{NO-BREAK SPACE}{unit}" if nearly else readable(value, unit)
 
 
 def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
@@ -219,7 +232,7 @@ def _moved(summary: Mapping[str, Any]) -> Iterator[Line]:
         named = summary.get(key, {})
         if not named:
             continue
-        shown = [f"{name} {readable(one[place], unit)}" for name, one in list(named.items())[:_JOINTS]]
+        shown = [f"{name} {_judged(one[place], unit)}" for name, one in list(named.items())[:_JOINTS]]
         left = f" ({len(named) - _JOINTS} more)" if len(named) > _JOINTS else ""
         fastest = max(named, key=lambda one: named[one][peak])
         text = f"{', '.join(shown)}{left} at the end"
@@ -255,9 +268,9 @@ def _is_commanded(run: Trajectory) -> bool:
 def _books(data: xr.Dataset, summary: Mapping[str, Any]) -> Line:
     """Return what drives did, and how well energy and momentum are kept."""
     kept = summary["conservation"]
-    done = (
-        f"drives did {readable(float(data['total_work'].values.sum()), 'J')}; " if kept["gross_work"] else ""
-    )
+    done, gross = "", kept["gross_work"]
+    if gross:
+        done = f"drives did {_judged(float(data['total_work'].values.sum()), 'J', {'J': gross})}; "
     text = f"{done}balance closes to {readable(kept['energy_error'], 'J', 2)}"
     if kept["energy_error_relative"] is not None:
         text += f", {number(kept['energy_error_relative'], 2)} of the {kept['energy_scale_of']}"

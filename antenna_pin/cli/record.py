@@ -124,8 +124,8 @@ def record(
         curves=curve or None,
         package_path=packages,
     )
-    for warning in recording.data["warnings"]:
-        say(f"note: {warning}")
+    for text in (*recording.data["warnings"], *recording.data["thinned"]):
+        say(f"note: {text}")
     if kind is not Kind.PAGE:
         film(recording, out, kind, at=time, fps=fps, size=pixels, progress=progress)
         return

@@ -55,8 +55,8 @@ def view(
         curves=curve or None,
         package_path=packages,
     )
-    for warning in recording.data["warnings"]:
-        say(f"note: {warning}")
+    for text in (*recording.data["warnings"], *recording.data["thinned"]):
+        say(f"note: {text}")
     with not_interrupted():
         page = recording.save(target) if target is not None else _beside(recording, file)
         typer.echo(f"saved {page}")

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin._views import as_html
 from antenna_pin.arguments import takes
 from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import kernels, turn_kernels
@@ -136,11 +137,12 @@ class System:
 
     def __repr__(self) -> str:
         """Show its name and how much of what it has."""
-        parts = {"joints with play": self.clearances, "drives": self.drives, "springs": self.springs}
-        parts |= {table: self.families[table] for table in self.others}
-        parts |= {"forces": self.forces, "closures": self.closures, "elastic parts": self.elastic}
-        said = "".join(f", {len(part)} {name}" for name, part in parts.items() if part)
+        parts: dict[str, Any] = {"joints with play": self.clearances, **self.families}
+        parts |= {"closures": self.closures, "elastic parts": self.elastic}
+        said = "".join(f", {name}: {len(part)}" for name, part in parts.items() if part)
         return f"System({self.mechanism.name!r}, nq={self.model.nq}, nv={self.model.nv}{said})"
+
+    _repr_html_ = as_html
 
     # --- layout ---------------------------------------------------------------------------------------------
 

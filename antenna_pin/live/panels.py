@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from bokeh.models import Column, ColumnDataSource, Div, HoverTool
+from bokeh.models import BasicTickFormatter, Column, ColumnDataSource, Div, HoverTool, NoOverlap
 from bokeh.plotting import figure
 
 from antenna_pin.live.explored import Curve, Curves
@@ -94,6 +94,8 @@ class Panels:
             one.toolbar.logo = None
             one.title.text_font_size = "13px"
             one.axis.axis_label_text_font_style = "normal"
+            one.axis.formatter = BasicTickFormatter(power_limit_low=-5, power_limit_high=6)  # 0.003, not 3e-3
+            one.xaxis.major_label_policy = NoOverlap()  # where the view is narrow
             if path:
                 squared(one, self._corners)
                 one.line("x", "y", source=self._outline, color=OUTLINE, line_width=1.6)
@@ -130,7 +132,7 @@ class Panels:
     def _titles(self, curves: Curves) -> tuple[str, str, str]:
         first, second, third = (panel[0].name for panel in (curves.first, curves.second, curves.third))
         if self._is_path:
-            first, second = "Path of the journal", "Normal force, contacts of a kind together"
+            first, second = "Path of the journal", "Normal forces"
         return first, second, third
 
     def _frame(self, reach: float) -> None:

@@ -18,6 +18,8 @@ __all__ = ["Made", "Runner"]
 _LOOK, _PICTURE = 0.04, 0.2
 _FIRST = 1.0 / 64.0  # of the run, before its pace is known
 _FASTER = 4.0  # by how much a piece may be longer than the one before
+# Shortest piece of a run: where going on takes its time whatever the piece, shorter ones would get nowhere.
+_LEAST = 1.0 / 256.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +106,7 @@ class Runner:
             session.run_until(end if left < 1.5 * piece else session.time + piece)
             now = time.perf_counter()
             piece *= min(max(_LOOK / max(now - began, 1e-6), 1.0 / _FASTER), _FASTER)
+            piece = max(piece, _LEAST * made.duration)
             if now - told > _PICTURE and session.time < end:
                 told = now
                 self._tell(Made(number, session.trajectory(), False, "", now - asked))

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from antenna_pin.arguments import takes
-from antenna_pin.plot._kinds import SLIDING, TURNING, choose_joint
+from antenna_pin.plot._kinds import SLIDING, TOUCHING, TURNING, choose_joint, none_with
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, styles, with_reference
 from antenna_pin.plot._style import (
     MANY,
@@ -33,13 +33,15 @@ __all__ = ["figure_glance"]
 def figure_glance(runs: Iterable[Run], *, joint: str | None = None) -> Figure:
     """Return the position of a joint in all runs and, where it has play, the peak force of every contact.
 
-    It is of a column's width (88 mm), for the head of a page.
+    It is of a column's width (88 mm), for the head of a page. A ball joint has no position, but peaks.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset; of any lengths.
         joint: Name of the joint; the first one with clearance if left out.
     """
     every, reference = with_reference(runs, None)
+    if joint is not None and not any(joint in (*run.joints, *run.sliding_joints) for run in every):
+        return _of_peaks(every, reference, joint)
     slides = not any(run.joints for run in every) if joint is None else _slides(every, joint)
     kind, variable, dimension, word, unit = (
         (SLIDING, "slide_position", "sliding_joint", "position", "m")
@@ -60,20 +62,46 @@ def figure_glance(runs: Iterable[Run], *, joint: str | None = None) -> Figure:
     panels[0].set_ylabel(f"{word} [{unit}]" if not slides else panels[0].get_ylabel())
     panel_title(panels[0], "", f"{name}, {word}")
     if struck:
-        largest = max(float(_peaks(run, name)[1].max()) for run in struck)
-        factor, printed = prefixed("N", largest)
-        for run, look in zip(drawn, looks, strict=True):
-            time, force = _peaks(run, name)
-            panels[1].vlines(
-                time, 0.0, factor * force, colors=look["color"], linewidth=0.6, rasterized=time.size > MANY
-            )
-        panels[1].set_ylim(bottom=0.0)
-        panels[1].set_ylabel(f"force [{printed}]")
-        panel_title(panels[1], "", f"{name}, peak of every contact")
-        few_ticks(panels[1], 6, 3)
+        _blows(panels[1], drawn, looks, name)
     panels[-1].set_xlabel("time [s]")
     legend_above(figure, [panels[0]])
     return figure
+
+
+def _of_peaks(every: list[LabelledRun], reference: LabelledRun | None, joint: str) -> Figure:
+    """Return the peaks of every contact in a joint that has no position."""
+    name = choose_joint(TOUCHING, every, joint)
+    drawn = [run for run in long_enough(every) if _peaks(run, name)[0].size]
+    if not drawn:
+        raise none_with(TOUCHING, every)
+    figure = new_figure("column", 44.0)
+    axes = figure.subplots()
+    _blows(axes, drawn, styles(drawn, reference), name)
+    axes.set_xlim(min(run.time[0] for run in drawn), max(run.time[-1] for run in drawn))
+    axes.set_xlabel("time [s]")
+    legend_above(figure, [axes])
+    return figure
+
+
+def _blows(axes: Axes, runs: list[LabelledRun], looks: list[dict[str, Any]], joint: str) -> None:
+    """Draw the peak of every contact in a joint as a line from zero."""
+    peaks = [_peaks(run, joint) for run in runs]
+    factor, printed = prefixed("N", max(float(force.max(initial=0.0)) for _, force in peaks))
+    for run, (time, force), look in zip(runs, peaks, looks, strict=True):
+        many = time.size > MANY
+        axes.vlines(
+            time,
+            0.0,
+            factor * force,
+            colors=look["color"],
+            linewidth=0.6,
+            rasterized=many,
+            label=run.legend,
+        )
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(f"force [{printed}]")
+    panel_title(axes, "", f"{joint}, peak of every contact")
+    few_ticks(axes, 6, 3)
 
 
 def _slides(runs: list[LabelledRun], joint: str) -> bool:

@@ -67,7 +67,8 @@ def figure_joint_load(
     largest = [float(np.nanmax(force, initial=0.0)) for force in forces]
     overall = max(largest)
     if not overall > 0.0:
-        raise InvalidParameterError("figure", "runs", f"at least one with force through {joint}", "none")
+        rule = f"at least one in which a force goes through {joint}"
+        raise InvalidParameterError("figure", "runs", rule, said="0 N in all of them")
     factor, printed = prefixed("N", overall)
     page = width == "page"
     figure = new_figure(width, 66.0 if page else 110.0)

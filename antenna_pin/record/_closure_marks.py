@@ -12,7 +12,7 @@ from antenna_pin.record.shapes import Cylinder, Geometry, Sphere
 
 __all__ = ["CLOSURE", "mark_closures"]
 
-CLOSURE = "#7A3E9D"
+CLOSURE = "#8C8C1E"
 
 # Of a mark, as shares of the mechanism's size: a pin's radius and length, a ball's radius.
 _PIN = (0.003, 0.06)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import Quantity, QuantityName, quantities, quantity
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.readable import printed_unit
 from antenna_pin.record.scene import packed_doubles
 from antenna_pin.trajectory import Trajectory
@@ -52,6 +53,7 @@ def curves_of(
     start: float,
     end: float,
     *,
+    ideal: Trajectory | None = None,
     wanted: Iterable[str] | None = None,
     joint: str | None = None,
     megabytes: float = 1.0,
@@ -64,6 +66,7 @@ def curves_of(
         run: The run.
         start: Of the recording [s].
         end: Of the recording [s].
+        ideal: A run whose series of the same names stand beside, where it has them.
         wanted: Names of quantities (:func:`antenna_pin.analysis.quantity`) that come first; no series at
             all if empty, the strongest contact's force first if left out.
         joint: Clearance joint whose series alone are offered by themselves; all if left out.
@@ -86,8 +89,14 @@ def curves_of(
         one = quantity(run, name)
         if name not in known and _moves(one.values):
             found.append(one)
-    most = int(np.clip(1e6 * megabytes / _BYTES / max(len(found), 1), *_SAMPLES))
+    beside = [None if ideal is None else _same(ideal, one) for one in found]
+    lines = len(found) + sum(one is not None for one in beside)
+    most = int(np.clip(1e6 * megabytes / _BYTES / max(lines, 1), *_SAMPLES))
     series = [_packed(run, one, start, end, most) for one in found]
+    for packed, other in zip(series, beside, strict=True):
+        drawn = {} if other is None else _drawn(other, start, end, most)
+        if drawn.get("samples", 0) > 1:
+            packed["ideal"] = drawn
     return {"series": series, "first": 0 if asked else _strongest(found)}
 
 
@@ -191,6 +200,27 @@ def _strongest(found: list[Quantity]) -> int:
     return max(forces, key=lambda k: float(np.nanmax(found[k].values)), default=0)
 
 
+def _same(ideal: Trajectory, one: Quantity) -> Quantity | None:
+    """Return what another run has of a quantity; None if it has none, as of a contact without play."""
+    try:
+        return quantity(ideal, one.name)
+    except (UnknownNameError, InvalidParameterError):
+        return None
+
+
+def _drawn(one: Quantity, start: float, end: float, most: int) -> dict[str, Any]:
+    """Return the samples that draw a quantity, how many there are, and by how much others are off."""
+    inside = (one.time >= start) & (one.time <= end)
+    times, values = one.time[inside], np.asarray(one.values, dtype=float)[inside]
+    kept, off = thinned(times, values, most)
+    return {
+        "samples": len(times),
+        "off": off,
+        "times": packed_doubles(times[kept]),
+        "values": packed_doubles(values[kept]),
+    }
+
+
 def _packed(run: Trajectory, one: Quantity, start: float, end: float, most: int) -> dict[str, Any]:
     said = QuantityName.parse(one.name)
     unit = printed_unit(one.units)
@@ -201,16 +231,5 @@ def _packed(run: Trajectory, one: Quantity, start: float, end: float, most: int)
         group, text = "of the whole", f"{meaning}{bracket}"
         if said.labels:
             group, text = text, f"{', '.join(said.labels)}: {text}"
-    inside = (one.time >= start) & (one.time <= end)
-    times, values = one.time[inside], np.asarray(one.values, dtype=float)[inside]
-    kept, off = thinned(times, values, most)
-    return {
-        "name": one.name,
-        "group": group,
-        "text": text,
-        "unit": unit,
-        "samples": len(times),
-        "off": off,
-        "times": packed_doubles(times[kept]),
-        "values": packed_doubles(values[kept]),
-    }
+    about = {"name": one.name, "group": group, "text": text, "unit": unit}
+    return {**about, **_drawn(one, start, end, most)}

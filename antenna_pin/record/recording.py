@@ -42,12 +42,12 @@ class Recording:
 
     Attributes:
         data: What the player takes, as JSON would hold it: texts (``title``, ``subtitle``, ``facts``,
-            ``warnings``), ``times`` of the key frames and the ``impacts`` marked on the slider, the viewer's
-            ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of it (poses of seven
-            numbers, placements of twelve, or times from which and until which it is shown), ``bodies``,
-            ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time of its ``poster``
-            for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times and series and 32
-            for the rest.
+            ``warnings``, what was ``thinned``), ``times`` of the key frames and the ``impacts`` marked on the
+            slider, the viewer's ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of
+            it (poses of seven numbers, placements of twelve, or times from which and until which it is
+            shown), ``bodies``, ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time of
+            its ``poster`` for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times
+            and series and 32 for the rest.
         frames: The samples of the run that became key frames.
     """
 
@@ -115,7 +115,8 @@ def record(
 
     Args:
         run: The run, or its data.
-        ideal: A run whose bodies are drawn as a ghost beside, usually with ideal joints. For the mechanism.
+        ideal: A run whose bodies are drawn as a ghost beside, and its curves beside those of the run, usually
+            with ideal joints. For the mechanism.
         view: ``mechanism``, all bodies in the world, or ``joint``, a clearance joint close up.
         joint: Which clearance joint; the first one if left out. For a joint.
         magnify: Of a joint how many times wider gaps are drawn [-], so many that its play is drawn
@@ -160,7 +161,7 @@ def record(
     impacts = impacts_of(run.data, first, last)
     own = None if view == "mechanism" else joint or next(iter(places), None)
     share = min(_CURVES, 0.2 * max(max_megabytes - page.viewer_megabytes(), 0.0))
-    under = curves_of(run, first, last, wanted=curves, joint=own, megabytes=share)
+    under = curves_of(run, first, last, ideal=ideal, wanted=curves, joint=own, megabytes=share)
     times = np.asarray(run.data["time"].values, dtype=float)
     turning = rate_of_turns(run.data)
     fps = max(_RATE, turning) if fps is None else fps
@@ -290,11 +291,12 @@ def _data(
     warnings = list(seen["warnings"])
     if not run.completed:
         warnings.append(f"the run ended before its time: {run.message}")
+    thinned = []
     if frames.rate < fps:
-        warnings.append(f"{frames.rate:.3g} key frames per second in place of {fps:g} keep the file small")
+        thinned.append(f"{frames.rate:.3g} key frames per second in place of {fps:g} keep the file small")
     if frames.left_out:
         number = frames.left_out + len(frames.impacts.times)
-        warnings.append(f"so do the {frames.left_out} weakest of {number} impacts, which are left out")
+        thinned.append(f"so do the {frames.left_out} weakest of {number} impacts, which are left out")
     if len(frames.indices) == 1:
         warnings.append("the run has one sample in this span; there is no motion to play")
     impacts = frames.impacts
@@ -315,6 +317,7 @@ def _data(
         "poster": impacts.hardest(0.5 * (first + last)),
         **seen,
         "warnings": warnings,
+        "thinned": thinned,
     }
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from antenna_pin.report._page import Picture
+from antenna_pin.report._page import Picture, Section
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.report.figures import DrawnFigure
+from antenna_pin.report.joints import joint_key
 
 __all__ = ["FIGURES", "Placed"]
 
@@ -18,6 +19,8 @@ FIGURES = 2.6
 _SECTIONS = {
     "closure": "loops",
     "coupling": "loops",
+    "control": "controllers",
+    "applied": "forces",
     "drive": "drives",
     "swept": "drives",
     "shock": "drives",
@@ -41,13 +44,13 @@ class Placed:
 
     Attributes:
         sections: Pictures by the section's key.
-        joints: Pictures of joints with play, by the joint.
-        notes: Which there are none of, and why.
+        reasons: Why there are none of some, by the section's key.
+        notes: What there was no room for.
         megabytes: What the pictures take [MB].
     """
 
     sections: dict[str, list[Picture]] = field(default_factory=dict)
-    joints: dict[str, list[Picture]] = field(default_factory=dict)
+    reasons: dict[str, list[str]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     megabytes: float = 0.0
 
@@ -61,33 +64,29 @@ class Placed:
         """
         played = {name for run in runs for name in run.names("clearance_joint")}
         sections: dict[str, list[Picture]] = {}
-        joints: dict[str, list[Picture]] = {}
-        notes, left, size = [], [], 0.0
+        reasons: dict[str, list[str]] = {}
+        left, size = [], 0.0
         for one in figures:
+            begins = (key for begin, key in _SECTIONS.items() if one.name.startswith(begin))
+            place = next(begins, "figures" if one.joint is None else "joints")
+            if one.joint in played and one.name != "hysteresis":
+                place = joint_key(str(one.joint))
             if one.reason:
-                notes.append(one.reason)
+                reasons.setdefault(place, []).append(one.reason)
             for picture in one.pictures:
                 own = 1e-6 * len(picture.packed)
                 if size + own > FIGURES:
                     left.append(picture.caption)
                     continue
                 size += own
-                begins = (key for begin, key in _SECTIONS.items() if one.name.startswith(begin))
-                if one.joint in played and one.name != "hysteresis":
-                    joints.setdefault(str(one.joint), []).append(picture)
-                else:
-                    rest = "figures" if one.joint is None else "joints"
-                    sections.setdefault(next(begins, rest), []).append(picture)
-        if left:
-            notes.append(
-                f"Not shown, to keep the page small: {', '.join(left)}; antenna-pin plot draws them."
-            )
-        return cls(sections, joints, tuple(notes), size)
+                sections.setdefault(place, []).append(picture)
+        unseen = f"Not shown, to keep the page small: {', '.join(left)}; antenna-pin plot draws them."
+        return cls(sections, reasons, (unseen,) if left else (), size)
 
     def __getitem__(self, key: str) -> tuple[Picture, ...]:
         """Return the pictures of a section."""
         return tuple(self.sections.get(key, ()))
 
-    def joint(self, name: str) -> tuple[Picture, ...]:
-        """Return the pictures of a joint with play."""
-        return tuple(self.joints.get(name, ()))
+    def told(self, section: Section) -> Section:
+        """Return a section with why some of its figures are missing."""
+        return replace(section, notes=(*section.notes, *self.reasons.get(section.key, ())))

@@ -165,24 +165,27 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
     hardest, played = hardest_joint(found), joints.every(found, "clearance_joint")
     sections = [
         *(
-            joints.with_play(found, name, scales, placed.joint(name), len(played) > 2 and name != hardest)
+            joints.with_play(
+                found, name, scales, placed[joints.joint_key(name)], len(played) > 2 and name != hardest
+            )
             for name in played
         ),
         joints.without_play(found, scales, placed["joints"]),
         loops.loops(found, placed["loops"]),
         elements.drives(found, scales, placed["drives"]),
-        elements.controllers(found),
+        elements.controllers(found, placed["controllers"]),
         elements.springs(found, scales, placed["springs"]),
         stops.stops_and_latches(found, scales, placed["stops"]),
         gears.gears(found, placed["gears"]),
         elastic.elastic_parts(found, placed["elastic"]),
-        elements.forces(found, scales),
+        elements.forces(found, scales, placed["forces"]),
         joints.base(found, scales, placed["base"]),
         motion.deviations(found),
         pointing.pointing(found, window, placed["pointing"]),
         Section(key="figures", title="More figures", items=placed["figures"], notes=placed.notes),
     ]
     said = Section(key="what", title="What was run", parts=tuple(words.scenario_sections(found)), folded=True)
+    sections = [placed.told(section) for section in sections]
     closing = (results.conservation(found, placed["conservation"]), motion.frequencies(found), said)
     seen: list[Embedded | Picture] = []
     if drawing and hardest is not None and (small := glance(found, hardest)) is not None:

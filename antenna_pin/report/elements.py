@@ -36,8 +36,8 @@ def drives(
     )
 
 
-def controllers(runs: Sequence[ReportedRun]) -> Section:
-    """Return how often sampled controllers were asked, and what they commanded."""
+def controllers(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) -> Section:
+    """Return what controllers measured and commanded, and how often sampled ones were asked."""
     own = [run for run in runs if run.names("sampled")]
     rows: list[Row] = []
     for name in _every(own, "sampled"):
@@ -46,7 +46,7 @@ def controllers(runs: Sequence[ReportedRun]) -> Section:
             values = _column(own, "sampled", name, lambda run, one, key=key: _at(run, key, "sampled", one))  # type: ignore[misc]
             rows.append(counts(word, (None if value is None else int(value) for value in values)))
     table = _table(own, tuple(rows), "Instants of the sampled controllers", "controllers")
-    return Section(key="controllers", title="Controllers", items=table)
+    return Section(key="controllers", title="Controllers", items=(*table, *pictures))
 
 
 def springs(
@@ -64,7 +64,9 @@ def springs(
     )
 
 
-def forces(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Section:
+def forces(
+    runs: Sequence[ReportedRun], scales: Mapping[str, float], pictures: Sequence[Picture] = ()
+) -> Section:
     """Return what forces on links brought in."""
     own = [run for run in runs if run.names("force")]
     rows: list[Row] = []
@@ -84,7 +86,7 @@ def forces(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Section:
         )
         rows.append(quantities(f"largest at {place}", peaks, "N", 4, scales))
     table = _table(own, tuple(rows), "Forces on links", "forces")
-    return Section(key="forces", title="Forces", items=table, meaning=said_of_zeros(table))
+    return Section(key="forces", title="Forces", items=(*table, *pictures), meaning=said_of_zeros(table))
 
 
 def _drives(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterator[Row]:

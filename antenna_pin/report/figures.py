@@ -51,8 +51,7 @@ def drawn(runs: Sequence[ReportedRun], processes: int = 1) -> list[DrawnFigure]:
         """Return a figure as one picture or some, or why there is none."""
         wanted = [run for run in drawable if run.names("contact") or not each.figure.touching]
         key = "-".join(re.sub(r"[^\w.+-]", " ", each.title.lower()).split())
-        # Within the section of its joint a figure need not name that again.
-        short = re.sub(rf",? ?(of|in|through|at)? ?\b{re.escape(str(each.joint))}\b", "", each.title).strip()
+        short = _within_its_section(each.title, each.joint)
         try:
             parts = list(_parts(each, wanted, names, ideal))
             pictures = []
@@ -66,6 +65,14 @@ def drawn(runs: Sequence[ReportedRun], processes: int = 1) -> list[DrawnFigure]:
 
     allowed = plot.allowed_figures([(run.label, run.run) for run in drawable]) if drawable else ()
     return list(side_by_side(made, [each for each in allowed if each.figure.reported], processes))
+
+
+def _within_its_section(title: str, joint: str | None) -> str:
+    """Return a figure's title where its joint, if it is of one, need not be named again."""
+    if joint is None:
+        return title
+    named = re.escape(joint)
+    return re.sub(rf"\b{named}\b", "it", re.sub(rf"(,| (of|in|at)) {named}\b", "", title))
 
 
 def glance(runs: Sequence[ReportedRun], joint: str) -> Picture | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis import said_of_multiplier, stability_spans, unexplained_changes
+from antenna_pin.analysis import stability_spans, unexplained_changes
 from antenna_pin.plot import figure_branch, figure_exponents, figure_multipliers
 from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
@@ -22,7 +22,10 @@ def _plain(value: float, digits: int = 4) -> Cell:
 
 
 def _multiplier(one: complex) -> Cell:
-    return Cell(said_of_multiplier(one), one.real if one.imag == 0.0 else abs(one))
+    if one.imag == 0.0:
+        return Cell(number(one.real), one.real)
+    angle = number(float(np.rad2deg(np.angle(one))))
+    return Cell(f"{number(abs(one))} at {angle}°", abs(one))
 
 
 def _said(label: str, text: str) -> Statement:

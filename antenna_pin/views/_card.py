@@ -165,17 +165,19 @@ def measured(value: float | None, unit: str = "1", digits: int = 4) -> Measured 
 
 def table(rows: Sequence[Sequence[Any]], head: Sequence[str] = ()) -> str:
     """Return rows of texts and numbers (:func:`measured`) as HTML."""
-    number = [isinstance(one, Measured) for one in rows[0]] if rows else []
-    cells = (
-        f"<th{' class=n' if k < len(number) and number[k] else ''}>{escape(one)}</th>"
-        for k, one in enumerate(head)
-    )
+    columns = [any(isinstance(one, Measured) for one in column) for column in zip(*rows, strict=True)]
+    right = ['class="n"' if numbers else "" for numbers in columns] or [""] * len(head)
+    cells = (_element("th", look, escape(one)) for look, one in zip(right, head, strict=False))
     top = f"<tr>{''.join(cells)}</tr>" if head else ""
-    body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows)
+    body = "".join(f"<tr>{''.join(map(_cell, right, row))}</tr>" for row in rows)
     return f"<table>{top}{body}</table>"
 
 
-def _cell(one: Any) -> str:
+def _cell(look: str, one: Any) -> str:
     if isinstance(one, Measured):
-        return f'<td class="n" title="{one.value!r}">{escape(one.text)}</td>'
-    return f"<td>{escape(str(one))}</td>"
+        return _element("td", f'{look} title="{one.value!r}"', escape(one.text))
+    return _element("td", look, escape(str(one)))
+
+
+def _element(name: str, attributes: str, text: str) -> str:
+    return f"<{name}{attributes and ' '}{attributes}>{text}</{name}>"

@@ -61,7 +61,7 @@ def run_card(run: Trajectory) -> Card:
             Fold(
                 "motion",
                 f"{len(rows)} joints",
-                table(rows[:_ROWS], ("", "at the end", "", "largest acceleration")) + sketch,
+                table(rows[:_ROWS], ("", "at the end", "rate at the end", "largest acceleration")) + sketch,
                 bool(sketch),
             ),
             *_contacts(summary),

@@ -40,6 +40,15 @@ def made_by(explored):
     return told.made[-1]
 
 
+def test_a_run_gets_on_however_slow_its_pieces_are(antenna, monkeypatch):
+    """Where going on takes its time whatever the piece, shorter pieces would never come to the end."""
+    from antenna_pin.live import runner
+
+    monkeypatch.setattr(runner, "_LOOK", 0.0)
+    made = made_by(antenna)
+    assert made.refused == "" and made.run.data["time"].values[-1] == 0.05
+
+
 def test_a_run_in_pieces_is_simulates_bit_for_bit(antenna):
     antenna.turn(PLAY, 0.15e-3)
     made = made_by(antenna)

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from antenna_pin import load_scenario, simulate
+from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot import drawn_numbers, figure_glance, figure_motion, figure_orbit
 
 
@@ -77,3 +79,26 @@ def test_a_glance_has_position_and_peaks(runs):
     assert max(one.columns[1].max() for one in stems) == pytest.approx(
         factor * peaks.max(), rel=1e-12, abs=0.0
     )
+
+
+def test_a_glance_of_a_ball_has_its_peaks_alone():
+    """It turns about no axis, so there is no angle to draw."""
+    run = simulate(load_scenario("spherical_pendulum", case="swing"), duration=0.1)
+    joint = max(run.summary()["blows"], key=lambda name: run.summary()["blows"][name]["blows"]).rpartition(
+        "."
+    )[0]
+    (force,) = figure_glance([("swing", run)], joint=joint).axes
+    contacts = [k for k, name in enumerate(run.data["contact"].values) if str(name).startswith(f"{joint}.")]
+    peaks = run.data["peak_force"].values[np.isin(run.data["episode_contact"].values, contacts)]
+    (lines,) = force.collections
+    assert len(lines.get_segments()) == len(peaks) > 0
+    factor = {"N": 1.0, "kN": 1e-3}[force.get_ylabel().partition("[")[2].rstrip("]")]
+    assert max(one[1, 1] for one in lines.get_segments()) == pytest.approx(
+        factor * peaks.max(), rel=1e-12, abs=0.0
+    )
+
+
+def test_a_glance_of_what_is_not_there_is_refused():
+    run = simulate(load_scenario("spherical_pendulum", case="swing"), duration=1e-4)
+    with pytest.raises(UnknownNameError, match="elbow"):
+        figure_glance([("swing", run)], joint="elbow")

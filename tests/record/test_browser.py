@@ -3,6 +3,7 @@
 import base64
 import dataclasses
 import html
+import itertools
 import json
 import re
 
@@ -281,6 +282,54 @@ def test_the_value_below_the_pointer_is_the_results(opened, clearance_run, name)
     assert quiet(page)
 
 
+GHOST = np.array([0xAA, 0x44, 0x99])  # of the ideal run's curve
+
+
+def test_the_curve_of_the_ideal_run_is_beside_and_said(opened, clearance_run, ideal_run):
+    page = opened(record(clearance_run, ideal_run), 1400, 900)
+    page.run("recording.curve.choose('motion_rate[elevation]');")
+    time, exact = 0.031, quantity(ideal_run, "motion_rate[elevation]")
+    page.run("recording.seek(a[0]);", time)
+    said = page.run("return recording.curve.other.textContent;")
+    value, unit = re.fullmatch(r"ideal \u2248 (\S+) (\S+)", said).groups()
+    expected = float(np.interp(time, exact.time, exact.values)) / {"rad/s": 1.0}[unit]
+    # Four digits are shown, and a curve is off by a ten-thousandth of its range at most.
+    assert float(value.replace("\u2212", "-")) == pytest.approx(
+        expected, rel=5e-4, abs=1e-4 * np.ptp(exact.values)
+    )
+    pixels = page.pixels(".ap-curve canvas").astype(int)
+    assert (np.abs(pixels - GHOST).max(axis=2) <= 24).any(
+        axis=0
+    ).mean() > 0.3  # it goes along most of the time
+    # A contact has no curve without play.
+    page.run("recording.curve.choose(recording.data.curves.first);")
+    assert page.run("return recording.curve.other.textContent;") == ""
+    assert not (np.abs(page.pixels(".ap-curve canvas").astype(int) - GHOST).max(axis=2) <= 24).any()
+    assert quiet(page)
+
+
+def test_on_a_phone_no_number_lies_over_the_curve(opened, clearance_run, ideal_run):
+    page = opened(record(clearance_run, ideal_run), 400, 800)
+    page.resize(400, 800, mobile=True)
+    page.run("recording.curve.choose('motion_rate[elevation]');")
+    boxes = page.run(
+        "return ['.ap-curve canvas', '.ap-range', '.ap-pick', '.ap-left'].map((one) => {"
+        "  const box = document.querySelector(one).getBoundingClientRect();"
+        "  return [box.top, box.bottom, box.right];"
+        "});"
+    )
+    for (_, bottom, right), (top, _, _) in itertools.pairwise(boxes):  # one below the other
+        assert bottom <= top and right <= 400
+    said = page.run("return document.querySelector('.ap-range').innerText;")
+    assert said.count("rad/s") == 2
+    for value in (".ap-value", ".ap-other"):
+        wide, room = page.run(
+            "const one = document.querySelector(a[0]); return [one.scrollWidth, one.clientWidth];", value
+        )
+        assert wide <= room, value
+    assert quiet(page)
+
+
 def test_the_curve_goes_with_time_and_time_with_the_curve(opened, clearance_run):
     page = opened(record(clearance_run), 1400, 900)
     left, middle, width = place_of_curve(page)
@@ -517,6 +566,21 @@ def test_what_the_heading_names_can_be_hidden(opened, clearance_run, ideal_run):
         assert np.abs(page.pixels() - before).max() > 30
         page.run(toggle, k)
         assert np.array_equal(page.pixels(), before)
+
+
+def test_what_was_thinned_is_said_where_asked(opened, clearance_run):
+    """A note that lies over the mechanism is for what is wrong; how small a page was made is not."""
+    limit = 1e-6 * len(record(clearance_run, fps=1e5, curves=()).html.encode())
+    small = record(clearance_run, fps=1e5, curves=(), max_megabytes=0.9 * limit)
+    assert small.data["thinned"] and not small.data["warnings"]
+    page = opened(small)
+    box = "return document.querySelector('.ap-thinned').getBoundingClientRect().height;"
+    closed = page.run(box)
+    assert "key frames" not in page.run("return document.querySelector('.ap-thinned').innerText;")
+    page.run("document.querySelector('.ap-thinned summary').click();")
+    assert page.run("return document.querySelector('.ap-thinned').innerText;").endswith("keep the file small")
+    assert page.run(box) > closed
+    assert quiet(page)
 
 
 def test_notes_and_one_sample(opened, clearance_run):

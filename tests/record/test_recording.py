@@ -194,6 +194,21 @@ def test_the_camera_looks_from_where_bodies_do_not_hide_one_another():
     )
 
 
+def test_curves_of_an_ideal_run_stand_beside_where_it_has_them(clearance_run, ideal_run):
+    """What has no play has no contacts, and so no curve of their forces."""
+    series = {one["name"]: one for one in record(clearance_run, ideal_run).data["curves"]["series"]}
+    beside = {name for name, one in series.items() if "ideal" in one}
+    assert "motion_angle[elevation]" in beside
+    assert not any(name.startswith(("|contact_force", "gap")) for name in beside) and beside < set(series)
+    for name in beside:
+        one, exact = series[name]["ideal"], quantity(ideal_run, name)
+        times, values = (doubles(one[part]) for part in ("times", "values"))
+        assert np.isin(times, exact.time).all() and np.isin(values, exact.values).all(), name
+        assert one["samples"] == len(exact.time) and len(times) <= 1000
+    alone = record(clearance_run).data["curves"]["series"]
+    assert not any("ideal" in one for one in alone)
+
+
 def test_curves_hold_samples_of_the_run_and_say_what_they_leave_out(clearance_run):
     data = record(clearance_run).data["curves"]
     times, peaks = clearance_run.data["time"].values, {}

@@ -98,6 +98,24 @@ def test_forces(run, told):
     assert told.numbers("forces", "drag: work") == [run.data["total_force_work"].sel(force="drag").item()]
 
 
+def test_figures_of_controllers_and_forces_are_in_their_sections(run):
+    made = report(run, recordings=False)
+    pictures = {section.key: [one.caption for one in section.pictures] for section in made.sections}
+    assert pictures["controllers"] == ["What controllers measure and command"]
+    assert pictures["forces"] == ["Forces on links"]
+    assert "figures" not in pictures  # nothing is left that has no section of its own
+
+
+def test_why_a_figure_is_missing_stands_where_it_would_be():
+    """Nothing goes through the dish's hinge: its mass centre is on the axis, and nothing pulls."""
+    gear = simulate(load_scenario("pointing_gear", case="tight"), duration=0.05)
+    (joints,) = (one for one in report(gear, recordings=False).sections if one.key == "joints")
+    (note,) = joints.notes
+    assert note.startswith("Force through dish: ") and note.endswith(
+        " a force goes through dish, got 0 N in all of them."
+    )
+
+
 def test_bearings(shown):
     run = simulate(load_scenario("reaction_wheel", case="bearings"), duration=2e-3)
     page = shown(report(run, figures=False, recordings=False).html)

@@ -44,9 +44,11 @@ class Bar {
     element("span", "", range);
     const canvas = element("canvas", "", row, {role: "img", "aria-label": "curve over time"});
     const select = element("select", "ap-speed", side);
-    const value = element("output", "ap-value", side);
+    const values = element("div", "ap-values", side);
+    const value = element("output", "ap-value", values);
+    const other = element("output", "ap-value ap-other", values); // of the ideal run
     const seek = (t) => { player.pause(); player.seek(t); };
-    this.curve = new Curve({row, canvas, range, select, value}, player.data.curves, player.start, player.end, seek);
+    this.curve = new Curve({row, canvas, range, select, value, other}, player.data.curves, player.start, player.end, seek);
   }
 
   show(t) {

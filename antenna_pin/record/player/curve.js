@@ -4,7 +4,8 @@ const INSET = 8; // [px] half of the slider's thumb: time begins and ends there,
 const ROOM = 7; // [px] above and below the curve
 
 class Curve {
-  // `place` has row, canvas, range (its two ends), select and value, elements of the page; `data` a list of series.
+  // `place` has row, canvas, range (its two ends), select, value and other (the ideal run's), elements of the page;
+  // `data` a list of series.
   constructor(place, data, start, end, seek) {
     Object.assign(this, place);
     this.series = data.series;
@@ -46,12 +47,14 @@ class Curve {
     this.select.value = k;
     this.shown = this.series[k];
     if (!this.read.has(k)) {
-      const {times, values} = this.shown;
-      this.read.set(k, {times: doubles(times), values: doubles(values)});
+      const {ideal} = this.shown;
+      const unpacked = ({times, values}) => ({times: doubles(times), values: doubles(values)});
+      this.read.set(k, {...unpacked(this.shown), ideal: ideal ? unpacked(ideal) : null});
     }
     Object.assign(this, this.read.get(k));
-    const known = this.values.filter(Number.isFinite);
-    let low = known.reduce((a, b) => Math.min(a, b), Infinity), high = known.reduce((a, b) => Math.max(a, b), -Infinity);
+    const known = [this.values, this.ideal ? this.ideal.values : []].map((one) => one.filter(Number.isFinite));
+    let low = Infinity, high = -Infinity;
+    for (const one of known) for (const value of one) { low = Math.min(low, value); high = Math.max(high, value); }
     if (!(low <= high)) [low, high] = [0, 0];
     this.ends = [low, high];
     if (low > 0 && low < 0.5 * high) low = 0;
@@ -59,8 +62,9 @@ class Curve {
     const flat = low === high ? Math.abs(low) || 1 : 0;
     this.span = [low - flat, high + flat];
     const {unit} = this.shown;
-    this.range.children[0].textContent = written(this.span[1], unit);
-    this.range.children[1].textContent = written(this.span[0], unit);
+    this.size = Math.max(...this.span.map(Math.abs)); // all that is said has the prefix of this
+    this.range.children[0].textContent = written(this.span[1], unit, this.size);
+    this.range.children[1].textContent = written(this.span[0], unit, this.size);
     this.few = this.times.length < this.shown.samples;
     this.row.title = this.few
       ? `${this.times.length} of ${this.shown.samples} samples; no other is off the line by more than ${written(this.shown.off, unit)}`
@@ -98,9 +102,9 @@ class Curve {
   }
 
   // The value at a time, between the samples that are drawn linearly.
-  at(t) {
-    const [i, u] = locate(this.times, t);
-    return this.times.length < 2 ? this.values[0] : (1 - u) * this.values[i] + u * this.values[i + 1];
+  at(t, {times, values} = this) {
+    const [i, u] = locate(times, t);
+    return times.length < 2 ? values[0] : (1 - u) * values[i] + u * values[i + 1];
   }
 
   show(t) {
@@ -109,7 +113,7 @@ class Curve {
   }
 
   draw() {
-    const {canvas, times, values} = this;
+    const {canvas, times, values, ideal} = this;
     const scale = window.devicePixelRatio || 1;
     const w = canvas.clientWidth, h = canvas.clientHeight;
     if (!w || !h) return;
@@ -127,9 +131,17 @@ class Curve {
       const y = Math.round(this.yAt(0, h)) + 0.5;
       pen.strokeRect(INSET, y, this.width(), 0);
     }
-    pen.strokeStyle = colour("curve");
-    pen.lineWidth = 1.25;
     pen.lineJoin = "round";
+    if (ideal) this.line(pen, colour("ghost"), 2.5, ideal, h); // wider and below, so that it is seen where both are one
+    this.line(pen, colour("curve"), 1.25, this, h);
+    this.mark(pen, colour("accent"), this.time, this.at(this.time), h);
+    if (this.hover !== null) this.mark(pen, colour("force"), times[this.hover], values[this.hover], h);
+    this.say();
+  }
+
+  line(pen, colour, wide, {times, values}, h) {
+    pen.strokeStyle = colour;
+    pen.lineWidth = wide;
     pen.beginPath();
     let broken = true; // by numbers that are none
     for (let i = 0; i < times.length; i++) {
@@ -139,9 +151,6 @@ class Curve {
       broken = false;
     }
     pen.stroke();
-    this.mark(pen, colour("accent"), this.time, this.at(this.time), h);
-    if (this.hover !== null) this.mark(pen, colour("force"), times[this.hover], values[this.hover], h);
-    this.say();
   }
 
   mark(pen, colour, t, value, h) {
@@ -158,14 +167,18 @@ class Curve {
     pen.fill();
   }
 
-  // Below the pointer the sample as it was computed, to the last digit; else what is drawn at the time shown.
+  // Below the pointer the sample as it was computed, to the last digit; else what is drawn at the time shown. Of the
+  // ideal run what its line says at that time.
   say() {
-    const {value, hover} = this;
+    const {value, other, hover, ideal} = this;
     const unit = this.shown.unit ? ` ${this.shown.unit}` : "";
     value.classList.toggle("ap-exact", hover !== null);
     const text = hover === null
-      ? `${this.few ? "\u2248 " : ""}${written(this.at(this.time), this.shown.unit)}`
+      ? `${this.few ? "\u2248 " : ""}${written(this.at(this.time), this.shown.unit, this.size)}`
       : `${this.values[hover]}${unit} at ${Number(this.times[hover].toPrecision(9))} s`;
     if (text !== value.textContent) value.textContent = text;
+    const at = hover === null ? this.time : this.times[hover];
+    const beside = ideal ? `ideal \u2248 ${written(this.at(at, ideal), this.shown.unit, this.size)}` : "";
+    if (beside !== other.textContent) other.textContent = beside;
   }
 }

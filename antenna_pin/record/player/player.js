@@ -92,6 +92,11 @@ class Player {
       const notes = element("div", "ap-notes", this.foot, {role: "note"});
       for (const text of data.warnings) element("div", "", notes).textContent = text;
     }
+    if (data.thinned.length) { // of no concern to most: what it lies over would be
+      const some = element("details", "ap-notes ap-thinned", this.foot, {role: "note"});
+      element("summary", "", some).textContent = "not all of it is in this page";
+      for (const text of data.thinned) element("div", "", some).textContent = text;
+    }
     this.bar = new Bar(root, this);
     this.curve = this.bar.curve;
     // A page of its own takes keys wherever the focus is; one of many on a page only where it has the focus.

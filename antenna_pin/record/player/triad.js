@@ -28,6 +28,7 @@ class Triad {
       arrows.push(["g", pull.map((x) => x / norm)]);
     }
     const middle = TRIAD + 14;
+    const taken = []; // where names stand, none over another
     const lines = arrows.map(([name, axis]) => {
       const [x, y, near] = seen(axis);
       const [right, down] = [TRIAD * x, -TRIAD * y];
@@ -37,7 +38,11 @@ class Triad {
         `${(middle + a * along - b * across).toFixed(1)} ${(middle + b * along + a * across).toFixed(1)}`;
       const head = Math.min(6, long);
       // The label of gravity stands beside it: it points along an axis as often as not.
-      const words = (name === "g" ? place(long - 8, 10) : place(long + 8, 0)).split(" ");
+      const free = (at) => taken.every(([x, y]) => Math.hypot(x - at[0], y - at[1]) > 10);
+      const spots = name === "g" ? [[long - 8, 10]] : [[long + 8, 0], [long + 4, 9], [long + 4, -9]];
+      const tried = spots.map((spot) => place(...spot).split(" ").map(Number));
+      const words = tried.find(free) || tried[0];
+      taken.push(words);
       return [near, `<g class="ap-axis-${name}"><path d="M${middle} ${middle}L${place(long, 0)}` +
         `M${place(long - head, 0.45 * head)}L${place(long, 0)}L${place(long - head, -0.45 * head)}"/>` +
         `<text x="${words[0]}" y="${words[1]}">${name}</text></g>`];
