@@ -23,7 +23,7 @@ from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.fit.losses import Loss, cost
 from antenna_pin.fit.sure import Residuals, Sure
 
-__all__ = ["Bands", "along_jacobian", "by_sampling", "draws"]
+__all__ = ["CurveBands", "along_jacobian", "by_sampling", "draws"]
 
 Array = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ _TRIES = 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bands:
+class CurveBands:
     """Pointwise bands of the weighted residuals: model less record, over the standard deviation of the noise.
 
     Attributes:
@@ -60,7 +60,7 @@ class Bands:
     effective: float = math.nan
 
 
-def along_jacobian(problem: Residuals, found: Sure) -> Bands:
+def along_jacobian(problem: Residuals, found: Sure) -> CurveBands:
     """Return bands to first order in the standard errors.
 
     Directions that the record does not tell do not move its curves, and count for nothing.
@@ -74,7 +74,7 @@ def along_jacobian(problem: Residuals, found: Sure) -> Bands:
     spread = np.maximum(np.einsum("ij,jk,ik->i", along, found.along, along), 0.0)
     curve = found.quantile * np.sqrt(spread)
     new = found.quantile * np.sqrt(spread + found.factor)
-    return Bands(residuals - curve, residuals + curve, residuals - new, residuals + new, found.level)
+    return CurveBands(residuals - curve, residuals + curve, residuals - new, residuals + new, found.level)
 
 
 def draws(problem: Residuals, found: Sure, count: int, seed: int) -> tuple[Array, Array]:
@@ -136,7 +136,7 @@ def by_sampling(
     loss: Loss = "linear",
     loss_scale: float = 1.0,
     progress: Callable[[int], None] | None = None,
-) -> Bands:
+) -> CurveBands:
     """Return bands by runs of the model at values drawn about the best ones.
 
     Args:
@@ -177,7 +177,9 @@ def by_sampling(
     low, high = (_quantile(every, share, one) for one in ends)
     new_low, new_high = (_quantile(every + noise, share, one) for one in ends)
     effective = 1.0 / float(share @ share)
-    return Bands(low, high, new_low, new_high, found.level, seed, len(curves), count - len(curves), effective)
+    return CurveBands(
+        low, high, new_low, new_high, found.level, seed, len(curves), count - len(curves), effective
+    )
 
 
 def _log_likelihood(grown: float, phi: float, found: Sure) -> float:

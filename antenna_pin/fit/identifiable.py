@@ -38,6 +38,7 @@ class Identifiable:
         alone: Standard errors to expect if all others were known, (p,).
         inflation: How many times an error is larger for the others not being known, (p,) [-].
         level: Of the intervals [-].
+        quantile: Half widths over errors [-].
         singular: Singular values of the Jacobian over the scales, falling, (p,) [-]: one over a value is the
             standard error along its direction, in scales.
         directions: Those directions, a row each, (p, p), of length 1 in scales.
@@ -54,6 +55,7 @@ class Identifiable:
     alone: Array
     inflation: Array
     level: float
+    quantile: float
     singular: Array
     directions: Array
     together: tuple[str, ...]
@@ -88,6 +90,7 @@ def identifiable(
     with np.errstate(divide="ignore", invalid="ignore"):
         alone = np.where(rank.felt, scale / rank.lengths, math.inf)
         inflation = np.where(rank.felt, error / alone, math.nan)
+    reach = student(level, math.inf)
     _, singular, directions = np.linalg.svd(jacobian * scale, full_matrices=len(jacobian) < len(scale))
     singular = np.concatenate([singular, np.zeros(len(scale) - len(singular))])
     return Identifiable(
@@ -96,10 +99,11 @@ def identifiable(
         scale,
         rank,
         error,
-        student(level, math.inf) * error,
+        reach * error,
         alone,
         inflation,
         level,
+        reach,
         singular,
         directions,
         tuple(said_of_direction(row, names, scale, at) for row in rank.null),

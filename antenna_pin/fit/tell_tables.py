@@ -39,11 +39,11 @@ def identifiability_table(
         scenario: What the test is of; None for a model that is none.
 
     Returns:
-        Over ``parameter``: ``value``, ``scale``, ``error``, ``half``, ``alone``, in its ``unit``, infinite where it
-        cannot be told, ``inflation`` [-], ``felt`` and ``determined`` (0, 1), ``title``. Over ``direction``:
-        ``singular`` [-], and ``part`` of each parameter in it, over its scale [-]. Over ``combination``: ``null``,
-        of each parameter over its scale [-], ``said``, in words, and ``hold``, which parameter to hold.
-        Attribute ``level``.
+        Over ``parameter``: ``value``, ``scale``, ``error``, ``half``, ``alone``, in its ``unit``, infinite
+        where it cannot be told, ``inflation`` [-], ``felt`` and ``determined`` (0, 1), ``title``. Over
+        ``direction``: ``singular`` [-], and ``part`` of each parameter in it, over its scale [-]. Over
+        ``combination``: ``null``, of each parameter over its scale [-], ``said``, in words, and ``hold``,
+        which parameter to hold. Attributes ``level`` and ``quantile``, half widths over errors [-].
     """
     count = len(found.names)
     over = ("parameter",)
@@ -79,7 +79,8 @@ def identifiability_table(
     return xr.Dataset(
         columns,
         coords={"parameter": np.array(found.names, dtype=str), "direction": np.arange(1, count + 1)},
-        attrs=table_attributes("identifiability", scenario) | {"level": found.level},
+        attrs=table_attributes("identifiability", scenario)
+        | {"level": found.level, "quantile": found.quantile},
     )
 
 
@@ -105,10 +106,11 @@ def experiments_table(
         scenario: What they are of; None for a model that is none.
 
     Returns:
-        Over ``experiment``, the best first: ``half`` and, over ``parameter``, in its ``unit``: half widths of the
-        intervals to expect, infinite where it cannot be told; ``D``, ``A``, ``E`` and ``c`` if it was
-        asked for, lengths in scales [-]; ``share`` and ``count`` of the plan; ``what`` it is. Over ``parameter``:
-        ``value``, ``before``, ``title``. Attributes ``criterion``, ``wanted``, ``level``, ``total``.
+        Over ``experiment``, the best first: ``half`` and, over ``parameter``, in its ``unit``: half widths of
+        the intervals to expect, infinite where it cannot be told; ``D``, ``A``, ``E`` and ``c`` if it was
+        asked for, lengths in scales [-]; ``share`` and ``count`` of the plan; ``what`` it is. Over
+        ``parameter``: ``value``, ``before``, ``title``. Attributes ``criterion``, ``wanted``, ``level``,
+        ``total``.
     """
     over, each = ("parameter",), ("experiment",)
     columns = {
