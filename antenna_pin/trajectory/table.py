@@ -1,6 +1,6 @@
 """What motions come to, as files: labelled datasets beside runs, sealed as these are, told apart by a format.
 
-A portrait, a section, a bifurcation diagram, an orbit, a branch of orbits and Lyapunov exponents are a
+A portrait, a section, a bifurcation diagram, an orbit, a branch of orbits, Lyapunov exponents and a fit are a
 dataset each. Their attributes say what they are and what they came from: ``format``; ``title``, ``name`` and
 ``case`` of the scenario, and the whole of it as JSON; the ``versions`` of what made them; and the ``command``
 if it was one.
@@ -37,7 +37,7 @@ __all__ = [
     "table_attributes",
 ]
 
-TableKind = Literal["portrait", "section", "bifurcation", "orbit", "branch", "exponents"]
+TableKind = Literal["portrait", "section", "bifurcation", "orbit", "branch", "exponents", "fit"]
 """What a dataset is of."""
 
 #: The format of each kind; another version of it is another format.
@@ -51,6 +51,7 @@ KINDS: dict[TableKind, str] = {
     "orbit": "a periodic solution",
     "branch": "a branch of periodic solutions",
     "exponents": "Lyapunov exponents",
+    "fit": "a fit to measured records",
 }
 
 

@@ -159,6 +159,22 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         Column("growth", ("interval", "exponent")),
         Column("running", ("interval", "exponent")),
     ),
+    "fit": (
+        *(Column(name, ("parameter",)) for name in ("value", "start")),
+        *(Column(name, ("parameter",), Rule(infinite=True)) for name in ("lower", "upper")),
+        Column("sd", ("parameter",), Rule(least=0.0, lacks=True, infinite=True)),
+        *(Column(name, ("parameter",), _OPEN) for name in ("low", "high")),
+        Column("logarithmic", ("parameter",), _WHETHER),
+        *(Column(name, ("parameter",), words=()) for name in ("units", "title", "key")),
+        Column("covariance", ("parameter", "other"), _OPEN),
+        *(Column(name, ("row",)) for name in ("model", "data", "at")),
+        Column("noise", ("row",), _SIZE),
+        *(Column(name, ("row",), words=()) for name in ("record", "column", "measure", "unit")),
+        Column("residual", ("residual_row",)),
+        Column("slope", ("residual_row", "parameter")),
+        Column("search_cost", ("search",), _SIZE_OR_NONE),
+        *(Column(name, ("search", "parameter"), _OPEN) for name in ("search_start", "search_end")),
+    ),
 }
 
 _QUANTITIES = Attribute("quantities", several=1)
@@ -184,6 +200,13 @@ ATTRIBUTES: Mapping[str, tuple[Attribute, ...]] = {
         Attribute("interval", _SIZE),
         Attribute("start"),
         Attribute("end"),
+    ),
+    "fit": (
+        Attribute("fit", table=True),
+        *(Attribute(name, _SIZE) for name in ("chi2", "runs", "evaluations")),
+        Attribute("freedoms", Rule()),
+        *(Attribute(name) for name in ("noise", "loss", "message")),
+        Attribute("converged", _WHETHER),
     ),
 }
 
