@@ -5,7 +5,7 @@ The filter's transfer function is a sum over its poles,
 .. math:: H(s) = \sum_i \frac{r_i}{s - p_i}, \quad r_i = \prod_{j \neq i} (p_i - p_j)^{-1},
 
 in units of the corner's angular frequency; each term is a linear equation of first order, of which a step of
-time h has a closed solution, :math:`x' = e^{p h} x + \ldots`, for an input that is constant, or straight, over
+time h has a closed solution, :math:`x' = e^{p h} x + \ldots`, for an input that is constant or straight over
 it. Acceleration goes in as the change of velocity over a step, so that a blow is passed on with all of its
 impulse however short it is.
 """

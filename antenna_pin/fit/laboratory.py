@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin.fit.notebook import Notebook
+from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.runs import Asked, Readings, Rig, make_all
 from antenna_pin.sweep import Executor, Here
 from antenna_pin.sweep.here import Lost
@@ -41,9 +42,15 @@ class Laboratory:
         self._rigs: tuple[Rig, ...] = ()
         self._known: dict[Asked, Readings] = {}
 
-    def take(self, rigs: tuple[Rig, ...]) -> None:
-        """Take up the tests that runs are asked of."""
+    def take(self, plan: FitPlan, rigs: tuple[Rig, ...]) -> None:
+        """Take up the tests that runs are asked of.
+
+        Raises:
+            OutputError: The notebook is of another fit.
+        """
         self._rigs = rigs
+        if self.notebook is not None:
+            self.notebook.open(plan, rigs)
 
     def readings(self, asked: Sequence[Asked]) -> list[Readings]:
         """Return what each run's sensors read; those not known are made, side by side if there are hands.

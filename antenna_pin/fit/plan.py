@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.arguments import takes
 from antenna_pin.fit.columns import AnyQuantity, ColumnSpec
+from antenna_pin.fit.losses import Loss
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import RunsFile, nested
@@ -31,7 +32,6 @@ __all__ = [
 #: Of a record's own numbers: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")
 
-Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
 Jacobian = Literal["differences", "variational"]
 
 
@@ -143,16 +143,11 @@ class FitParameterSpec(Spec):
     def _check_numbers(self) -> Self:
         if not self.keys_set:
             refuse("must name a key of the scenario, got none", "key")
-        named = {"start": self.start}
-        if self.between is not None:
-            named |= {"between[0]": self.between[0], "between[1]": self.between[1]}
-        units = {name: (any_quantity(value) or (0.0, ""))[1] for name, value in named.items()}
-        units = {name: "" if unit == "1" else unit for name, unit in units.items()}
-        for name, unit in units.items():
-            zero = (any_quantity(named[name]) or (1.0, ""))[0] == 0.0
-            if unit != units["start"] and not (zero and not unit):
-                rule = f"must be of start's unit [{units['start'] or '1'}], got {shown(named[name])}"
-                refuse(rule, name)
+        wanted = _unit(self.start)
+        for i, value in enumerate(self.between or ()):
+            number, unit = any_quantity(value) or (0.0, "")
+            if _unit(value) != wanted and not (number == 0.0 and not unit):
+                refuse(f"must be of start's unit [{wanted or '1'}], got {shown(value)}", "between", i)
         start, low, high, _ = self.numbers()
         if not low < high:
             refuse(f"must be bounds that rise, got {shown(self.between)}", "between")
@@ -163,6 +158,12 @@ class FitParameterSpec(Spec):
             value = self.start if at == "start" else self.between
             refuse(f'must be positive for scale = "log", got {shown(value)}', at)
         return self
+
+
+def _unit(value: object) -> str:
+    """Return the SI unit that a quantity names; "" of a pure number."""
+    unit = (any_quantity(value) or (0.0, ""))[1]
+    return "" if unit == "1" else unit
 
 
 class StartsSpec(Spec):

@@ -1,4 +1,4 @@
-"""From a fit's file to its records and scenarios, all checked before anything is run for more than a glance."""
+"""From a fit's file to its records and scenarios, all checked before more than a glance is run."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from antenna_pin.sweep.design import put_value
 __all__ = ["Prepared", "prepared"]
 
 _GLANCE = 1e-6  # of a run's duration: enough to have all its variables
-_REACH = 1e-3  # of a step of a piece's start, in error scales
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +35,6 @@ class Prepared:
         offsets: Of the readings [SI], likewise.
         ways: Of each record, in how many coordinates each piece's start is told, but the first's.
         joints: Of each record, how many numbers tell how far a piece is from the next, all joints together.
-        reach: Size of a coordinate of a piece's start [-].
     """
 
     place: str
@@ -46,7 +44,6 @@ class Prepared:
     offsets: dict[str, float]
     ways: tuple[tuple[int, ...], ...]
     joints: tuple[int, ...]
-    reach: float = _REACH
 
     def sizes_of_states(self) -> list[int]:
         """Return how many coordinates each record's pieces start from."""

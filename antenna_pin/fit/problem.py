@@ -17,8 +17,10 @@ from antenna_pin.fit.jacobian import by_differences
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.plan import FitPlan, place_in_record
 from antenna_pin.fit.prepared import Prepared, prepared
-from antenna_pin.fit.runs import Asked, NoRunError, Readings
+from antenna_pin.fit.runs import Asked, NoRunError, Readings, scenario_with
 from antenna_pin.fit.statistics import Target, compared
+from antenna_pin.fit.unknowns import Unknowns
+from antenna_pin.scenario import Scenario
 
 __all__ = ["NoRunError", "Problem"]
 
@@ -45,14 +47,7 @@ class Problem:
 
     Attributes:
         plan: The fit's file.
-        names: Of the parameters, (p,).
-        titles: What they are called in figures.
-        units: Theirs, SI, "" of a pure number or one whose unit nobody gave.
-        start: Where the search begins, (p,) [SI].
-        lower: Bounds, (p,) [SI]; infinite if there is none.
-        upper: Likewise.
-        scale: Size of each, (p,) [SI]: of its start, or of the way between its bounds.
-        logarithmic: Of which of them the logarithm is searched for, (p,).
+        unknowns: Parameters and the pieces' starts, with bounds and sizes.
         states: Coordinates of the pieces' starts, (h,), in the run's error scales.
 
     Raises:
@@ -63,18 +58,12 @@ class Problem:
     def __init__(self, plan: FitPlan, laboratory: Laboratory | None = None) -> None:
         """Read and check all."""
         self.plan = plan
-        self.names = tuple(plan.parameters)
-        specs = list(plan.parameters.values())
-        self.titles = tuple(one.title or name for name, one in plan.parameters.items())
-        numbers = [one.numbers() for one in specs]
-        self.start, self.lower, self.upper = (np.array([n[k] for n in numbers]) for k in range(3))
-        self.units = tuple(n[3] for n in numbers)
-        self.logarithmic = np.array([one.scale == "log" for one in specs])
-        self.scale = np.array([_size(*n[:3]) for n in numbers])
         self._prepared: Prepared = prepared(plan)
         self.laboratory = laboratory or Laboratory()
-        self.laboratory.take(self._prepared.rigs)
-        self.states = np.zeros(sum(self._prepared.sizes_of_states()))
+        self.laboratory.take(plan, self._prepared.rigs)
+        self.unknowns = Unknowns.of(plan, sum(self._prepared.sizes_of_states()))
+        self.states = np.zeros(self.unknowns.states)
+        specs = list(plan.parameters.values())
         self._of_rig = [
             [i for i, one in enumerate(specs) if _is_of(one.records, name) and not _is_number(one.keys_set)]
             for name in plan.records
@@ -87,6 +76,31 @@ class Problem:
                 if place is not None:
                     self._numbers.append((i, _Number(order[place[0]], place[1], place[2])))
         self._check_times()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, (p,)."""
+        return self.unknowns.names
+
+    @property
+    def start(self) -> Array:
+        """Where the search begins, (p,) [SI]."""
+        return self.unknowns.start
+
+    @property
+    def lower(self) -> Array:
+        """Lower bounds, (p,) [SI]; minus infinity if there is none."""
+        return self.unknowns.lower
+
+    @property
+    def upper(self) -> Array:
+        """Upper bounds, (p,) [SI]; infinity if there is none."""
+        return self.unknowns.upper
+
+    @property
+    def scale(self) -> Array:
+        """Size of each parameter, (p,) [SI]."""
+        return self.unknowns.scale
 
     @property
     def runs(self) -> int:
@@ -121,8 +135,8 @@ class Problem:
         """
         given = np.asarray(values, dtype=float)
         whole = self._whole(given)
-        slopes = self.slopes(self.searched(whole))
-        return np.asarray(slopes * self._rates(whole))[:, : len(given)]
+        slopes = self.slopes(self.unknowns.searched(whole))
+        return np.asarray(slopes * self.unknowns.rates(whole))[:, : len(given)]
 
     @takes()
     def predictions(self, values: ArrayLike) -> xr.Dataset:
@@ -151,7 +165,7 @@ class Problem:
                 words[key] += [text] * len(model)
         columns = {name: ("row", np.concatenate(one)) for name, one in parts.items()}
         data = xr.Dataset({name: columns[name] for name in ("model", "data", "sd", "residual")})
-        return data.assign_coords(at=columns["at"], **{name: ("row", one) for name, one in words.items()})
+        return data.assign_coords({"at": columns["at"]} | {name: ("row", one) for name, one in words.items()})
 
     # --- what searches and derivatives ask for
 
@@ -168,53 +182,31 @@ class Problem:
             for whole, one in zip(wholes, asked, strict=True)
         ]
 
-    def sizes(self) -> Array:
-        """Return the size of each unknown, states too, (p + h,): of a logarithm and of a state 1."""
-        return np.concatenate(
-            [np.where(self.logarithmic, 1.0, self.scale), np.full(len(self.states), self._prepared.reach)]
-        )
-
-    def searched(self, whole: Array) -> Array:
-        """Return unknowns as they are searched for: logarithms where they are asked for, over the sizes."""
-        p = len(self.names)
-        found = np.array(whole, dtype=float)
-        with np.errstate(divide="ignore"):
-            found[:p] = np.where(
-                self.logarithmic, np.log(np.where(self.logarithmic, found[:p], 1.0)), found[:p]
-            )
-        return found / self.sizes()
-
-    def natural(self, searched: Array) -> Array:
-        """Return unknowns in SI units from what is searched for, within their bounds bit for bit."""
-        p = len(self.names)
-        found = np.asarray(searched, dtype=float) * self.sizes()
-        values = np.where(self.logarithmic, np.exp(np.where(self.logarithmic, found[:p], 0.0)), found[:p])
-        found[:p] = np.clip(values, self.lower, self.upper)  # what exp and log have rounded
+    def tried(self, wholes: Sequence[Array]) -> list[Array | None]:
+        """Return what :meth:`residuals_at` does, and None where there is no run."""
+        asked = [self._asked(whole) for whole in wholes]
+        self.laboratory.readings([one for several in asked for one in several])
+        found: list[Array | None] = []
+        for whole in wholes:
+            try:
+                found.append(self.residuals_at([whole])[0])
+            except NoRunError:
+                found.append(None)
         return found
 
-    def bounds(self) -> tuple[Array, Array]:
-        """Return the bounds of what is searched for, (p + h,) each."""
-        lower = np.concatenate([self.lower, np.full(len(self.states), -math.inf)])
-        upper = np.concatenate([self.upper, np.full(len(self.states), math.inf)])
-        p = len(self.names)
-        lower[:p] = np.where(self.logarithmic & (self.lower <= 0.0), 0.0, self.lower)
-        return self.searched(lower), self.searched(upper)
+    def scenario(self, record: str, values: Array) -> Scenario:
+        """Return the scenario of a record with values of the parameters, (p,) [SI]."""
+        r = list(self.plan.records).index(record)
+        return scenario_with(self._prepared.rigs[r], tuple(float(values[i]) for i in self._of_rig[r]))
 
     def slopes(self, searched: Array) -> Array:
         """Return the derivatives of the residuals by what is searched for, (m, p + h)."""
         return by_differences(
-            lambda ends: self.residuals_at([self.natural(end) for end in ends]),
+            lambda ends: self.residuals_at([self.unknowns.natural(end) for end in ends]),
             searched,
-            *self.bounds(),
+            *self.unknowns.bounds(),
             self.plan.difference_step,
         )
-
-    def _rates(self, whole: Array) -> Array:
-        """Return the derivative of what is searched for by each unknown, (p + h,)."""
-        p = len(self.names)
-        rates = 1.0 / self.sizes()
-        rates[:p] = np.where(self.logarithmic, 1.0 / np.where(self.logarithmic, whole[:p], 1.0), rates[:p])
-        return rates
 
     # --- one evaluation
 
@@ -277,12 +269,12 @@ class Problem:
             weight = self.plan.records[record].columns[column].weight
             parts.append((model - target.data) * weight / target.sd)
         at = 0
-        for record, rig in zip(self.plan.records.values(), self._prepared.rigs, strict=True):
+        for spec, rig in zip(self.plan.records.values(), self._prepared.rigs, strict=True):
             pieces = found[at : at + max(1, len(rig.pieces) - 1)]
             at += len(pieces)
             for one, other in zip(pieces, pieces[1:], strict=False):
-                assert record.pieces is not None
-                parts.append(record.pieces.weight * (one.end - other.lead))
+                assert spec.pieces is not None
+                parts.append(spec.pieces.weight * (one.end - other.lead))
         return np.concatenate(parts)
 
     def _check_times(self) -> None:
@@ -299,12 +291,6 @@ class Problem:
                     shifts += [float(self.lower[i]), float(self.upper[i])]
             span = json.loads(rig.scenario)["duration"]
             self._prepared.check_span(name, min(shifts), max(shifts), span)
-
-
-def _size(start: float, low: float, high: float) -> float:
-    if start != 0.0:
-        return abs(start)
-    return high - low if math.isfinite(high - low) else 1.0
 
 
 def _is_of(records: tuple[str, ...] | None, name: str) -> bool:

@@ -22,9 +22,10 @@ from antenna_pin.simulation import simulate
 from antenna_pin.simulation.from_scenario import controllers_of, events_of
 from antenna_pin.simulation.run import settings_of
 from antenna_pin.state import State
+from antenna_pin.sweep.design import put_value
 from antenna_pin.trajectory import Outcome, Trajectory
 
-__all__ = ["Asked", "NoRunError", "Readings", "Rig", "make", "make_all", "run_at"]
+__all__ = ["Asked", "NoRunError", "Readings", "Rig", "make", "make_all", "run_at", "scenario_with"]
 
 Array = NDArray[np.float64]
 
@@ -99,9 +100,8 @@ def _scenario(text: str) -> Scenario:
     return Scenario.model_validate_json(text)
 
 
-def _with(rig: Rig, values: tuple[float, ...]) -> Scenario:
-    from antenna_pin.sweep.design import put_value
-
+def scenario_with(rig: Rig, values: tuple[float, ...]) -> Scenario:
+    """Return a record's scenario with values of its fitted keys [SI]."""
     base, found = _scenario(rig.scenario), dict[str, Any]()
     for keys, unit, value in zip(rig.keys, rig.units, values, strict=True):
         for key in keys:
@@ -161,7 +161,7 @@ def make(rig: Rig, asked: Asked) -> Readings:
 
 
 def _made(rig: Rig, asked: Asked) -> Readings:
-    scenario = _with(rig, asked.values)
+    scenario = scenario_with(rig, asked.values)
     rows, start, end = rig.time + asked.shift, None, scenario.duration
     if rig.pieces:
         begin, end = rig.pieces[asked.piece : asked.piece + 2]

@@ -8,7 +8,7 @@ logarithm lies about its value as logarithms do.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 import xarray as xr
@@ -19,12 +19,34 @@ from antenna_pin.fit.profile import Profile
 from antenna_pin.fit.sure import Sure
 from antenna_pin.fit.unknowns import Unknowns
 
-__all__ = ["Natural", "Searched", "band_columns", "natural", "profile_columns"]
+__all__ = [
+    "Fitted",
+    "Natural",
+    "Searched",
+    "band_columns",
+    "doubt_of",
+    "names_of",
+    "natural",
+    "profile_columns",
+]
 
 Array = NDArray[np.float64]
 Columns = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 
 _SIDES = ("below", "above")
+
+
+def names_of(unknowns: Unknowns) -> tuple[str, ...]:
+    """Return the names of all that is unknown, (p + h,): parameters, then states."""
+    return (*unknowns.names, *(f"state {k + 1}" for k in range(unknowns.states)))
+
+
+def doubt_of(jacobian: Literal["differences", "variational"]) -> float:
+    """Return the relative error that columns of a Jacobian are taken to have [-], by how they were made.
+
+    Differences of runs at 1e-4 of a size lose four digits of what runs are good to.
+    """
+    return {"differences": 1e-5, "variational": 1e-8}[jacobian]
 
 
 class Fitted(Protocol):
@@ -52,8 +74,7 @@ class Searched:
     def __init__(self, problem: Fitted, whole: Array) -> None:
         """Take bounds and start."""
         self._problem, self._unknowns = problem, problem.unknowns
-        states = tuple(f"state {k + 1}" for k in range(self._unknowns.states))
-        self.names = (*self._unknowns.names, *states)
+        self.names = names_of(self._unknowns)
         self.start = self._unknowns.searched(whole)
         self.lower, self.upper = self._unknowns.bounds()
         self.scale = np.ones(len(self.start))

@@ -173,7 +173,7 @@ def _means(data: xr.Dataset, column: ColumnSpec, step: float) -> Array:
 
 
 def _of_point(data: xr.Dataset, column: ColumnSpec) -> tuple[Array, Array, Array]:
-    """Return a sensor's axis and its arm from the link's origin, (n, 3), and the link's motion: world axes."""
+    """Return a sensor's axis, its arm from the link's origin, (n, 3), and the link's motion: world axes."""
     attitudes, motion = _motion(data, str(column.link))
     point = [amount(value, "m", "point") for value in column.point or (0.0, 0.0, 0.0)]
     return attitudes @ along(column.direction or (0.0, 0.0, 1.0)), attitudes @ np.array(point), motion

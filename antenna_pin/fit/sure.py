@@ -173,7 +173,7 @@ def sure(
     if held.any():
         rank = rank_of(np.where(held, 0.0, jacobian), problem.scale, doubt)
     freedom = len(residuals) - len(rank.told)
-    if freedom < 1:
+    if freedom < 1 and not (noise == "given" and loss == "linear"):
         rule = f"more than parameters that they tell, {len(rank.told)}"
         raise InvalidParameterError("fit", "residuals", rule, len(residuals))
     bend = curvature(residuals, loss, loss_scale)

@@ -39,7 +39,7 @@ def identifiability_table(
         scenario: What the test is of; None for a model that is none.
 
     Returns:
-        Over ``parameter``: ``value``, ``scale``, ``error``, ``half``, ``alone``, in its ``unit``, infinite
+        Over ``parameter``: ``value``, ``scale``, ``error``, ``half``, ``alone``, in its ``units``, infinite
         where it cannot be told, ``inflation`` [-], ``felt`` and ``determined`` (0, 1), ``title``. Over
         ``direction``: ``singular`` [-], and ``part`` of each parameter in it, over its scale [-]. Over
         ``combination``: ``null``, of each parameter over its scale [-], ``said``, in words, and ``hold``,
@@ -60,7 +60,7 @@ def identifiability_table(
             found.rank.determined.astype(np.int8),
             {"units": "1", "long_name": "whether it can be told"},
         ),
-        "unit": (over, _texts(units), {"long_name": "SI unit of the parameter"}),
+        "units": (over, _texts(units), {"long_name": "SI unit of the parameter"}),
         "title": (over, _texts(titles), {"long_name": "what it is called"}),
         "singular": (("direction",), found.singular, {"units": "1", "long_name": "singular value"}),
         "part": (
@@ -106,8 +106,8 @@ def experiments_table(
         scenario: What they are of; None for a model that is none.
 
     Returns:
-        Over ``experiment``, the best first: ``half`` and, over ``parameter``, in its ``unit``: half widths of
-        the intervals to expect, infinite where it cannot be told; ``D``, ``A``, ``E`` and ``c`` if it was
+        Over ``experiment``, the best first: ``half`` and, over ``parameter``, in its ``units``: half widths
+        of the intervals to expect, infinite where it cannot be told; ``D``, ``A``, ``E`` and ``c`` if it was
         asked for, lengths in scales [-]; ``share`` and ``count`` of the plan; ``what`` it is. Over
         ``parameter``: ``value``, ``before``, ``title``. Attributes ``criterion``, ``wanted``, ``level``,
         ``total``.
@@ -117,7 +117,7 @@ def experiments_table(
         "half": (("experiment", "parameter"), found.half, {"long_name": "half width of the interval"}),
         "before": (over, found.before, {"long_name": "the same before any of them"}),
         "value": (over, np.asarray(values, dtype=float), {"long_name": "value at which this holds"}),
-        "unit": (over, _texts(units), {"long_name": "SI unit of the parameter"}),
+        "units": (over, _texts(units), {"long_name": "SI unit of the parameter"}),
         "title": (over, _texts(titles), {"long_name": "what it is called"}),
         "what": (
             each,

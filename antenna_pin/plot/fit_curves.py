@@ -106,8 +106,8 @@ def _curve(axes: Axes, rows: xr.Dataset, bands: bool) -> None:
             ("new_low", "new_high", _NEW, "where a new measurement may be"),
             ("band_low", "band_high", _CURVE, "where the model may be"),
         ):
-            ends = [factor * np.asarray(rows[one].values, dtype=float) for one in (low, high)]
-            axes.fill_between(at, *ends, color=colour, linewidth=0.0, label=label, zorder=1.0)
+            one, other = (factor * np.asarray(rows[end].values, dtype=float) for end in (low, high))
+            axes.fill_between(at, one, other, color=colour, linewidth=0.0, label=label, zorder=1.0)
     _marked(axes, at, factor * data, "measured")
     alone = len(at) == 1
     axes.plot(

@@ -85,9 +85,7 @@ def table_figures(table: xr.Dataset) -> Iterator[TableFigure]:
 
 
 def _multipliers(table: xr.Dataset) -> TableFigure:
-    return TableFigure(
-        "multipliers", "Floquet multipliers", lambda **more: figure_multipliers(table, **more)
-    )
+    return TableFigure("multipliers", "Floquet multipliers", lambda **more: figure_multipliers(table, **more))
 
 
 # Kinds that have one figure: its title, and what draws it.

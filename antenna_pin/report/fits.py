@@ -132,9 +132,7 @@ def _profile(one: Any, unit: str) -> str:
 
 
 def _curves(table: xr.Dataset) -> Iterator[Row]:
-    names = [
-        f"{a}: {b}" for a, b in zip(table["record"].values, table["column"].values, strict=True)
-    ]
+    names = [f"{a}: {b}" for a, b in zip(table["record"].values, table["column"].values, strict=True)]
     residuals = (table["model"].values - table["data"].values) / table["noise"].values
     for name in dict.fromkeys(names):
         mine = residuals[[one == name for one in names]]
@@ -179,7 +177,7 @@ def identifiability(finding: Finding, key: str, figures: bool) -> tuple[Section,
     rows = []
     for k in range(table.sizes["parameter"]):
         one = table.isel(parameter=k)
-        unit = str(one["unit"].item())
+        unit = str(one["units"].item())
         half, alone, inflation = (float(one[name]) for name in ("half", "alone", "inflation"))
         quantile = float(table.attrs["quantile"])
         rows.append(
@@ -225,7 +223,7 @@ def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Jud
     """Return the section of experiments beside one another."""
     table = finding.table
     titles = [str(one) for one in table["title"].values]
-    units = [str(one) for one in table["unit"].values]
+    units = [str(one) for one in table["units"].values]
     criteria = [name for name in ("D", "c", "A", "E") if name in table]
     plan = "count" in table
 
@@ -268,8 +266,8 @@ def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Jud
         ),
         meaning=(
             "Criteria are lengths in sizes of the parameters: D the mean of the axes of the region that holds "
-            "all parameters, by its volume; c the wanted one's error; A the root of the sum of all squared errors; E the "
-            "longest axis. All at the present values, to first order.",
+            "all parameters, by its volume; c the wanted one's error; A the root of the sum of all squared "
+            "errors; E the longest axis. All at the present values, to first order.",
         ),
     )
     return part, Judged(finding.label, True, "ranked", said)
