@@ -14,8 +14,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.fit.columns import AnyQuantity, ColumnSpec
 from antenna_pin.fit.losses import Loss
 from antenna_pin.scenario import Scenario
-from antenna_pin.scenario.merge import merge
-from antenna_pin.scenario.runs_file import RunsFile, nested
+from antenna_pin.scenario.runs_file import RunsFile, laid_over, nested
 from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse, refuse_name
 from antenna_pin.units import any_quantity, shown
 
@@ -266,7 +265,7 @@ class FitPlan(RunsFile):
         """Return the scenario of a record, before what is fitted."""
         spec = self.records[record]
         case = self.case if spec.case is None else spec.case
-        return self.scenario_with(case, merge(self.set, spec.set))
+        return self.scenario_with(case, laid_over(self.set, spec.set))
 
 
 @takes()
