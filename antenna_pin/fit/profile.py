@@ -279,7 +279,7 @@ class _Path:
             bounds=(lower / scale, upper / scale),
             loss=self._loss,
             f_scale=self._loss_scale,
-            xtol=1e-10,
+            xtol=1e-8,
             ftol=1e-10,
             gtol=1e-12,
             max_nfev=60,
