@@ -116,7 +116,7 @@ def next_test(
     from antenna_pin.errors import UnknownNameError
     from antenna_pin.fit.certain import sizes_of, slopes_at
     from antenna_pin.fit.design import design, planned
-    from antenna_pin.fit.experiments import load_experiments, slopes_of
+    from antenna_pin.fit.experiments import Trial, load_experiments
     from antenna_pin.fit.laboratory import Laboratory
     from antenna_pin.fit.searched import doubt_of
     from antenna_pin.fit.tell_tables import experiments_table
@@ -128,12 +128,12 @@ def next_test(
         if one.like is not None and one.like not in plan.records:
             raise UnknownNameError(f"{file}: experiments.{name}.like", "record", one.like, plan.records)
     problem, values, factor = _begun(plan, at, executor, tell)
-    known = slopes_at(problem, values) / math.sqrt(factor)
-    made = {
-        name: slopes_of(plan, name, one, values, lambda: Laboratory(executor, progress=tell))
-        / math.sqrt(factor)
+    trials = {  # all are checked before the first is run
+        name: Trial(plan, name, one, values, lambda: Laboratory(executor, progress=tell))
         for name, one in asked.experiments.items()
     }
+    known = slopes_at(problem, values) / math.sqrt(factor)
+    made = {name: trial.slopes() / math.sqrt(factor) for name, trial in trials.items()}
     sizes = sizes_of(problem, values)
     found = design(
         made,

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from antenna_pin.arguments import takes
-from antenna_pin.errors import ScenarioError, UnknownNameError
+from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.files import absence
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.design import Criterion
@@ -33,7 +33,7 @@ from antenna_pin.scenario.shipped import read_toml
 from antenna_pin.scenario.spec import Count, Place, Quantity, Spec, dotted, explained, refuse
 from antenna_pin.units import shown
 
-__all__ = ["ExperimentSpec", "Experiments", "TimesSpec", "load_experiments", "slopes_of"]
+__all__ = ["ExperimentSpec", "Experiments", "TimesSpec", "Trial", "load_experiments", "without"]
 
 Array = NDArray[np.float64]
 
@@ -148,14 +148,8 @@ def load_experiments(path: str | os.PathLike[str]) -> Experiments:
         raise explained(error, lambda location: Place(f"{label}: {dotted(location)}".strip())) from None
 
 
-def slopes_of(
-    plan: FitPlan,
-    name: str,
-    experiment: ExperimentSpec,
-    values: Array,
-    laboratory: Callable[[], Laboratory] = Laboratory,
-) -> Array:
-    """Return the derivatives of an experiment's residuals by the parameters of a fit, (m, p).
+class Trial:
+    """An experiment that is ready to be run as the model would make it.
 
     What is unknown anew in it, the shift of its clock and the starts of its pieces, is eliminated: residuals
     that it could explain tell nothing.
@@ -168,26 +162,46 @@ def slopes_of(
         laboratory: Makes who makes the runs.
 
     Raises:
-        AntennaPinError: Record, scenario, columns or parameters are not valid, or there is no run.
+        AntennaPinError: Record, scenario, columns or parameters are not valid.
     """
-    like = next(iter(plan.records)) if experiment.like is None else experiment.like
-    place = f"experiments.{name}"
-    if like not in plan.records:
-        raise UnknownNameError(f"{place}.like", "record", like, plan.records)
-    kept = _parameters(plan, like, experiment)
-    with tempfile.TemporaryDirectory() as folder:
-        problem = _problem(plan, like, experiment, kept, values, Path(folder), laboratory)
-    every = dict(zip(plan.parameters, values, strict=True))
-    whole = np.concatenate([[every[one] for one in problem.names], problem.states])
-    slopes = problem.jacobian(whole)
-    order = list(plan.parameters)
-    anew = [k for k, one in enumerate(problem.names) if _is_anew(kept[one])]
-    anew += range(len(problem.names), len(whole))
-    slopes = without(slopes, np.array(anew, dtype=int))
-    found = np.zeros((len(slopes), len(order)))
-    for k, one in enumerate(problem.names):
-        found[:, order.index(one)] = slopes[:, k]
-    return np.asarray(np.sqrt(float(experiment.repeat)) * found)
+
+    def __init__(
+        self,
+        plan: FitPlan,
+        name: str,
+        experiment: ExperimentSpec,
+        values: Array,
+        laboratory: Callable[[], Laboratory] = Laboratory,
+    ) -> None:
+        """Check all of it."""
+        like = next(iter(plan.records)) if experiment.like is None else experiment.like
+        if like not in plan.records:
+            raise UnknownNameError(f"experiments.{name}.like", "record", like, plan.records)
+        self._every = dict(zip(plan.parameters, values, strict=True))
+        self._kept = _parameters(plan, like, experiment)
+        self._repeat = experiment.repeat
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                self._problem = _problem(plan, like, experiment, self._kept, values, Path(folder), laboratory)
+        except AntennaPinError as error:
+            raise ScenarioError(f"experiments.{name}: {error}") from None
+
+    def slopes(self) -> Array:
+        """Return the derivatives of its residuals by the parameters of the fit, (m, p).
+
+        Raises:
+            NoRunError: The model has no run near the values.
+        """
+        problem, order = self._problem, list(self._every)
+        whole = np.concatenate([[self._every[one] for one in problem.names], problem.states])
+        slopes = problem.jacobian(whole)
+        anew = [k for k, one in enumerate(problem.names) if _is_anew(self._kept[one])]
+        anew += range(len(problem.names), len(whole))
+        slopes = without(slopes, np.array(anew, dtype=int))
+        found = np.zeros((len(slopes), len(order)))
+        for k, one in enumerate(problem.names):
+            found[:, order.index(one)] = slopes[:, k]
+        return np.asarray(np.sqrt(float(self._repeat)) * found)
 
 
 def without(slopes: Array, anew: NDArray[np.intp]) -> Array:
@@ -258,7 +272,8 @@ def _problem(
         update |= {"time_unit": spec.time_unit}
     else:
         time = experiment.times.instants()
-        last = float(time[-1]) + spec.clock_shift
+        shifts = [one.numbers()[2] for one in parameters.values() if _is_anew(one)]
+        last = float(time[-1]) + max([spec.clock_shift, *shifts])
         update |= {"time_unit": "s", "window": None}
         if "duration" not in settings:
             update["set"] = settings | {"duration": last}

@@ -265,9 +265,9 @@ def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Jud
             if str(what)
         ),
         meaning=(
-            "Criteria are lengths in sizes of the parameters: D the mean of the axes of the region that holds "
-            "all parameters, by its volume; c the wanted one's error; A the root of the sum of all squared "
-            "errors; E the longest axis. All at the present values, to first order.",
+            "Criteria are lengths in sizes of the parameters: D the mean of the axes of the region that "
+            "holds all parameters, by its volume; c the wanted one's error; A the root of the sum of all "
+            "squared errors; E the longest axis. All at the present values, to first order.",
         ),
     )
     return part, Judged(finding.label, True, "ranked", said)
