@@ -11,13 +11,14 @@ import xarray as xr
 
 from antenna_pin.fit.sure import persistence
 from antenna_pin.plot import correlations, table_figures
-from antenna_pin.readable import number, readable
+from antenna_pin.readable import number, prefixed, readable
 from antenna_pin.report._findings import Finding, Judged
 from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table
 from antenna_pin.report.figures import picture
 
 __all__ = ["experiments", "fit", "identifiability"]
 
+_NO_BREAK = "\N{NO-BREAK SPACE}"
 # Correlations from which on two parameters are hardly told apart, as the figure marks them.
 _STRONG = 0.95
 # Chances below which the stated noise does not explain the residuals, or explains them too well.
@@ -74,10 +75,11 @@ def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         _said("chi squared", f"{number(chi2)} for {freedoms:g} degrees of freedom"),
         _said("search", f"{table.attrs['message']}; {int(table.attrs['runs'])} runs"),
     ]
-    told = np.isfinite(np.asarray(table["sd"].values, dtype=float))
+    error = np.asarray(table["sd"].values, dtype=float)
     said = f"{len(names)} parameter{'s' if len(names) > 1 else ''} from {table.sizes['row']} numbers"
-    lacks = [name for name, one in zip(names, told, strict=True) if not one]
-    said += f", of which {', '.join(lacks)} cannot be told or stand at a bound" if lacks else ""
+    for which, words in ((np.isinf(error), "cannot be told"), (np.isnan(error), "at a bound")):
+        lacks = [name for name, one in zip(names, which, strict=True) if one]
+        said += f"; {words}: {', '.join(lacks)}" if lacks else ""
     part = Section(
         key=key,
         title=f"Fit: {finding.label}",
@@ -107,10 +109,10 @@ def _values(table: xr.Dataset) -> Iterator[Row]:
         value, error, low, high, start = (
             float(one[name]) for name in ("value", "sd", "low", "high", "start")
         )
-        interval = f"{readable(low, unit or '1', 4)} to {readable(high, unit or '1', 4)}"
+        interval = _from_to(low, high, unit)
         cells = [
             _quantity(value, unit, 5),
-            _error(error, unit) if error != 0.0 else Cell("at its bound"),
+            Cell("at its bound") if math.isnan(error) else _error(error, unit),
             Cell(interval if math.isfinite(high - low) and high > low else "–"),
         ]
         if "profile_end" in table:
@@ -118,11 +120,18 @@ def _values(table: xr.Dataset) -> Iterator[Row]:
         yield Row(str(one["title"].item()), (*cells, _quantity(start, unit)))
 
 
+def _from_to(low: float, high: float, unit: str) -> str:
+    factor, printed = prefixed(unit or "1", [low, high])
+    return f"{number(factor * low)} to {number(factor * high)}{_NO_BREAK if printed else ''}{printed}"
+
+
 def _profile(one: Any, unit: str) -> str:
     how = [str(word) for word in one["profile_how"].values]
     if not any(how):
         return "–"
     ends = [float(end) for end in one["profile_end"].values]
+    if how == ["crossed", "crossed"]:
+        return _from_to(ends[0], ends[1], unit)
     words = []
     for side, (end, word) in enumerate(zip(ends, how, strict=True)):
         text = readable(end, unit or "1", 4) if math.isfinite(end) else ("below" if side == 0 else "above")
