@@ -54,6 +54,7 @@ class Design:
 
     Attributes:
         names: Of the parameters.
+        scale: Their typical sizes, (p,).
         experiments: Names of the experiments, the best first.
         half: Half widths of the intervals to expect after each, (e, p); infinite where a parameter still
             cannot be told.
@@ -66,6 +67,7 @@ class Design:
     """
 
     names: tuple[str, ...]
+    scale: Array
     experiments: tuple[str, ...]
     half: Array
     before: Array
@@ -123,14 +125,12 @@ def design(
     """
     known_rows = np.zeros((1, len(scale))) if known is None else known
     place = _wanted(criterion, wanted, names)
-    _check(jacobians, criterion)
+    _check(jacobians)
     reach = student(level, math.inf)
     before, _ = _worth(known_rows, scale, place, doubt)
     found = {
         name: _worth(np.vstack([known_rows, rows]), scale, place, doubt) for name, rows in jacobians.items()
     }
-    if criterion == "c" and place is None:  # checked above; for the reader of types
-        raise InvalidParameterError("fit", "wanted", "given", wanted)
     order = sorted(found, key=lambda name: (found[name][1][criterion], float(np.sum(found[name][0] / scale))))
     criteria: dict[Criterion, Array] = {
         one: np.array([found[name][1][one] for name in order])
@@ -139,6 +139,7 @@ def design(
     }
     return Design(
         tuple(names),
+        np.asarray(scale, dtype=float),
         tuple(order),
         reach * np.stack([found[name][0] for name in order]),
         reach * before,
@@ -161,7 +162,7 @@ def _wanted(criterion: Criterion, wanted: str | None, names: Sequence[str]) -> i
     return list(names).index(wanted)
 
 
-def _check(jacobians: Mapping[str, Array], criterion: Criterion) -> None:
+def _check(jacobians: Mapping[str, Array]) -> None:
     if not jacobians:
         raise InvalidParameterError("fit", "experiments", "one or more", said="none")
 
@@ -221,7 +222,7 @@ def planned(
         InvalidParameterError: All of them together do not tell every parameter.
     """
     place = _wanted(criterion, wanted, names)
-    _check(jacobians, criterion)
+    _check(jacobians)
     if total < 1:
         raise InvalidParameterError("fit", "total", "1 or more [-]", total)
     parts = np.stack([(rows * scale).T @ (rows * scale) for rows in jacobians.values()])

@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -94,11 +94,20 @@ class ExperimentSpec(Spec):
     @property
     def words(self) -> str:
         """What it is, or what is set for it."""
-        parts = [f"{key} = {shown(value)}" for key, value in self.set.items()]
+        parts = [f"{key} = {shown(value)}" for key, value in _dotted(self.set)]
         parts += [] if self.times is None else [f"{self.times.until:g} s at {self.times.rate:g} Hz"]
         parts += [] if self.columns is None else [f"columns {', '.join(self.columns)}"]
         parts += [f"{self.repeat} times"] if self.repeat > 1 else []
         return self.what or ", ".join(parts)
+
+
+def _dotted(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the keys of tables in each other with dots, and their values."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _dotted(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", value
 
 
 class Experiments(Spec):

@@ -109,14 +109,15 @@ def experiments_table(
         Over ``experiment``, the best first: ``half`` and, over ``parameter``, in its ``units``: half widths
         of the intervals to expect, infinite where it cannot be told; ``D``, ``A``, ``E`` and ``c`` if it was
         asked for, lengths in scales [-]; ``share`` and ``count`` of the plan; ``what`` it is. Over
-        ``parameter``: ``value``, ``before``, ``title``. Attributes ``criterion``, ``wanted``, ``level``,
-        ``total``.
+        ``parameter``: ``value``, ``scale``, ``before``, ``title``. Attributes ``criterion``, ``wanted``,
+        ``level``, ``total``.
     """
     over, each = ("parameter",), ("experiment",)
     columns = {
         "half": (("experiment", "parameter"), found.half, {"long_name": "half width of the interval"}),
         "before": (over, found.before, {"long_name": "the same before any of them"}),
         "value": (over, np.asarray(values, dtype=float), {"long_name": "value at which this holds"}),
+        "scale": (over, found.scale, {"long_name": "typical size"}),
         "units": (over, _texts(units), {"long_name": "SI unit of the parameter"}),
         "title": (over, _texts(titles), {"long_name": "what it is called"}),
         "what": (

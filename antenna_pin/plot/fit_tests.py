@@ -143,8 +143,7 @@ def figure_experiments(found: xr.Dataset, *, width: Width = "page") -> Figure:
     shown = found.isel(experiment=slice(kept))
     names = [literal(str(one)) for one in shown["experiment"].values]
     titles = [literal(str(one)) for one in shown["title"].values]
-    size = np.abs(np.asarray(shown["value"].values, dtype=float))
-    size = np.where(size > 0.0, size, 1.0)
+    size = np.asarray(shown["scale"].values, dtype=float)
     half = 100.0 * np.asarray(shown["half"].values, dtype=float) / size
     before = 100.0 * np.asarray(shown["before"].values, dtype=float) / size
     wanted = str(shown.attrs["wanted"])
@@ -169,7 +168,7 @@ def figure_experiments(found: xr.Dataset, *, width: Width = "page") -> Figure:
     level, criterion = float(found.attrs["level"]), str(found.attrs["criterion"])
     footnote(
         figure,
-        f"intervals of {100.0 * level:g} % over the values",
+        f"intervals of {100.0 * level:g} % over the sizes",
         f"in order of {criterion}" + (f" of {wanted}" if criterion == "c" else ""),
         "arrow: cannot be told" if not np.isfinite(half).all() else "",
         f"{lacks} more not drawn" if lacks else "",

@@ -205,6 +205,7 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         Column("half", ("experiment", "parameter"), _WIDTH),
         Column("before", ("parameter",), _WIDTH),
         Column("value", ("parameter",)),
+        Column("scale", ("parameter",), _SIZE),
         *(Column(name, ("parameter",), words=()) for name in ("units", "title")),
         Column("what", ("experiment",), words=()),
         *(Column(name, ("experiment",), _WIDTH) for name in ("D", "A", "E")),
