@@ -48,13 +48,7 @@ def test_the_profile_of_a_rate_is_the_exact_one_and_lies_to_one_side(times):
 
 def test_what_cannot_be_told_has_an_open_profile_along_which_the_other_goes_with_it(times):
     noise = 0.02 * np.random.default_rng(2).standard_normal(times.size)
-    model = oscillator(
-        times,
-        np.cos(5.0 * times) + noise,
-        0.02,
-        lower=np.array([1e-3, 1e-2]),
-        upper=np.array([np.inf, np.inf]),
-    )
+    model = oscillator(times, np.cos(5.0 * times) + noise, 0.02)
     best = model.best()
     found = sure(model, best)
     mass, _ = profiles(model, found)

@@ -98,6 +98,8 @@ def decay(time: Array, record: Array, sd: float = 1.0, **more) -> Curve:
 def oscillator(time: Array, record: Array, sd: float = 1.0, **more) -> Curve:
     """Mass and stiffness of a free mass on a spring, of which the motion has their ratio only."""
 
+    more.setdefault("lower", np.array([1e-3, 1e-2]))
+
     def slopes(t: Array, x: Array) -> Array:
         omega = np.sqrt(x[1] / x[0])
         of_omega = -t * np.sin(omega * t)
