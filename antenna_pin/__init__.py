@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from antenna_pin.constraints import Anchor, Closure, Coupling
     from antenna_pin.dynamics import System, assembled
     from antenna_pin.errors import AntennaPinError
+    from antenna_pin.fit import Fit, FitPlan, load_fit, run_fit
     from antenna_pin.joints import ClearanceJoint
     from antenna_pin.linear import Modes, modes
     from antenna_pin.live import Exploration, explore
@@ -41,6 +42,8 @@ _HOMES = {
     "Counts": "trajectory",
     "ErrorScales": "settings",
     "Exploration": "live",
+    "Fit": "fit",
+    "FitPlan": "fit",
     "Mechanism": "mechanism",
     "Modes": "linear",
     "Outcome": "trajectory",
@@ -58,11 +61,13 @@ _HOMES = {
     "explore": "live",
     "initial_state": "assemble",
     "list_scenarios": "scenario",
+    "load_fit": "fit",
     "load_scenario": "scenario",
     "load_study": "sweep",
     "models_path": "scenario",
     "modes": "linear",
     "open_study": "sweep",
+    "run_fit": "fit",
     "run_study": "sweep",
     "simulate": "simulation",
     "start": "session",
@@ -97,6 +102,8 @@ __all__ = [
     "Coupling",
     "ErrorScales",
     "Exploration",
+    "Fit",
+    "FitPlan",
     "Mechanism",
     "Modes",
     "Outcome",
@@ -125,6 +132,7 @@ __all__ = [
     "laws",
     "linear",
     "list_scenarios",
+    "load_fit",
     "load_scenario",
     "load_study",
     "models_path",
@@ -134,6 +142,7 @@ __all__ = [
     "plot",
     "record",
     "report",
+    "run_fit",
     "run_study",
     "simulate",
     "start",

@@ -25,6 +25,7 @@ from antenna_pin.cli import (
     explore,
     export,
     figures,
+    fit,
     impacts,
     info,
     lyapunov,
@@ -140,6 +141,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "report": report.report,
     "urdf": urdf.urdf,
     "sweep": sweep.sweep,
+    "fit": fit.fit,
 }
 for _name, _command in _COMMANDS.items():
     app.command(_name)(one_line_errors(with_plain_numbers(_command)))

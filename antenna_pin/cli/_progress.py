@@ -266,3 +266,20 @@ def diagram_bar(title: str, shown: bool) -> Iterator[Callable[[Made], None]]:
                 report(Standing("run", now.done, now.count, 0))
 
         yield tell
+
+
+@contextlib.contextmanager
+def fit_bar(title: str, shown: bool) -> Iterator[Callable[[int], None] | None]:
+    """Yield what a fit reports how many runs it has made to; how many it will be nobody knows."""
+    if not shown:
+        yield None
+        return
+    bar = _bar("{task.fields[runs]}")
+    task = bar.add_task(f"{title}: searching", total=None, runs="")
+
+    def report(runs: int) -> None:
+        bar.update(task, runs=f"{runs} runs")
+        bar.start()
+
+    with _ended(bar):
+        yield report

@@ -25,6 +25,7 @@ from antenna_pin.cli._common import (
     say_spin,
 )
 from antenna_pin.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
+from antenna_pin.cli._plot_tables import draw_tables, kinds_of
 from antenna_pin.cli._tables import flat, print_summaries, print_summary
 from antenna_pin.cli._zeros import Zeros
 
@@ -160,9 +161,18 @@ def plot(
     ] = None,
     width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
 ) -> None:
-    """Draw the figures that the results allow."""
+    """Draw the figures that results allow: runs, or fits, orbits, diagrams and what else is saved."""
     suffixes = figure_formats(formats)
     figure_folder(out)
+    tables = kinds_of(files)
+    if tables:
+        others = [str(path) for path in files if path not in tables]
+        if others:
+            refuse(f"plot: {others[0]} must be drawn apart from datasets that are no runs")
+        if joint is not None:
+            refuse(f"plot: --joint must be left out: {files[0]} is no run")
+        draw_tables(tables, out, suffixes, names, width.value)
+        return
     runs = [(path, load_result(path)) for path in files]
     from antenna_pin.plot import check_one_mechanism, processes_to_draw, save_figures
 

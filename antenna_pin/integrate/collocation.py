@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 _GAUSS = 0.5 + 0.5 * np.polynomial.legendre.leggauss(4)[0]
 #: Where in a step the matrix is asked for: at Gauss's four nodes, and next to its end, where it may jump.
-NODES = np.append(_GAUSS, 1.0 - 1e-6)
+NODES: Array = np.append(_GAUSS, 1.0 - 1e-6)
 
 
 class Propagated(NamedTuple):

@@ -14,7 +14,7 @@ from antenna_pin.analysis import Line, answer, journal_motion, quantity
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.live.knobs import Knob, knobs_of, play_names
-from antenna_pin.scenario import Scenario, scenario_toml
+from antenna_pin.scenario import Scenario, found_from, scenario_toml
 from antenna_pin.session import start
 from antenna_pin.trajectory import Outcome, Trajectory, contact_kinds, contacts_of, names_along
 
@@ -233,19 +233,3 @@ def said_of(run: Trajectory) -> tuple[str, tuple[Line, ...]]:
     told = answer(run)
     ended = told.ended if run.outcome is Outcome.COMPLETED else f"{told.ended} \N{EM DASH} {run.message}"
     return ended, told.lines
-
-
-def found_from(scenario: Scenario, folder: Path) -> Scenario:
-    """Return a scenario whose URDF and packages are found from another folder than its own."""
-
-    def there(name: str) -> str:
-        path = (scenario.folder / name).resolve()
-        return str(path.relative_to(folder)) if path.is_relative_to(folder) else str(path)
-
-    mechanism = scenario.mechanism.model_copy(
-        update={
-            "urdf": there(scenario.mechanism.urdf),
-            "package_path": tuple(there(name) for name in scenario.mechanism.package_path),
-        }
-    )
-    return scenario.model_copy(update={"mechanism": mechanism, "folder": folder})

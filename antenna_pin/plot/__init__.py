@@ -44,6 +44,9 @@ if TYPE_CHECKING:
         save_figure,
         save_figures,
     )
+    from antenna_pin.plot.fit_curves import curves_of_fit, figure_fit
+    from antenna_pin.plot.fit_sure import correlations, figure_correlation, figure_profiles
+    from antenna_pin.plot.fit_tests import figure_experiments, figure_identifiability
     from antenna_pin.plot.forces import figure_contact_forces
     from antenna_pin.plot.gears import figure_gears
     from antenna_pin.plot.glance import figure_glance
@@ -80,6 +83,7 @@ if TYPE_CHECKING:
         study_scatter,
         study_sensitivities,
     )
+    from antenna_pin.plot.tables import TableFigure, table_figures
 
 __all__ = [
     "ATTRACTORS",
@@ -103,8 +107,11 @@ __all__ = [
     "PaperFigure",
     "RunFigure",
     "StudyFigure",
+    "TableFigure",
     "allowed_figures",
     "check_one_mechanism",
+    "correlations",
+    "curves_of_fit",
     "figure_bifurcation",
     "figure_applied_forces",
     "figure_base",
@@ -113,6 +120,7 @@ __all__ = [
     "figure_branch",
     "figure_closure_forces",
     "figure_control",
+    "figure_correlation",
     "figure_coupling_torques",
     "figure_contact_forces",
     "figure_contact_width",
@@ -123,7 +131,10 @@ __all__ = [
     "figure_eccentricity",
     "figure_energy",
     "figure_experiment",
+    "figure_experiments",
     "figure_exponents",
+    "figure_fit",
+    "figure_identifiability",
     "figure_force_curves",
     "figure_joint",
     "figure_joint_load",
@@ -134,6 +145,7 @@ __all__ = [
     "figure_orbit",
     "figure_phase",
     "figure_pointing",
+    "figure_profiles",
     "figure_response",
     "figure_section",
     "figure_restitution",
@@ -160,6 +172,7 @@ __all__ = [
     "study_response",
     "study_scatter",
     "study_sensitivities",
+    "table_figures",
 ]
 
 loaded_when_used(
@@ -187,6 +200,9 @@ loaded_when_used(
             "FORMATS check_one_mechanism folder_for_figures processes_to_draw rendered save_figure "
             "save_figures"
         ),
+        "fit_curves": "curves_of_fit figure_fit",
+        "fit_sure": "correlations figure_correlation figure_profiles",
+        "fit_tests": "figure_experiments figure_identifiability",
         "forces": "figure_contact_forces",
         "joint": "figure_joint",
         "loads": "figure_joint_load figure_steady_force",
@@ -208,5 +224,6 @@ loaded_when_used(
             "QUANTILES StudyFigure study_distribution study_figures study_map study_response "
             "study_scatter study_sensitivities"
         ),
+        "tables": "TableFigure table_figures",
     },
 )

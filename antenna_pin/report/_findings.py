@@ -1,4 +1,4 @@
-"""What a report is about beside runs: portraits, sections, diagrams, orbits, branches, exponents."""
+"""What a report is about beside runs: portraits, sections, diagrams, orbits, exponents, fits, tests."""
 
 from __future__ import annotations
 

@@ -25,6 +25,7 @@ from antenna_pin.pages import in_frame, policy, script
 from antenna_pin.report import (
     elastic,
     elements,
+    fits,
     gears,
     head,
     joints,
@@ -108,7 +109,8 @@ def report(
 
     A run without contact among them is the ideal one that deviations are from. What a run does not hold (one
     sample, no clearance, an older file) is left out, with the reason in its place. Phase portraits, sections,
-    bifurcation diagrams, periodic solutions, branches of these and Lyapunov exponents have a section each.
+    bifurcation diagrams, periodic solutions, branches of these, Lyapunov exponents, fits, what tests can tell
+    and experiments have a section each.
 
     Args:
         runs: Trajectories, files of them, or pairs of a label and a trajectory; datasets of what motions come
@@ -228,6 +230,9 @@ _TELLS = {
     "orbit": orbits.orbit,
     "branch": orbits.branch,
     "exponents": orbits.exponents,
+    "fit": fits.fit,
+    "identifiability": fits.identifiability,
+    "experiments": fits.experiments,
 }
 
 

@@ -72,7 +72,7 @@ if TYPE_CHECKING:
         scenario_summary,
     )
     from antenna_pin.scenario.stops import joint_limits
-    from antenna_pin.scenario.write import scenario_toml
+    from antenna_pin.scenario.write import found_from, scenario_toml
 
 _HOMES = {
     "AnchorSpec": "closures",
@@ -146,6 +146,7 @@ _HOMES = {
     "models_path": "shipped",
     "scenario_cases": "shipped",
     "scenario_summary": "shipped",
+    "found_from": "write",
     "scenario_toml": "write",
     "settings_key": "integrator",
 }
@@ -222,6 +223,7 @@ __all__ = [
     "models_path",
     "scenario_cases",
     "scenario_summary",
+    "found_from",
     "scenario_toml",
     "settings_key",
 ]

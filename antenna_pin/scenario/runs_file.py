@@ -17,7 +17,7 @@ from antenna_pin.scenario.merge import merge, read_overrides
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import models_path, read_toml
 
-__all__ = ["RunsFile", "nested"]
+__all__ = ["RunsFile", "laid_over", "nested"]
 
 
 class RunsFile(Spec):
@@ -107,5 +107,18 @@ def nested(table: Mapping[str, Any]) -> dict[str, Any]:
     plain: dict[str, Any] = {}
     for key, value in table.items():
         layer, _ = read_overrides({key: value})
-        plain = merge(plain, layer)
+        plain = laid_over(plain, layer)
     return plain
+
+
+def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Return one table of settings over another, as :func:`merge` does, to be laid over a scenario yet.
+
+    A table's ``replace = true`` stays in it: what it replaces is in the scenario too.
+    """
+    found = dict(below)
+    for key, value in above.items():
+        old = found.get(key)
+        both = isinstance(old, Mapping) and isinstance(value, Mapping) and value.get("replace") is not True
+        found[key] = laid_over(old, value) if both else value  # type: ignore[arg-type]
+    return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from antenna_pin.arguments import takes
@@ -10,7 +11,7 @@ from antenna_pin.scenario._explained import dotted
 from antenna_pin.scenario.merge import toml_value
 from antenna_pin.scenario.scenario import Scenario
 
-__all__ = ["scenario_toml"]
+__all__ = ["found_from", "scenario_toml"]
 
 
 @takes()
@@ -37,3 +38,25 @@ def _lines(table: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _lines(value, (*path, key))
+
+
+@takes()
+def found_from(scenario: Scenario, folder: Path) -> Scenario:
+    """Return a scenario whose URDF and packages are found from another folder than its own.
+
+    Args:
+        scenario: The scenario.
+        folder: In which its file is to stand, without links.
+    """
+
+    def there(name: str) -> str:
+        path = (scenario.folder / name).resolve()
+        return str(path.relative_to(folder)) if path.is_relative_to(folder) else str(path)
+
+    mechanism = scenario.mechanism.model_copy(
+        update={
+            "urdf": there(scenario.mechanism.urdf),
+            "package_path": tuple(there(name) for name in scenario.mechanism.package_path),
+        }
+    )
+    return scenario.model_copy(update={"mechanism": mechanism, "folder": folder})

@@ -19,7 +19,7 @@ from antenna_pin.sweep.parameters import Settings
 from antenna_pin.sweep.study import SamplingSpec, Study
 from antenna_pin.units import shown
 
-__all__ = ["Column", "Design", "design_of"]
+__all__ = ["Column", "Design", "design_of", "put_value"]
 
 SAMPLE = "sample"
 _LONGEST = 60  # characters of a value in a message
@@ -94,7 +94,7 @@ class Design:
         for column in self.columns:
             if only is None or column.name in only:
                 for key in column.keys:
-                    _put(found, key, values[column.name], base)
+                    put_value(found, key, values[column.name], base)
         return found
 
     def label(self, run: int) -> str:
@@ -108,7 +108,18 @@ def _short(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
 
-def _put(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
+def put_value(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
+    """Enter what a key is set to among what is set over a scenario, in place.
+
+    Args:
+        found: What is set so far, by key.
+        key: With dots; ``name[2]`` for one number of an array.
+        value: Its.
+        base: The scenario, of which numbers of an array are taken that are not set.
+
+    Raises:
+        ScenarioError: There is no such array, or it has no such number.
+    """
     indexed = _INDEXED.fullmatch(key)
     if indexed is None:
         found[key] = value

@@ -1,9 +1,9 @@
 """What motions come to, as files: labelled datasets beside runs, sealed as these are, told apart by a format.
 
-A portrait, a section, a bifurcation diagram, an orbit, a branch of orbits and Lyapunov exponents are a
-dataset each. Their attributes say what they are and what they came from: ``format``; ``title``, ``name`` and
-``case`` of the scenario, and the whole of it as JSON; the ``versions`` of what made them; and the ``command``
-if it was one.
+A portrait, a section, a bifurcation diagram, an orbit, a branch of orbits, Lyapunov exponents, a fit, what
+a test can tell and experiments beside one another are a dataset each. Their attributes say what they are and
+what they came from: ``format``; ``title``, ``name`` and ``case`` of the scenario, and the whole of it as
+JSON; the ``versions`` of what made them; and the ``command`` if it was one.
 """
 
 from __future__ import annotations
@@ -37,7 +37,17 @@ __all__ = [
     "table_attributes",
 ]
 
-TableKind = Literal["portrait", "section", "bifurcation", "orbit", "branch", "exponents"]
+TableKind = Literal[
+    "portrait",
+    "section",
+    "bifurcation",
+    "orbit",
+    "branch",
+    "exponents",
+    "fit",
+    "identifiability",
+    "experiments",
+]
 """What a dataset is of."""
 
 #: The format of each kind; another version of it is another format.
@@ -51,6 +61,9 @@ KINDS: dict[TableKind, str] = {
     "orbit": "a periodic solution",
     "branch": "a branch of periodic solutions",
     "exponents": "Lyapunov exponents",
+    "fit": "a fit to measured records",
+    "identifiability": "what a test can tell",
+    "experiments": "experiments beside one another",
 }
 
 

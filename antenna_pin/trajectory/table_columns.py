@@ -95,6 +95,7 @@ _SIZE, _TIMES = Rule(least=0.0), Rule(rising=True)
 _LACKS, _WHETHER = Rule(lacks=True), Rule(only=(0.0, 1.0))
 _OPEN = Rule(lacks=True, infinite=True)
 _SIZE_OR_NONE = Rule(least=0.0, lacks=True)
+_WIDTH = Rule(least=0.0, infinite=True)
 _OUTCOMES = ("", *(one.name for one in Outcome))
 
 
@@ -159,6 +160,58 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         Column("growth", ("interval", "exponent")),
         Column("running", ("interval", "exponent")),
     ),
+    "fit": (
+        *(Column(name, ("parameter",)) for name in ("value", "start")),
+        *(Column(name, ("parameter",), Rule(infinite=True)) for name in ("lower", "upper")),
+        Column("sd", ("parameter",), Rule(least=0.0, lacks=True, infinite=True)),
+        *(Column(name, ("parameter",), _OPEN) for name in ("low", "high")),
+        Column("logarithmic", ("parameter",), _WHETHER),
+        *(Column(name, ("parameter",), words=()) for name in ("units", "title", "key")),
+        Column("covariance", ("parameter", "other"), _OPEN),
+        *(Column(name, ("row",)) for name in ("model", "data", "at")),
+        Column("noise", ("row",), _SIZE),
+        *(Column(name, ("row",), words=()) for name in ("record", "column", "measure", "unit")),
+        Column("residual", ("residual_row",)),
+        Column("slope", ("residual_row", "parameter")),
+        Column("search_cost", ("search",), _SIZE_OR_NONE),
+        *(Column(name, ("search", "parameter"), _OPEN) for name in ("search_start", "search_end")),
+        *(Column(name, ("row",), optional=True) for name in ("band_low", "band_high", "new_low", "new_high")),
+        *(
+            Column(name, ("parameter", "step"), _LACKS, optional=True)
+            for name in ("profile_value", "profile_root")
+        ),
+        Column("profile_end", ("parameter", "side"), _OPEN, optional=True),
+        Column(
+            "profile_how",
+            ("parameter", "side"),
+            words=("", "crossed", "bounded", "open", "stopped"),
+            optional=True,
+        ),
+        Column("profile_reach", (), _SIZE_OR_NONE, optional=True),
+    ),
+    "identifiability": (
+        Column("value", ("parameter",)),
+        Column("scale", ("parameter",), _SIZE),
+        *(Column(name, ("parameter",), _WIDTH) for name in ("error", "half", "alone")),
+        Column("inflation", ("parameter",), _OPEN),
+        *(Column(name, ("parameter",), _WHETHER) for name in ("felt", "determined")),
+        *(Column(name, ("parameter",), words=()) for name in ("units", "title")),
+        Column("singular", ("direction",), _SIZE),
+        Column("part", ("direction", "parameter")),
+        Column("null", ("combination", "parameter")),
+        *(Column(name, ("combination",), words=()) for name in ("said", "hold")),
+    ),
+    "experiments": (
+        Column("half", ("experiment", "parameter"), _WIDTH),
+        Column("before", ("parameter",), _WIDTH),
+        Column("value", ("parameter",)),
+        Column("scale", ("parameter",), _SIZE),
+        *(Column(name, ("parameter",), words=()) for name in ("units", "title")),
+        Column("what", ("experiment",), words=()),
+        *(Column(name, ("experiment",), _WIDTH) for name in ("D", "A", "E")),
+        Column("c", ("experiment",), _WIDTH, optional=True),
+        *(Column(name, ("experiment",), _SIZE, optional=True) for name in ("share", "count")),
+    ),
 }
 
 _QUANTITIES = Attribute("quantities", several=1)
@@ -184,6 +237,20 @@ ATTRIBUTES: Mapping[str, tuple[Attribute, ...]] = {
         Attribute("interval", _SIZE),
         Attribute("start"),
         Attribute("end"),
+    ),
+    "fit": (
+        Attribute("fit", table=True),
+        *(Attribute(name, _SIZE) for name in ("chi2", "runs", "evaluations")),
+        Attribute("freedoms", Rule()),
+        *(Attribute(name) for name in ("noise", "loss", "message")),
+        Attribute("converged", _WHETHER),
+    ),
+    "identifiability": (Attribute("level", Rule(0.0, 1.0)), Attribute("quantile", _SIZE)),
+    "experiments": (
+        Attribute("criterion", words=("D", "c", "A", "E")),
+        Attribute("wanted"),
+        Attribute("level", Rule(0.0, 1.0)),
+        Attribute("total", _SIZE),
     ),
 }
 

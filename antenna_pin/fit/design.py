@@ -1,0 +1,319 @@
+r"""Which test next: of experiments that could be made the one that tells most, added to what is known.
+
+A record tells of the parameters by its information :math:`F = J^T J`, J being the derivatives of its
+residuals in units of the noise; information of independent records adds up, and the inverse of the sum is the
+covariance to expect. So the worth of an experiment is known before it is made. By which number of the
+covariance is a choice:
+
+======  ==================================================================================
+``D``   its determinant: the volume of the region in which all parameters lie
+``c``   the variance of one parameter, or of one combination of them
+``A``   the sum of the variances, each over its parameter's scale squared
+``E``   the longest axis of that region, in scales
+======  ==================================================================================
+
+All of them are of a model that is linear about the present values: what is made of a better knowledge of
+these is another design.
+
+References:
+    Fedorov (1972), Theory of Optimal Experiments; Silvey (1980), Optimal Design.
+    Kiefer and Wolfowitz (1960), Canadian J. Math. 12, 363-366: the equivalence theorem.
+    Yu (2010), Ann. Statist. 38(3), 1593-1606: that the multiplication of weights converges.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.fit.rank import DOUBT, rank_of
+from antenna_pin.fit.sure import student
+
+__all__ = ["CRITERIA", "Criterion", "Design", "Plan", "design", "planned"]
+
+Array = NDArray[np.float64]
+
+Criterion = Literal["D", "c", "A", "E"]
+"""What is to be small: volume, one variance, the sum of variances, the longest axis."""
+
+CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
+
+#: Rounds of multiplication, and how near to the best its bound must come, as a share.
+ROUNDS, NEAR = 20_000, 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Design:
+    """Experiments beside one another, each added to what is known.
+
+    Attributes:
+        names: Of the parameters.
+        scale: Their typical sizes, (p,).
+        experiments: Names of the experiments, the best first.
+        half: Half widths of the intervals to expect after each, (e, p); infinite where a parameter still
+            cannot be told.
+        before: The same before any of them, (p,).
+        criteria: By name the square root of each criterion after each, as a length in scales, (e,): of D the
+            p-th root of the volume, so that all are widths that halve where noise halves.
+        chosen: Which of them the order is by.
+        wanted: The parameter that ``c`` is of; "" for all of ``D``, ``A`` and ``E``.
+        level: Of the intervals [-].
+    """
+
+    names: tuple[str, ...]
+    scale: Array
+    experiments: tuple[str, ...]
+    half: Array
+    before: Array
+    criteria: Mapping[Criterion, Array]
+    chosen: Criterion
+    wanted: str
+    level: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """How often to make each of some experiments, for the most that a number of them can tell.
+
+    Attributes:
+        experiments: Names, as given.
+        weights: Shares of all that are made, (e,) [-]; they sum to 1.
+        counts: The same as whole numbers, (e,).
+        gap: How much less the best design may have at most, as a share of the criterion: the equivalence
+            theorem's bound [-].
+    """
+
+    experiments: tuple[str, ...]
+    weights: Array
+    counts: NDArray[np.intp]
+    gap: float
+
+
+def design(
+    jacobians: Mapping[str, Array],
+    names: Sequence[str],
+    scale: Array,
+    *,
+    known: Array | None = None,
+    criterion: Criterion = "D",
+    wanted: str | None = None,
+    level: float = 0.95,
+    doubt: float = DOUBT,
+) -> Design:
+    """Return experiments in the order of what they tell, added to what is known.
+
+    Args:
+        jacobians: Derivatives of each experiment's residuals, in units of the noise, by its name, (m, p)
+            each.
+        names: Of the parameters.
+        scale: Their typical sizes, (p,).
+        known: Derivatives of the residuals of the records there are, (m, p); none if left out.
+        criterion: What is to be small.
+        wanted: The parameter that ``c`` is of.
+        level: Of the intervals [-].
+        doubt: Relative error of the Jacobians' columns [-].
+
+    Raises:
+        InvalidParameterError: There is no experiment, or ``c`` without a parameter.
+        UnknownNameError: There is no such parameter.
+    """
+    known_rows = np.zeros((1, len(scale))) if known is None else known
+    place = _wanted(criterion, wanted, names)
+    _check(jacobians)
+    reach = student(level, math.inf)
+    before, _ = _worth(known_rows, scale, place, doubt)
+    found = {
+        name: _worth(np.vstack([known_rows, rows]), scale, place, doubt) for name, rows in jacobians.items()
+    }
+    order = sorted(found, key=lambda name: (found[name][1][criterion], float(np.sum(found[name][0] / scale))))
+    criteria: dict[Criterion, Array] = {
+        one: np.array([found[name][1][one] for name in order])
+        for one in CRITERIA
+        if one in found[order[0]][1]
+    }
+    return Design(
+        tuple(names),
+        np.asarray(scale, dtype=float),
+        tuple(order),
+        reach * np.stack([found[name][0] for name in order]),
+        reach * before,
+        criteria,
+        criterion,
+        "" if wanted is None else wanted,
+        level,
+    )
+
+
+def _wanted(criterion: Criterion, wanted: str | None, names: Sequence[str]) -> int | None:
+    if criterion not in CRITERIA:
+        raise UnknownNameError("fit", "criterion", criterion, CRITERIA)
+    if wanted is None:
+        if criterion == "c":
+            raise InvalidParameterError("fit", "wanted", "the parameter that c is of", said="none")
+        return None
+    if wanted not in names:
+        raise UnknownNameError("fit", "parameter", wanted, names)
+    return list(names).index(wanted)
+
+
+def _check(jacobians: Mapping[str, Array]) -> None:
+    if not jacobians:
+        raise InvalidParameterError("fit", "experiments", "one or more", said="none")
+
+
+def _worth(
+    rows: Array, scale: Array, place: int | None, doubt: float
+) -> tuple[Array, dict[Criterion, float]]:
+    """Return the standard errors that rows let expect, (p,), and every criterion's length in scales."""
+    count = len(scale)
+    if not np.any(rows):
+        error = np.full(count, math.inf)
+        every: dict[Criterion, float] = {"D": math.inf, "A": math.inf, "E": math.inf}
+        return error, every if place is None else every | {"c": math.inf}
+    rank = rank_of(rows, scale, doubt)
+    root = rank.told.T / rank.singular[: len(rank.told)]
+    error = np.where(rank.determined, np.linalg.norm(root, axis=1) * scale, math.inf)
+    if rank.full:
+        axes = np.linalg.svd(root, compute_uv=False)
+        worth: dict[Criterion, float] = {
+            "D": float(np.exp(np.log(axes).mean())),
+            "A": float(np.linalg.norm(axes)),
+            "E": float(axes[0]),
+        }
+    else:
+        worth = {"D": math.inf, "A": math.inf, "E": math.inf}
+    if place is not None:
+        worth["c"] = float(error[place] / scale[place])
+    return error, worth
+
+
+def planned(
+    jacobians: Mapping[str, Array],
+    names: Sequence[str],
+    scale: Array,
+    total: int,
+    *,
+    known: Array | None = None,
+    criterion: Literal["D", "c", "A"] = "D",
+    wanted: str | None = None,
+) -> Plan:
+    r"""Return how often to make each of some experiments so that so many of them tell most.
+
+    Weights are multiplied by :math:`(\mathrm{tr}(C F_k) / \mathrm{mean})^{1/2}`, with C the slope of the
+    criterion in the information, until no experiment has more than the mean; whole numbers are those nearest
+    whose criterion is least, by exchange of one at a time.
+
+    Args:
+        jacobians: Derivatives of each experiment's residuals, by its name, (m, p) each.
+        names: Of the parameters.
+        scale: Their typical sizes, (p,).
+        total: How many experiments are to be made.
+        known: Derivatives of the residuals of the records there are; none if left out.
+        criterion: What is to be small.
+        wanted: The parameter that ``c`` is of.
+
+    Raises:
+        InvalidParameterError: All of them together do not tell every parameter.
+    """
+    place = _wanted(criterion, wanted, names)
+    _check(jacobians)
+    if total < 1:
+        raise InvalidParameterError("fit", "total", "1 or more [-]", total)
+    parts = np.stack([(rows * scale).T @ (rows * scale) for rows in jacobians.values()])
+    have = np.zeros_like(parts[0]) if known is None else (known * scale).T @ (known * scale)
+    every = np.vstack([*jacobians.values(), *(() if known is None else (known,))])
+    rank = rank_of(every, scale)
+    if not rank.full:
+        lacking = ", ".join(name for name, one in zip(names, rank.determined, strict=True) if not one)
+        raise InvalidParameterError(
+            "fit",
+            "experiments",
+            "such that all of them together tell every parameter; hold what they do not tell",
+            said=f"none that tells {lacking}",
+        )
+    # In lengths of the columns, so that information of parameters of any sizes can be inverted.
+    weight = np.outer(rank.lengths, rank.lengths)
+    parts, have, size = parts / weight, have / weight, 1.0 / rank.lengths
+    weights, gap = _weights(parts, have, total, criterion, place, size)
+    counts = _whole(weights, parts, have, total, criterion, place, size)
+    return Plan(tuple(jacobians), weights, counts, gap)
+
+
+def _loss(inverse: Array, criterion: str, place: int | None, size: Array) -> float:
+    """Return the criterion of a covariance, its logarithm of D."""
+    if criterion == "D":
+        sign, value = np.linalg.slogdet(inverse)
+        return float(value) if sign > 0.0 else math.inf
+    if criterion == "A":
+        return float(np.diag(inverse) @ size**2)
+    assert place is not None
+    return float(inverse[place, place] * size[place] ** 2)
+
+
+def _gains(
+    inverse: Array, parts: Array, criterion: str, place: int | None, size: Array
+) -> NDArray[np.float64]:
+    """Return how fast the criterion falls in each experiment's weight, (e,)."""
+    if criterion == "D":
+        slope = inverse
+    elif criterion == "A":
+        slope = inverse @ np.diag(size**2) @ inverse
+    else:
+        assert place is not None
+        slope = np.outer(inverse[place], inverse[place]) * size[place] ** 2
+    return np.asarray(np.einsum("ij,kji->k", slope, parts))
+
+
+def _weights(
+    parts: Array, have: Array, total: int, criterion: str, place: int | None, size: Array
+) -> tuple[Array, float]:
+    weights = np.full(len(parts), 1.0 / len(parts))
+    gap = math.inf
+    for _ in range(ROUNDS):
+        inverse = np.linalg.inv(have + total * np.einsum("k,kij->ij", weights, parts))
+        gains = total * _gains(inverse, parts, criterion, place, size)
+        mean = float(weights @ gains)
+        # The criterion is convex: it lies above its tangent, so that it can fall by no more than this.
+        value = 1.0 if criterion == "D" else _loss(inverse, criterion, place, size)
+        gap = (float(gains.max()) - mean) / (len(have) if criterion == "D" else value)
+        if gap <= NEAR or not mean > 0.0:
+            break
+        weights = weights * np.sqrt(gains / mean)
+        weights /= weights.sum()
+    return weights, gap
+
+
+def _whole(
+    weights: Array, parts: Array, have: Array, total: int, criterion: str, place: int | None, size: Array
+) -> NDArray[np.intp]:
+    """Return whole numbers near weights, exchanged one for another as long as the criterion falls."""
+    counts = np.floor(total * weights + 1e-9).astype(np.intp)
+    rest = np.argsort(-(total * weights - counts), kind="stable")
+    counts[rest[: total - int(counts.sum())]] += 1
+
+    def loss(one: NDArray[np.intp]) -> float:
+        whole = have + np.einsum("k,kij->ij", one.astype(float), parts)
+        if not np.linalg.eigvalsh(whole)[0] > 1e-14 * np.trace(whole):
+            return math.inf
+        return _loss(np.linalg.inv(whole), criterion, place, size)
+
+    best = loss(counts)
+    while True:
+        tried = []
+        for out in np.flatnonzero(counts):
+            for into in range(len(counts)):
+                if into != out:
+                    other = counts.copy()
+                    other[out] -= 1
+                    other[into] += 1
+                    tried.append((loss(other), other))
+        value, other = min(tried, key=lambda one: one[0], default=(math.inf, counts))
+        if not value < best - 1e-12 * max(abs(best), 1.0):
+            return counts
+        best, counts = value, other

@@ -1,0 +1,62 @@
+"""Derivatives of a fit's residuals by its unknowns, by central differences of runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.fit.runs import NoRunError
+
+__all__ = ["by_differences"]
+
+Array = NDArray[np.float64]
+
+
+def by_differences(
+    evaluate: Callable[[Sequence[Array]], list[Array]], here: Array, lower: Array, upper: Array, step: float
+) -> Array:
+    """Return the derivatives of residuals, (m, n), at unknowns.
+
+    The error of central differences is of the square of the step. Next to a bound, and where a neighbour has
+    no run, they go to one side, with an error of the step itself.
+
+    Args:
+        evaluate: The residuals at several unknowns, (m,) each.
+        here: The unknowns, (n,), each over its size.
+        lower: Their bounds, (n,).
+        upper: Likewise.
+        step: Of each.
+
+    Raises:
+        NoRunError: There is no run here, or none on either side.
+    """
+    n = len(here)
+    steps = step * np.eye(n)
+    ends = [np.clip(here + sign * one, lower, upper) for one in steps for sign in (-1.0, 1.0)]
+    try:
+        found: list[Array | None] = list(evaluate(ends))
+    except NoRunError:
+        found = [_or_none(evaluate, end) for end in ends]
+    columns = []
+    for i in range(n):
+        sides = []
+        for end, residuals in zip(ends[2 * i : 2 * i + 2], found[2 * i : 2 * i + 2], strict=True):
+            if residuals is None:
+                end, residuals = here, evaluate([here])[0]
+            sides.append((float(end[i]), residuals))
+        (left, below), (right, above) = sides
+        if not right > left:
+            raise NoRunError(
+                f"unknown {i + 1} has no run on either side of {here[i]:g}, a step of {step:g} away"
+            )
+        columns.append((above - below) / (right - left))
+    return np.column_stack(columns)
+
+
+def _or_none(evaluate: Callable[[Sequence[Array]], list[Array]], there: Array) -> Array | None:
+    try:
+        return evaluate([there])[0]
+    except NoRunError:
+        return None

@@ -1,0 +1,89 @@
+"""Who makes the runs of a fit and remembers what they came to, in memory and on the disk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from antenna_pin.fit.notebook import Notebook
+from antenna_pin.fit.plan import FitPlan
+from antenna_pin.fit.runs import Asked, Readings, Rig, make_all
+from antenna_pin.sweep import Executor, Here
+from antenna_pin.sweep.here import Lost
+
+__all__ = ["Laboratory"]
+
+_REMEMBERED = 512  # runs whose readings stay in memory
+
+
+class Laboratory:
+    """Makes runs that have not been made yet.
+
+    A search that was interrupted asks, begun anew, for the same runs in the same order; what stands in the
+    notebook is not run again, so that it goes on bit for bit as if it had never stopped.
+
+    Args:
+        executor: Who makes them: this process if left out, or a cluster.
+        notebook: What was made before and what is made, on the disk; none if left out.
+        progress: Called after each run with how many there are.
+    """
+
+    def __init__(
+        self,
+        executor: Executor | None = None,
+        notebook: Notebook | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> None:
+        """Begin without rigs."""
+        self.executor, self.notebook, self.progress = executor or Here(), notebook, progress
+        self.made = 0
+        self._rigs: tuple[Rig, ...] = ()
+        self._known: dict[Asked, Readings] = {}
+
+    def take(self, plan: FitPlan, rigs: tuple[Rig, ...]) -> None:
+        """Take up the tests that runs are asked of.
+
+        Raises:
+            OutputError: The notebook is of another fit.
+        """
+        self._rigs = rigs
+        if self.notebook is not None:
+            self.notebook.open(plan, rigs)
+
+    def readings(self, asked: Sequence[Asked]) -> list[Readings]:
+        """Return what each run's sensors read; those not known are made, side by side if there are hands.
+
+        Raises:
+            KeyboardInterrupt: It was interrupted; what was made is kept.
+        """
+        missing = [one for one in dict.fromkeys(asked) if one not in self._known]
+        found: dict[Asked, Readings] = {}
+        for one in list(missing):
+            old = None if self.notebook is None else self.notebook.read(one)
+            if old is not None:
+                found[one] = old
+                self.made += 1
+                missing.remove(one)
+        if missing:
+            self.executor.start()
+        batches: Iterator[list[Asked]] = ([one] for one in missing)
+        for batch, answer in self.executor.each(make_all, self._rigs, batches):
+            results = [_lost(answer)] * len(batch) if isinstance(answer, Lost) else answer
+            for one, result in zip(batch, results, strict=True):
+                found[one] = result
+                self.made += 1
+                if self.notebook is not None:
+                    self.notebook.write(one, result)
+                if self.progress is not None:
+                    self.progress(self.made)
+        self._known |= found
+        answers = [self._known[one] for one in asked]
+        for one in list(self._known)[: max(0, len(self._known) - _REMEMBERED)]:
+            del self._known[one]
+        return answers
+
+
+def _lost(answer: Any) -> Readings:
+    return Readings((), np.zeros(0), np.zeros(0), str(answer))

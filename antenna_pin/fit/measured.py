@@ -1,0 +1,139 @@
+"""Measured records in SI units, on their own clock: what of them counts, and what is wrong with them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import ScenarioError
+from antenna_pin.fit.columns import ColumnSpec
+from antenna_pin.fit.plan import RecordSpec
+from antenna_pin.fit.record_file import read_columns
+from antenna_pin.units import QuantityError, quantity
+
+__all__ = ["Measured", "measured"]
+
+Array = NDArray[np.float64]
+
+# Of the middle step of a record's clock: from one row to the next more than this is a gap; and how far steps
+# may be off for the clock to count as even.
+_GAP, _EVEN = 5.5, 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What was measured in one record.
+
+    Attributes:
+        time: Of the rows that count, by the file's clock, rising [s].
+        values: Of the columns, in SI units, by name, (rows,).
+    """
+
+    time: Array
+    values: Mapping[str, Array]
+
+
+def measured(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: str) -> Measured:
+    """Return a record from its file, or say what is wrong with it.
+
+    Args:
+        spec: What the fit file says of it.
+        folder: From which its path starts.
+        units: SI unit of what each column reads.
+        place: Of the record, for messages.
+
+    Raises:
+        ScenarioError: Times do not rise, a number is missing, a unit does not fit, nothing is left.
+        UnknownNameError: The file has no such column.
+    """
+    factors = {
+        name: _factor(one, units[name], f"{place}.columns.{name}") for name, one in spec.columns.items()
+    }
+    clock = _factor_of(spec.time_unit, "s", f"{place}.time_unit")
+    in_file = {name: one.column or name for name, one in spec.columns.items()}
+    path = folder / os.path.expanduser(spec.file)
+    wanted = list(dict.fromkeys([spec.time, *in_file.values()]))
+    found = read_columns(path, wanted, spec.delimiter, place)
+    time = found[spec.time] * clock
+    values = {name: found[in_file[name]] * factors[name] for name in spec.columns}
+    where = f"{place}: {path.name}"
+    kept = np.ones(len(time), dtype=bool)
+    if not np.all(np.isfinite(time)):
+        row = int(np.flatnonzero(~np.isfinite(time))[0]) + 1
+        raise ScenarioError(f"{where}: {spec.time} must be a number in each row, got none in row {row}")
+    _check_rising(time, f"{where}: {spec.time}")
+    if spec.window is not None:
+        kept &= (time >= spec.window[0]) & (time <= spec.window[1])
+        if np.count_nonzero(kept) < 2:
+            rule = f"must hold 2 rows at least of {time[0]:g} s to {time[-1]:g} s"
+            raise ScenarioError(f"{place}.window {rule}, got {spec.window[0]:g} s to {spec.window[1]:g} s")
+    for name, column in values.items():
+        bad = kept & ~np.isfinite(column)
+        if spec.gaps == "refuse" and bad.any():
+            row = int(np.flatnonzero(bad)[0])
+            raise ScenarioError(
+                f"{where}: {in_file[name]} must be a number in each row, got none in row {row + 1}, at "
+                f'{time[row]:g} s; give a window, or gaps = "skip"'
+            )
+        kept &= np.isfinite(column)
+    if np.count_nonzero(kept) < 2:
+        raise ScenarioError(f"{where} must have 2 rows of numbers at least, got {np.count_nonzero(kept)}")
+    time = time[kept]
+    if spec.gaps == "refuse":
+        _check_gaps(time, where)
+    for name, one in spec.columns.items():
+        if one.compare in ("spectrum", "blows"):
+            _check_even(time, f"{place}.columns.{name}: {one.compare}")
+    return Measured(time, {name: column[kept] for name, column in values.items()})
+
+
+def _factor(column: ColumnSpec, unit: str, place: str) -> float:
+    """Return what one of a column's unit is in SI units."""
+    return 1.0 if column.unit is None else _factor_of(column.unit, unit, f"{place}.unit")
+
+
+def _factor_of(name: str, unit: str, place: str) -> float:
+    si = unit.replace("^", "**").replace(" ", "*")
+    text = "1" if name.strip() in ("1", "-", "") else f"1 {name}"
+    try:
+        return quantity(text, si, place)
+    except QuantityError as error:
+        rule = error.reason.partition(", got ")[0]
+        raise ScenarioError(f"{place} {rule.replace('must be', 'must be that of')}, got {name!r}") from None
+
+
+def _check_rising(time: Array, place: str) -> None:
+    back = np.flatnonzero(np.diff(time) <= 0.0)
+    if back.size:
+        row = int(back[0])
+        raise ScenarioError(
+            f"{place} must rise from row to row, got {time[row + 1]:.9g} s after {time[row]:.9g} s in row "
+            f"{row + 2}"
+        )
+
+
+def _check_gaps(time: Array, place: str) -> None:
+    steps = np.diff(time)
+    middle = float(np.median(steps))
+    wide = np.flatnonzero(steps > _GAP * middle)
+    if wide.size:
+        at = int(wide[0])
+        raise ScenarioError(
+            f"{place} must have no gaps, got none between {time[at]:.6g} s and {time[at + 1]:.6g} s in rows "
+            f'{middle:.3g} s apart; give a window, or gaps = "skip"'
+        )
+
+
+def _check_even(time: Array, place: str) -> None:
+    steps = np.diff(time)
+    off = float(np.max(np.abs(steps - np.mean(steps))) / np.mean(steps))
+    if off > _EVEN:
+        raise ScenarioError(
+            f"{place}: must have rows at even times, got steps that differ by {100.0 * off:.3g} %; give a "
+            "window without gaps"
+        )

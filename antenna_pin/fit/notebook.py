@@ -1,0 +1,145 @@
+"""What the runs of a fit have come to so far, on the disk: a journal with a line for each run."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from antenna_pin.errors import OutputError
+from antenna_pin.files import replacing
+from antenna_pin.fit.plan import FitPlan
+from antenna_pin.fit.runs import Asked, Readings, Rig
+from antenna_pin.sweep.journal import Journal, read_journal
+from antenna_pin.trajectory import library_versions
+
+__all__ = ["Notebook"]
+
+_SUFFIX, _ABOUT, _JOURNAL = ".parts", "fit.json", "journal"
+
+
+class Notebook:
+    """A fit's runs beside the file that it is to be saved in, in the folder ``FILE.parts``.
+
+    A line is for good: what was written under other records, parameters' keys, scenarios or versions is
+    refused; other starts, bounds and losses ask for other runs, and share those that are the same.
+
+    Args:
+        target: Of the fit's result.
+
+    Raises:
+        OutputError: The folder is of another fit, or cannot be written, or another process has it.
+    """
+
+    def __init__(self, target: Path) -> None:
+        """Name the folder."""
+        self.folder = target.with_name(target.name + _SUFFIX)
+        self._entries: dict[tuple[Any, ...], dict[str, Any]] = {}
+        self._journal: Journal | None = None
+        self._next = 0
+
+    def open(self, plan: FitPlan, rigs: tuple[Rig, ...]) -> None:
+        """Begin a fit's notebook, or go on with it."""
+        about = _about(plan, rigs)
+        text = json.dumps(about, sort_keys=True)
+        key = hashlib.sha256(text.encode()).digest()
+        path = self.folder / _ABOUT
+        try:
+            self.folder.mkdir(exist_ok=True)
+            there = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+        except (OSError, ValueError) as error:
+            raise OutputError(f"{path}: cannot be read: {error}; remove its folder to begin anew") from error
+        if there is None:
+            if any(one.name != ".lock" for one in self.folder.iterdir()):
+                raise OutputError(
+                    f"{self.folder}: must be the unfinished part of a fit, got another folder; name another "
+                    "result"
+                )
+            with replacing(path) as partial:
+                partial.write_text(text, encoding="utf-8")
+        elif there != json.loads(text):
+            changed = ", ".join(name for name in about if there.get(name) != json.loads(text)[name])
+            raise OutputError(
+                f"{self.folder}: is the unfinished part of another fit; what differs: {changed}; name "
+                "another result, or remove that folder"
+            )
+        try:
+            old = read_journal(self.folder / _JOURNAL, key)
+        except OSError as error:
+            raise OutputError(f"{self.folder / _JOURNAL}: cannot be read: {error.strerror}") from error
+        self._entries = {_key(entry["asked"]): entry for entry in old.entries.values()}
+        self._next = max(old.entries, default=-1) + 1
+        keep = old.entries.values() if old.damaged or old.torn else None
+        self._journal = Journal(self.folder / _JOURNAL, key, keep)
+
+    def read(self, asked: Asked) -> Readings | None:
+        """Return what a run came to; None if it was not made."""
+        entry = self._entries.get(_key(asked))
+        if entry is None:
+            return None
+        columns, lead, end = entry["columns"], entry["lead"], entry["end"]
+        return Readings(
+            tuple(np.array(one) for one in columns), np.array(lead), np.array(end), entry["failed"]
+        )
+
+    def write(self, asked: Asked, found: Readings) -> None:
+        """Keep what a run came to."""
+        entry = {
+            "run": self._next,
+            "asked": list(asked),
+            "columns": [one.tolist() for one in found.columns],
+            "lead": found.lead.tolist(),
+            "end": found.end.tolist(),
+            "failed": found.failed,
+        }
+        if self._journal is not None:
+            self._journal.add(entry)
+        self._entries[_key(asked)] = entry
+        self._next += 1
+
+    def close(self) -> None:
+        """Put all on the disk, and let others have it."""
+        if self._journal is not None:
+            self._journal.close()
+            self._journal = None
+
+    def remove(self) -> None:
+        """Remove the folder: the fit is done, and saved."""
+        self.close()
+        for name in (_JOURNAL, _ABOUT, ".lock"):
+            (self.folder / name).unlink(missing_ok=True)
+        self.folder.rmdir()
+
+
+def _key(asked: Any) -> tuple[Any, ...]:
+    record, values, shift, piece, start = asked
+    return record, tuple(values), shift, piece, tuple(start)
+
+
+def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
+    """Return what the readings of runs depend on, as JSON takes it."""
+    records = {}
+    for rig in rigs:
+        scenario = json.loads(rig.scenario)
+        for name in ("name", "folder", "overrides", "description"):
+            scenario.pop(name, None)
+        columns = {name: one.model_dump(mode="json") for name, one in rig.columns.items()}
+        for one in columns.values():
+            for number in (
+                "gain",
+                "offset",
+                "sd",
+                "weight",
+                "compare",
+                "spectrum",
+                "blows",
+                "column",
+                "unit",
+            ):
+                one.pop(number)
+        time = hashlib.sha256(rig.time.tobytes()).hexdigest()
+        records[rig.name] = [scenario, rig.keys, rig.units, columns, time, rig.pieces, rig.origins]
+    return {"records": records, "versions": library_versions()}

@@ -1,0 +1,90 @@
+"""Multiple shooting: a record in pieces, each from a state of its own, and how far they are from joining.
+
+A motion with blows forgets where it started: over a long record the sum of squares has a valley for each way
+in which blows can follow one another. Over a piece it does not, and what joins the pieces is one more thing
+that is fitted (Bock 1981, Springer Series in Chemical Physics 18, 102-125).
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.nonlinear import Chart, Flow
+from antenna_pin.nonlinear.frames import way_between
+from antenna_pin.scenario import Scenario
+from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
+from antenna_pin.simulation.run import settings_of
+from antenna_pin.state import State
+
+__all__ = ["Cut", "cut", "from_origin", "piece_start", "ways_of"]
+
+Array = NDArray[np.float64]
+
+
+class Cut(NamedTuple):
+    """Where a record is cut.
+
+    Attributes:
+        instants: At which pieces begin, and the last one ends [s].
+        origins: Of each piece but the first the state about which its start is told, as text.
+    """
+
+    instants: tuple[float, ...]
+    origins: tuple[str, ...]
+
+
+def cut(scenario: Scenario, length: float, until: float, place: str) -> Cut:
+    """Return a record's pieces, each beginning where the motion of the start values is.
+
+    Args:
+        scenario: With those values.
+        length: Of a piece [s].
+        until: Where the last one ends [s].
+        place: Of the record, for messages.
+
+    Raises:
+        InvalidParameterError: The scenario has controllers, whose memory is no part of a state.
+        FlowError: Its run does not come to the end.
+    """
+    check_without_controllers(place, scenario)
+    count = max(1, round(until / length))
+    instants = [*(k * length for k in range(count)), until]
+    system = build_system(scenario)
+    flow = Flow(system, settings_of(scenario), events_of(scenario), scenario)
+    q, v = initial_state(scenario, system)
+    state, origins = flow.first(q, v, initial_angles(scenario, system)), []
+    for begin, end in zip(instants[:-2], instants[1:-1], strict=True):
+        state = flow.after(state, end - begin)
+        origins.append(state.to_json())
+    return Cut(tuple(instants), tuple(origins))
+
+
+@functools.lru_cache(maxsize=256)
+def _state(origin: str) -> State:
+    return State.from_json(origin)
+
+
+def ways_of(scenario: Scenario, origin: str) -> int:
+    """Return in how many coordinates a piece's start is told: its ways and as many rates."""
+    return 2 * Chart(build_system(scenario), _state(origin)).ways
+
+
+def piece_start(scenario: Scenario, origin: str, z: Array) -> State:
+    """Return the state at coordinates z about an origin, (ways,), in the run's error scales."""
+    chart = Chart(build_system(scenario), _state(origin))
+    whole = np.zeros(chart.size)
+    whole[: len(z)] = z
+    return chart.state(whole)
+
+
+def from_origin(scenario: Scenario, origin: str, q: Array, v: Array) -> Array:
+    """Return the way from an origin to a configuration and velocity, (2 nv,), in the run's error scales."""
+    system, state = build_system(scenario), _state(origin)
+    units = Chart(system, state).units
+    way = way_between(system, state.q, q) / units.way
+    return np.concatenate([way, (v - state.v) / units.rate])

@@ -1,0 +1,168 @@
+"""From a fit's file to its records and scenarios, all checked before more than a glance is run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.errors import AntennaPinError, ScenarioError
+from antenna_pin.fit.measured import measured
+from antenna_pin.fit.pieces import cut, ways_of
+from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
+from antenna_pin.fit.runs import Rig, run_at
+from antenna_pin.fit.sensors import amount, check_sensor, unit_of
+from antenna_pin.fit.statistics import Target, target_of
+from antenna_pin.scenario import Scenario
+from antenna_pin.sweep.design import put_value
+
+__all__ = ["Prepared", "prepared"]
+
+_GLANCE = 1e-6  # of a run's duration: enough to have all its variables
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A fit's records with their scenarios.
+
+    Attributes:
+        place: How messages call the fit.
+        rigs: Of the records, in order.
+        targets: What is compared, by ``record.column``, in order.
+        units: SI unit of what is read, likewise.
+        offsets: Of the readings [SI], likewise.
+        ways: Of each record, in how many coordinates each piece's start is told, but the first's.
+        joints: Of each record, how many numbers tell how far a piece is from the next, all joints together.
+    """
+
+    place: str
+    rigs: tuple[Rig, ...]
+    targets: dict[str, Target]
+    units: dict[str, str]
+    offsets: dict[str, float]
+    ways: tuple[tuple[int, ...], ...]
+    joints: tuple[int, ...]
+
+    def sizes_of_states(self) -> list[int]:
+        """Return how many coordinates each record's pieces start from."""
+        return [sum(one) for one in self.ways]
+
+    def sizes_of_joints(self) -> tuple[int, ...]:
+        """Return how many residuals each record's joints of pieces have."""
+        return self.joints
+
+    def check_span(self, record: str, least: float, most: float, span: float) -> None:
+        """Refuse a record with rows before its run's start or behind its end.
+
+        Args:
+            record: Its name.
+            least: Smallest shift of its clock [s].
+            most: Largest.
+            span: Of the run [s].
+        """
+        rig = next(one for one in self.rigs if one.name == record)
+        first, last = float(rig.time[0]) + least, float(rig.time[-1]) + most
+        where = f"{self.place}: records.{record}"
+        if first < 0.0:
+            rule = "must begin at the run's start, 0 s, or later"
+            raise ScenarioError(f"{where} {rule}, got a row at {first:.6g} s; give a window or a clock_shift")
+        if last > span * (1.0 + 1e-12):
+            rule = f"must end with the run, at {span:g} s, or before"
+            raise ScenarioError(
+                f"{where} {rule}, got a row at {last:.6g} s; give a window, a clock_shift or a longer "
+                "duration"
+            )
+
+
+def prepared(plan: FitPlan) -> Prepared:
+    """Return a fit's records and scenarios.
+
+    Raises:
+        AntennaPinError: Something is not valid; the message names its place in the fit's file.
+    """
+    place = f"fit {plan.name}"
+    rigs: list[Rig] = []
+    targets: dict[str, Target] = {}
+    units: dict[str, str] = {}
+    offsets: dict[str, float] = {}
+    ways: list[tuple[int, ...]] = []
+    joints: list[int] = []
+    for name, spec in plan.records.items():
+        where = f"{place}: records.{name}"
+        base = plan.scenario_of(name)
+        begun = _at_start(plan, name, base)
+        data = _glance(begun, where)
+        read_in = {}
+        for column, one in spec.columns.items():
+            at = f"{where}.columns.{column}"
+            read_in[column] = unit_of(data, one, at)
+            check_sensor(one, read_in[column], at)
+        found = measured(spec, plan.folder, read_in, where)
+        for column, one in spec.columns.items():
+            full = f"{name}.{column}"
+            at = f"{where}.columns.{column}"
+            targets[full] = target_of(one, read_in[column], found.time, found.values[column], at)
+            units[full], offsets[full] = read_in[column], amount(one.offset, read_in[column], f"{at}.offset")
+        pieces, origins = _pieces(spec, begun, float(found.time[-1]), where)
+        own = [one for one in plan.parameters.values() if one.records is None or name in one.records]
+        fitted = [one for one in own if place_in_record(one.keys_set[0]) is None]
+        rigs.append(
+            Rig(
+                name=name,
+                scenario=base.model_dump_json(),
+                keys=tuple(one.keys_set for one in fitted),
+                units=tuple(one.numbers()[3] for one in fitted),
+                columns=dict(spec.columns),
+                read_in=read_in,
+                time=found.time,
+                pieces=pieces,
+                origins=origins,
+            )
+        )
+        ways.append(tuple(ways_of(begun, origin) for origin in origins))
+        joints.append(2 * data.sizes["coordinate"] * len(origins))
+    return Prepared(place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints))
+
+
+def _pieces(
+    spec: RecordSpec, begun: Scenario, last: float, place: str
+) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    if spec.pieces is None:
+        return (), ()
+    if not spec.pieces.length < last:
+        rule = f"must be shorter than the record, whose last row is at {last:g} s"
+        raise ScenarioError(f"{place}.pieces.length {rule}, got {spec.pieces.length:g} s")
+    found = cut(begun, spec.pieces.length, last + spec.clock_shift, place)
+    return found.instants, found.origins
+
+
+def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
+    """Return a record's scenario with the parameters' starts; keys and units are checked by it."""
+    overrides: dict[str, Any] = {}
+    for name, one in plan.parameters.items():
+        if one.records is not None and record not in one.records:
+            continue
+        where = f"fit {plan.name}: parameters.{name}"
+        for key in one.keys_set:
+            if place_in_record(key) is not None:
+                continue
+            try:
+                put_value(overrides, key, one.start, base)
+                for value in (*(one.between or ()), one.start):  # the scenario says whether it may be so
+                    trial: dict[str, Any] = dict(overrides)
+                    put_value(trial, key, value, base)
+                    found = base.with_overrides(trial)
+            except AntennaPinError as error:
+                raise ScenarioError(f"{where}: {error}") from None
+    return found if overrides else base
+
+
+def _glance(scenario: Scenario, place: str) -> xr.Dataset:
+    """Return a run's data of next to no time, which has all its variables."""
+    try:
+        run = run_at(scenario, np.zeros(1), max(_GLANCE * scenario.duration, 1e-9))
+    except AntennaPinError as error:
+        raise ScenarioError(f"{place}: {error}") from None
+    return run.data

@@ -1,0 +1,288 @@
+"""What a fit has found: values with their bands, records beside the model, the scenario that is theirs."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from antenna_pin.arguments import takes
+from antenna_pin.brief import brief
+from antenna_pin.errors import UnknownNameError
+from antenna_pin.files import check_writable, replacing
+from antenna_pin.fit.covariance import Bands
+from antenna_pin.fit.problem import Problem
+from antenna_pin.readable import number, prefixed
+from antenna_pin.scenario import Scenario, found_from, scenario_toml
+from antenna_pin.trajectory import open_table, save_table, table_attributes
+
+if TYPE_CHECKING:
+    from lmfit.minimizer import Minimizer, MinimizerResult
+
+__all__ = ["Fit", "Search", "open_fit", "said_of_value"]
+
+Array = NDArray[np.float64]
+
+
+class Search(NamedTuple):
+    """One search: from where to where.
+
+    Attributes:
+        start: Values, (p,) [SI].
+        end: Likewise.
+        cost: Half the sum of the losses there [-]; NaN if there was no run at its start.
+    """
+
+    start: Array
+    end: Array
+    cost: float
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Fit:
+    """The end of a fit.
+
+    Attributes:
+        problem: What was fitted.
+        values: Of the parameters, (p,) [SI].
+        states: Coordinates of the pieces' starts, (h,), in error scales.
+        bands: What is known of them.
+        residuals: (m,) [-].
+        slopes: Their derivatives by the values, (m, p).
+        converged: Whether the search came to its end.
+        message: How it ended, in words.
+        evaluations: By steps of all searches.
+        searches: All of them, the best first.
+    """
+
+    __repr__ = brief
+
+    problem: Problem
+    values: Array
+    states: Array
+    bands: Bands
+    residuals: Array
+    slopes: Array
+    converged: bool
+    message: str
+    evaluations: int
+    searches: tuple[Search, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return self.problem.names
+
+    @property
+    def runs(self) -> int:
+        """How many runs it took."""
+        return self.problem.runs
+
+    def minimizer(self) -> Minimizer:
+        """Return the problem as lmfit has it, for its own readers, such as ``lmfit.conf_interval``."""
+        import lmfit
+
+        def residuals(given: Any) -> Array:
+            return self.problem.residuals([given[one].value for one in _plain(self.names)])
+
+        return lmfit.Minimizer(
+            residuals, self._parameters(), scale_covar=self.problem.plan.noise == "estimated"
+        )
+
+    def result(self) -> MinimizerResult:
+        """Return what was found as lmfit has it: ``lmfit.fit_report(fit.result())`` is its report."""
+        from lmfit.minimizer import MinimizerResult
+
+        bands, count = self.bands, len(self.residuals)
+        chi2 = max(bands.chi2, np.finfo(float).tiny)
+        criterion = count * np.log(chi2 / count)
+        p = len(self.values)
+        return MinimizerResult(
+            params=self._parameters(),
+            var_names=list(_plain(self.names)),
+            covar=bands.covariance,
+            init_values=dict(zip(_plain(self.names), self.problem.start.tolist(), strict=True)),
+            nvarys=p,
+            ndata=count,
+            nfree=bands.freedoms,
+            residual=self.residuals,
+            chisqr=bands.chi2,
+            redchi=bands.chi2 / max(bands.freedoms, 1),
+            aic=criterion + 2.0 * p,
+            bic=criterion + np.log(count) * p,
+            success=self.converged,
+            message=self.message,
+            nfev=self.evaluations,
+            method="least_squares",
+            errorbars=bool(np.all(np.isfinite(bands.sd))),
+            aborted=False,
+        )
+
+    def report(self) -> str:
+        """Return lmfit's report: values, standard errors, correlations, statistics."""
+        import lmfit
+
+        return str(lmfit.fit_report(self.result()))
+
+    def _parameters(self) -> Any:
+        import lmfit
+
+        made, unknowns = lmfit.Parameters(), self.problem.unknowns
+        names = _plain(self.names)
+        for i, name in enumerate(names):
+            made.add(name, float(self.values[i]), min=unknowns.lower[i], max=unknowns.upper[i])
+            made[name].init_value = float(unknowns.start[i])
+            sd = float(self.bands.sd[i])
+            made[name].stderr = sd if np.isfinite(sd) else None
+            made[name].correl = {
+                other: float(self.bands.covariance[i, j] / (sd * self.bands.sd[j]))
+                for j, other in enumerate(names)
+                if j != i and np.isfinite(sd * self.bands.sd[j])
+            }
+        return made
+
+    def scenario(self, record: str | None = None) -> Scenario:
+        """Return the scenario of a record with the values found, of the first if left out."""
+        records = self.problem.plan.records
+        name = next(iter(records)) if record is None else record
+        if name not in records:
+            raise UnknownNameError("Fit", "record", name, records)
+        return self.problem.scenario(name, self.values)
+
+    def lines(self) -> list[str]:
+        """Return what was found in words, a line for each parameter and one on the whole."""
+        rows = [
+            (name, *said_of_value(*one))
+            for name, one in zip(
+                self.names,
+                zip(self.values, self.bands.low, self.bands.high, self.problem.unknowns.units, strict=True),
+                strict=True,
+            )
+        ]
+        wide = max(len(row[0]) for row in rows)
+        return [f"{name.ljust(wide)}  {value}  {band}" for name, value, band in rows]
+
+    @takes()
+    def write_scenario(self, path: str | os.PathLike[str], record: str | None = None) -> Path:
+        """Write the scenario of a record with the values found, and where they come from.
+
+        Args:
+            path: Of the file.
+            record: Whose; the first one's if left out.
+
+        Raises:
+            OutputError: It cannot be written there.
+        """
+        target = check_writable(Path(path))
+        scenario = found_from(self.scenario(record), target.resolve().parent)
+        name = next(iter(self.problem.plan.records)) if record is None else record
+        files = ", ".join(dict.fromkeys(one.file for one in self.problem.plan.records.values()))
+        head = [
+            f"Fitted by antenna-pin fit {self.problem.plan.name} to {files}; this is record {name}.",
+            *self.lines(),
+            f"chi2 {number(self.bands.chi2)} for {self.bands.freedoms} degrees of freedom; {self.message}",
+        ]
+        text = "".join(f"# {line}\n" for line in head) + "\n" + scenario_toml(scenario)
+        with replacing(target) as partial:
+            partial.write_text(text, encoding="utf-8")
+        return target
+
+    def data(self) -> xr.Dataset:
+        """Return all of it as a dataset; ``docs/fit.md`` lists what is in it."""
+        problem, bands, unknowns = self.problem, self.bands, self.problem.unknowns
+        seen = problem.predictions(np.concatenate([self.values, self.states]))
+        over = ("parameter",)
+        found = xr.Dataset(
+            {
+                "value": (over, self.values),
+                "start": (over, unknowns.start),
+                "lower": (over, unknowns.lower),
+                "upper": (over, unknowns.upper),
+                "sd": (over, bands.sd),
+                "low": (over, bands.low),
+                "high": (over, bands.high),
+                "logarithmic": (over, unknowns.logarithmic.astype(float)),
+                "units": (over, list(unknowns.units)),
+                "title": (over, list(unknowns.titles)),
+                "key": (over, [", ".join(one.keys_set) for one in problem.plan.parameters.values()]),
+                "covariance": (("parameter", "other"), bands.covariance),
+                "model": ("row", seen["model"].values),
+                "data": ("row", seen["data"].values),
+                "noise": ("row", seen["sd"].values),
+                "at": ("row", seen["at"].values),
+                **{
+                    name: ("row", list(seen[name].values)) for name in ("record", "column", "measure", "unit")
+                },
+                "residual": ("residual_row", self.residuals),
+                "slope": (("residual_row", "parameter"), self.slopes),
+                "search_cost": ("search", [one.cost for one in self.searches]),
+                "search_start": (("search", "parameter"), np.array([one.start for one in self.searches])),
+                "search_end": (("search", "parameter"), np.array([one.end for one in self.searches])),
+            },
+            coords={"parameter": list(self.names), "other": list(self.names)},
+        )
+        plan = problem.plan
+        found.attrs = table_attributes("fit", self.scenario()) | {
+            "fit": json.dumps(plan.model_dump(mode="json", exclude={"folder"}, exclude_none=True)),
+            "chi2": bands.chi2,
+            "freedoms": bands.freedoms,
+            "noise": plan.noise,
+            "loss": plan.loss,
+            "message": self.message,
+            "converged": int(self.converged),
+            "runs": self.runs,
+            "evaluations": self.evaluations,
+        }
+        return found
+
+    @takes()
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write it to a file (NetCDF 4); return its path.
+
+        Raises:
+            OutputError: It cannot be written there.
+        """
+        save_table(self.data(), path)
+        return Path(path)
+
+
+@takes()
+def open_fit(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Return a saved fit.
+
+    Raises:
+        FileFormatError: It is none, or damaged, or not there.
+    """
+    return open_table(path, "fit")
+
+
+def said_of_value(value: float, low: float, high: float, unit: str) -> tuple[str, str]:
+    """Return a value, and its band at 95 % in words: ``± 0.02 mm``, or its ends where it is not even."""
+    factor, printed = prefixed(unit or "1", [value])
+    behind = f" {printed}" if printed else ""
+    if not (np.isfinite(low) and np.isfinite(high)):
+        return (
+            f"{number(factor * value, 5)}{behind}",
+            "no band: the records do not tell it, or a bound holds it",
+        )
+    half = 0.5 * (high - low)
+    digits = 2 if half == 0.0 or value == 0.0 else 2 + max(0, int(np.floor(np.log10(abs(value) / half))) + 1)
+    said = number(factor * value, min(max(digits, 2), 12))
+    lopsided = abs(high + low - 2.0 * value) > 0.1 * half
+    band = (
+        f"from {number(factor * low, 3)} to {number(factor * high, 3)}"
+        if lopsided
+        else f"± {number(factor * half, 2)}"
+    )
+    return f"{said}{behind}", f"{band}{behind} (95 %)"
+
+
+def _plain(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return names as lmfit takes them: those of Python's variables."""
+    return tuple(("" if name[:1].isalpha() else "p_") + name.replace("-", "_") for name in names)

@@ -1,0 +1,170 @@
+"""The search: least squares from one start or the best of many, kept on the disk as it goes."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.arguments import takes
+from antenna_pin.errors import MissingToolError
+from antenna_pin.files import check_writable
+from antenna_pin.fit.covariance import bands_of
+from antenna_pin.fit.laboratory import Laboratory
+from antenna_pin.fit.losses import cost
+from antenna_pin.fit.notebook import Notebook
+from antenna_pin.fit.plan import FitPlan
+from antenna_pin.fit.problem import Problem
+from antenna_pin.fit.result import Fit, Search
+from antenna_pin.fit.runs import NoRunError
+from antenna_pin.sweep import Executor
+
+__all__ = ["run_fit"]
+
+Array = NDArray[np.float64]
+
+# How SciPy's search has ended, by its status.
+_ENDS = {
+    0: "given up: more evaluations than most allows; start nearer, or allow more",
+    1: "the gradient is next to none",
+    2: "the sum of squares falls no more",
+    3: "the parameters move no more",
+    4: "neither the sum of squares nor the parameters move any more",
+}
+
+
+@takes()
+def run_fit(
+    plan: FitPlan,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    executor: Executor | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Fit:
+    """Find the values of a fit's parameters for which its runs are nearest to its records.
+
+    With ``out`` the result is written there. What runs come to is kept beside it, in the folder
+    ``OUT.parts``, until it is; a fit that is interrupted or killed goes on with the same call, bit for bit.
+
+    Args:
+        plan: The fit's file.
+        out: File of the result, NAME.nc.
+        executor: Who makes the runs: this process if left out, or a :class:`antenna_pin.sweep.Cluster`.
+        progress: Called after each run with how many there are.
+
+    Raises:
+        AntennaPinError: Something of plan, records or scenarios is not valid: raised before any run.
+        NoRunError: There is no run for the values of the start.
+        MissingToolError: lmfit is not installed.
+        KeyboardInterrupt: It was interrupted; what was made is kept with ``out``.
+    """
+    try:
+        importlib.import_module("lmfit")
+    except ImportError:
+        raise MissingToolError("a fit needs lmfit; install it with pip install 'antenna-pin[fit]'") from None
+    target = None if out is None else check_writable(Path(out))
+    notebook = None if target is None else Notebook(target)
+    try:
+        problem = Problem(plan, Laboratory(executor, notebook, progress))
+        found = _found(problem)
+    finally:
+        if notebook is not None:
+            notebook.close()
+    if target is not None and notebook is not None:
+        found.save(target)
+        notebook.remove()
+    return found
+
+
+def _found(problem: Problem) -> Fit:
+    """Search from all starts, and tell of the best end."""
+    unknowns = problem.unknowns
+    first = np.concatenate([unknowns.start, problem.states])
+    problem.residuals_at([first])  # there must be a run to begin with
+    ends = []
+    for start in _starts(problem, first):
+        try:
+            ends.append((start, _searched(problem, start)))
+        except NoRunError:
+            if start is first:
+                raise
+            ends.append((start, None))
+    order = sorted(range(len(ends)), key=lambda k: math.inf if ends[k][1] is None else ends[k][1].cost)
+    best = ends[order[0]][1]
+    p = unknowns.count
+    whole = unknowns.natural(best.x)
+    problem.states = whole[p:]
+    residuals = problem.residuals_at([whole])[0]
+    slopes = problem.slopes(best.x)
+    searches = []
+    for k in order:
+        start, end = ends[k]
+        values = np.full(p, math.nan) if end is None else unknowns.natural(end.x)[:p]
+        searches.append(Search(start[:p], values, math.nan if end is None else float(end.cost)))
+    return Fit(
+        problem=problem,
+        values=whole[:p],
+        states=whole[p:],
+        bands=bands_of(problem.plan, unknowns, whole, residuals, slopes),
+        residuals=residuals,
+        slopes=(slopes * unknowns.rates(whole))[:, :p],
+        converged=best.status > 0,
+        message=_ENDS.get(int(best.status), str(best.message)),
+        evaluations=int(sum(end.nfev for _, end in ends if end is not None)),
+        searches=tuple(searches),
+    )
+
+
+def _searched(problem: Problem, start: Array) -> Any:
+    """Return what SciPy's search from values with states comes to."""
+    from scipy.optimize import least_squares
+
+    plan, unknowns = problem.plan, problem.unknowns
+
+    def residuals(searched: Array) -> Array:
+        try:
+            return problem.residuals_at([unknowns.natural(searched)])[0]
+        except NoRunError:  # the search goes on with a shorter step
+            return np.full(problem.count, math.nan)
+
+    problem.residuals_at([start])
+    return least_squares(
+        residuals,
+        unknowns.searched(start),
+        jac=problem.slopes,
+        bounds=unknowns.bounds(),
+        loss=plan.loss,
+        f_scale=plan.loss_scale,
+        ftol=plan.tolerance,
+        xtol=plan.tolerance,
+        gtol=plan.tolerance,
+        max_nfev=plan.most,
+    )
+
+
+def _starts(problem: Problem, first: Array) -> list[Array]:
+    """Return from where to search: the start, and of points between the bounds the best."""
+    plan, starts = problem.plan, problem.plan.starts
+    if starts is None:
+        return [first]
+    from scipy.stats import qmc
+
+    p = problem.unknowns.count
+    lower, upper = (one[:p] for one in problem.unknowns.bounds())
+    points = qmc.Sobol(p, scramble=True, rng=np.random.default_rng(starts.seed)).random(starts.count)
+    rest = problem.unknowns.searched(first)[p:]
+    wholes = [
+        problem.unknowns.natural(np.concatenate([lower + point * (upper - lower), rest])) for point in points
+    ]
+    costs = [
+        math.inf if found is None else 0.5 * cost(found, plan.loss, plan.loss_scale)
+        for found in problem.tried(wholes)
+    ]
+    best = np.argsort(costs, kind="stable")[: starts.keep]
+    return [first, *(wholes[int(k)] for k in best if math.isfinite(costs[int(k)]))]

@@ -1,0 +1,288 @@
+r"""How sure fitted values are: covariance, correlations, intervals by Student's t.
+
+About the best values the weighted residuals are :math:`r + J \Delta`, and the values have the covariance
+:math:`\phi\,(J^T J)^{-1}`, with :math:`\phi = 1` where the noise of the record is known and the residuals are
+in units of it, and :math:`\phi = r^T r / (m - p)` where the residuals themselves are to say how large it is.
+Of a robust loss, and of residuals that hang together in time, it is the sandwich :math:`H^{-1} M H^{-1}` with
+the curvature :math:`H = J^T \mathrm{diag}(\psi') J` and the variance M of the slope :math:`J^T \psi`.
+
+References:
+    Bates and Watts (1988), Nonlinear Regression Analysis and Its Applications, chapter 2.
+    Huber (1981), Robust Statistics, section 7.6.
+    Newey and West (1987), Econometrica 55(3), 703-708; Andrews (1991), Econometrica 59(3), 817-858.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, Protocol, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.fit.losses import Loss, curvature, influence
+from antenna_pin.fit.rank import DOUBT, Rank, rank_of
+
+__all__ = ["NOISES", "Noise", "Residuals", "Sure", "persistence", "sure", "variance_factor"]
+
+Array = NDArray[np.float64]
+
+Noise = Literal["given", "estimated", "correlated"]
+"""What is known of the noise: its size; that residuals are it; that they hang together in time as well."""
+
+NOISES: tuple[Noise, ...] = get_args(Noise)
+
+# How near to its bound a value is held to be there, as a share of the way between bounds, or of its scale.
+_AT_BOUND = 1e-9
+
+
+class Residuals(Protocol):
+    """What a fit makes small, over its free parameters."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, p of them."""
+
+    @property
+    def start(self) -> Array:
+        """Values to start from, (p,)."""
+
+    @property
+    def lower(self) -> Array:
+        """Least values, (p,); minus infinity where there is none."""
+
+    @property
+    def upper(self) -> Array:
+        """Largest values, (p,)."""
+
+    @property
+    def scale(self) -> Array:
+        """Typical sizes, (p,), positive."""
+
+    def residuals(self, values: Array) -> Array:
+        """Return model less record, over the noise's standard deviation, (m,) [-]."""
+
+    def jacobian(self, values: Array) -> Array:
+        """Return the derivatives of the residuals, (m, p)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sure:
+    """How sure the values of a fit are.
+
+    Attributes:
+        names: Of the parameters.
+        values: At which this holds, (p,).
+        covariance: Of the values, (p, p); infinite on the diagonal of one that cannot be told, NaN beside it,
+            and zero of one that is held at its bound.
+        error: Standard errors, (p,).
+        correlation: (p, p) [-]; NaN where one cannot be told, or is held.
+        low: Lower ends of the intervals, (p,).
+        high: Upper ends, (p,).
+        level: Of the intervals [-].
+        held: Whether a value is at a bound and would go on beyond it, (p,): the others are sure as if it was
+            known.
+        rank: What the record tells of those that are not held.
+        along: Covariance along the directions that it tells, ``rank.told``, (rank, rank).
+        freedom: Residuals less parameters [-].
+        factor: The variance of a weighted residual, phi [-].
+        stretch: How many times a variance is that of phi and the curvature of the loss alone, (p,) [-]: 1
+            where residuals are independent and their loss linear.
+        chi_squared: Sum of the squares of the weighted residuals [-].
+        noise: What was taken to be known of the noise.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array
+    error: Array
+    correlation: Array
+    low: Array
+    high: Array
+    level: float
+    held: NDArray[np.bool_]
+    rank: Rank
+    along: Array
+    freedom: int
+    factor: float
+    stretch: Array
+    chi_squared: float
+    noise: Noise
+
+    @property
+    def quantile(self) -> float:
+        """How many standard errors an interval reaches to either side [-]."""
+        return student(self.level, math.inf if self.noise == "given" else self.freedom)
+
+    @property
+    def chance(self) -> float:
+        """Share of records of the stated noise that would be farther from the model than this one [-]."""
+        from scipy.stats import chi2
+
+        return float(chi2.sf(self.chi_squared, self.freedom))
+
+
+def student(level: float, freedom: float) -> float:
+    """Return how many standard errors Student's t reaches to either side [-]; with no end, the normal one."""
+    from scipy import stats
+
+    share = 0.5 + 0.5 * level
+    return float(stats.norm.ppf(share) if math.isinf(freedom) else stats.t.ppf(share, freedom))
+
+
+def sure(
+    problem: Residuals,
+    values: Array,
+    *,
+    noise: Noise = "estimated",
+    loss: Loss = "linear",
+    loss_scale: float = 1.0,
+    level: float = 0.95,
+    curves: NDArray[np.intp] | None = None,
+    doubt: float = DOUBT,
+) -> Sure:
+    """Return how sure the values are at which a fit has ended.
+
+    Args:
+        problem: What was fitted.
+        values: The best values, (p,).
+        noise: What is known of it: ``given``, residuals are in units of it; ``estimated``, its size is found
+            from the residuals; ``correlated``, and they hang together in time.
+        loss: That the fit used.
+        loss_scale: The residual at which it begins to count less [-].
+        level: Of the intervals [-].
+        curves: The number of the curve that each residual is of, (m,), those of one curve in order of time;
+            all one curve if left out. Of use to ``correlated`` only.
+        doubt: Relative error of the Jacobian's columns [-].
+
+    Raises:
+        InvalidParameterError: There are no more residuals than parameters, or the curvature of a loss that
+            falls far out is not positive at the best values.
+    """
+    if noise not in NOISES:
+        raise UnknownNameError("fit", "noise", noise, NOISES)
+    if not 0.0 < level < 1.0:
+        raise InvalidParameterError("fit", "level", "between 0 and 1 [-]", level)
+    found = np.asarray(values, dtype=float)
+    residuals, jacobian = problem.residuals(found), problem.jacobian(found)
+    rank = rank_of(jacobian, problem.scale, doubt)
+    slope = influence(residuals, loss, loss_scale)
+    held = _held(problem, found, jacobian.T @ slope)
+    if held.any():
+        rank = rank_of(np.where(held, 0.0, jacobian), problem.scale, doubt)
+    freedom = len(residuals) - len(rank.told)
+    if freedom < 1 and not (noise == "given" and loss == "linear"):
+        rule = f"more than parameters that they tell, {len(rank.told)}"
+        raise InvalidParameterError("fit", "residuals", rule, len(residuals))
+    bend = curvature(residuals, loss, loss_scale)
+    factor = 1.0 if noise == "given" and loss == "linear" else variance_factor(slope, bend, freedom)
+    along = (jacobian * problem.scale) @ rank.told.T
+    if loss == "linear" and noise != "correlated":
+        inner = np.diag(factor / rank.singular[: len(rank.told)] ** 2)
+        stretch = np.ones(len(found))
+    else:
+        whole = _curvature(along, bend, loss)
+        spread = _spread(along, slope, residuals, noise, curves) * (len(residuals) / freedom)
+        inner = np.linalg.solve(whole, np.linalg.solve(whole, spread).T)
+        naive = np.einsum("ki,kl,li->i", rank.told, factor * np.linalg.inv(whole), rank.told)
+        real = np.einsum("ki,kl,li->i", rank.told, inner, rank.told)
+        stretch = np.divide(real, naive, out=np.ones(len(found)), where=naive > 0.0)
+    scaled = rank.told.T @ inner @ rank.told
+    covariance = scaled * np.outer(problem.scale, problem.scale)
+    unclear = ~rank.determined & ~held
+    covariance[unclear, :] = covariance[:, unclear] = np.nan
+    covariance[unclear, unclear] = np.inf
+    covariance[held, :] = covariance[:, held] = 0.0
+    error = np.sqrt(np.diag(covariance))
+    sizes = np.where((error > 0.0) & np.isfinite(error), error, np.nan)
+    correlation = covariance / np.outer(sizes, sizes)
+    known = np.isfinite(sizes)
+    correlation[known, known] = 1.0
+    reach = student(level, math.inf if noise == "given" else freedom)
+    return Sure(
+        tuple(problem.names),
+        found,
+        covariance,
+        error,
+        correlation,
+        found - reach * error,
+        found + reach * error,
+        level,
+        held,
+        rank,
+        inner,
+        freedom,
+        factor,
+        stretch,
+        float(residuals @ residuals),
+        noise,
+    )
+
+
+def variance_factor(slope: Array, bend: Array, freedom: int) -> float:
+    """Return phi, by which twice the growth of a loss about its least is a chi squared [-].
+
+    Of the linear loss the variance of the residuals; of others E(psi^2) / E(psi').
+    """
+    return float(slope @ slope / freedom / max(float(bend.mean()), 1e-300))
+
+
+def _held(problem: Residuals, values: Array, slope: Array) -> NDArray[np.bool_]:
+    """Return whether values are at a bound, with the loss falling beyond it."""
+    room = np.where(np.isfinite(problem.upper - problem.lower), problem.upper - problem.lower, problem.scale)
+    low = (values - problem.lower <= _AT_BOUND * room) & (slope >= 0.0)
+    high = (problem.upper - values <= _AT_BOUND * room) & (slope <= 0.0)
+    return np.asarray(low | high)
+
+
+def _curvature(along: Array, bend: Array, loss: Loss) -> Array:
+    whole = along.T @ (along * bend[:, None])
+    if not np.linalg.eigvalsh(whole)[0] > 0.0:
+        raise InvalidParameterError(
+            "fit",
+            "loss",
+            "one whose curvature is positive where the fit has ended; take soft_l1, or a larger loss_scale",
+            loss,
+        )
+    return np.asarray(whole)
+
+
+def _spread(
+    along: Array, slope: Array, residuals: Array, noise: Noise, curves: NDArray[np.intp] | None
+) -> Array:
+    """Return the variance of the loss's slope, (rank, rank); within curves also over what hangs together."""
+    scores = along * slope[:, None]
+    total = scores.T @ scores
+    if noise != "correlated":
+        return np.asarray(total)
+    for part in _parts(len(residuals), curves):
+        mine = scores[part]
+        lags = _lags(persistence(residuals[part]), len(mine))
+        for lag in range(1, lags + 1):
+            one = mine[lag:].T @ mine[:-lag]
+            total = total + (1.0 - lag / (lags + 1.0)) * (one + one.T)
+    return np.asarray(total)
+
+
+def _parts(count: int, curves: NDArray[np.intp] | None) -> list[NDArray[np.intp]]:
+    if curves is None:
+        return [np.arange(count)]
+    return [np.flatnonzero(curves == one) for one in np.unique(curves)]
+
+
+def persistence(residuals: Array) -> float:
+    """Return how much of a residual is there again in the next one: their correlation [-]; 0 of noise."""
+    if len(residuals) < 3:
+        return 0.0
+    apart = residuals - residuals.mean()
+    total = float(apart @ apart)
+    return float(apart[1:] @ apart[:-1]) / total if total > 0.0 else 0.0
+
+
+def _lags(rho: float, count: int) -> int:
+    """Return over how many lags residuals are taken together: Andrews (1991), (6.2) and (6.4), of AR(1)."""
+    rho = min(abs(rho), 0.99)
+    strength = 4.0 * rho**2 / (1.0 - rho**2) ** 2
+    return min(int(math.ceil(1.1447 * float(strength * count) ** (1.0 / 3.0))), count // 4)

@@ -1,0 +1,65 @@
+"""Fits to an oscillator in closed form: a bar without weight on a spring and a damper."""
+
+import numpy as np
+import pytest
+
+from antenna_pin.fit import load_fit
+
+INERTIA = 0.0251004 + 1.872 * 0.2**2  # of the bar about the hinge [kg m^2]
+STIFFNESS, DAMPING, FIRST = 40.0, 0.2, 0.1
+
+FIT = """
+scenario = "pendulum"
+case = "ideal"
+{more}
+[set]
+duration = "1 s"
+mechanism.gravity = [0.0, 0.0, 0.0]
+springs.hinge = {{ stiffness = 40.0, damping = 0.2 }}
+initial.joints.hinge.angle = "0.1 rad"
+integrator.engine = "compiled"
+integrator.rtol = 1e-10
+[parameters.stiffness]
+key = "springs.hinge.stiffness"
+start = "30 N*m/rad"
+between = ["1 N*m/rad", "100 N*m/rad"]
+scale = "log"
+{parameters}
+[records.swing]
+file = "swing.csv"
+{record}
+[records.swing.columns.angle]
+of = "motion_angle[hinge]"
+sd = "1e-4 rad"
+{column}
+"""
+
+
+def closed_form(time, stiffness=STIFFNESS, damping=DAMPING, first=FIRST):
+    """Return the angle of the oscillator let go at rest [rad]."""
+    decay = damping / (2.0 * INERTIA)
+    omega = np.sqrt(stiffness / INERTIA - decay**2)
+    return first * np.exp(-decay * time) * (np.cos(omega * time) + decay / omega * np.sin(omega * time))
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Return a function that writes a record and a fit's file, and loads it."""
+
+    def made(time=None, columns=None, *, text=FIT, name="swing.csv", **parts):
+        time = np.linspace(0.0, 1.0, 201) if time is None else time
+        columns = {"angle": closed_form(time)} if columns is None else columns
+        head = ",".join(["time", *columns])
+        rows = np.column_stack([time, *columns.values()])
+        np.savetxt(tmp_path / name, rows, delimiter=",", header=head, comments="", fmt="%.17g")
+        filled = {"more": "", "parameters": "", "record": "", "column": ""} | parts
+        (tmp_path / "fit.fit.toml").write_text(text.format(**filled))
+        return load_fit(tmp_path / "fit.fit.toml")
+
+    return made
+
+
+@pytest.fixture
+def times():
+    """Return the instants of the models in closed form."""
+    return np.linspace(0.0, 3.0, 31)
