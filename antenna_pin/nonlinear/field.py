@@ -193,9 +193,26 @@ class Field:
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
         own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
         kept, displaced = ways[self.parts[-2]][own], ways[self.parts[-3]]
+        alone = displaced.any(axis=0) & (np.count_nonzero(ways, axis=0) == np.count_nonzero(displaced, axis=0))
         for k in np.flatnonzero(kept.any(axis=0) | displaced.any(axis=0)).tolist():
+            if alone[k]:
+                found[:, :, k] = self._over_numbers(time, y, displaced[:, k], float(steps[k]))
+                continue
             found[:, :, k] = self._over(self.rates, time, y, ways[:, k], float(steps[k]))
         return found
+
+    def _over_numbers(self, time: float, y: Array, way: Array, step: float) -> Array:
+        """Return derivatives of the rates over the system's numbers, as :meth:`_over`."""
+        assert self.numbers is not None
+        found = []
+        for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
+            back = self.numbers.displace(point * step * way)
+            try:
+                found.append(self.rates(time, y).copy())
+            finally:
+                back()
+        values = np.array(found)
+        return np.asarray(WEIGHTS @ (values[:3] - values[3:]) / step)
 
     def _over(self, function: Function, time: float, y: Array, way: Array, step: float) -> Array:
         """Return the derivative of a function along a displacement, of sixth and fourth order, (2, ...)."""

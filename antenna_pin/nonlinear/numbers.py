@@ -114,15 +114,32 @@ class InPlace:
         self._heavier = [i for i in joints if self._inertias[:, i].any()]
         self._moved = [i for i in joints if self._places[:, i].any()]
         self._gravity = numbers.slopes["gravity"]
+        self._of_model = bool(self._heavier or self._moved or self._armature.any() or self._gravity.any())
         #: How far each is displaced at present, (count,).
         self.present = np.zeros(self.count)
 
     def displace(self, s: Array) -> Callable[[], None]:
         """Change the numbers by parameters, (count,) in their scales; return what changes them back."""
-        kept = [(flat, at, flat[at].copy()) for flat, at, _ in self._parts]
+        kept = []
         for flat, at, slopes in self._parts:
-            flat[at] += s @ slopes[:, at]
-        model, before = self._model, self.present
+            values = flat[at]
+            kept.append((flat, at, values))
+            flat[at] = values + s @ slopes[:, at]
+        before, self.present = self.present, s
+        changed_back = self._displace_model(s) if self._of_model else None
+
+        def back() -> None:
+            for flat, at, values in kept:
+                flat[at] = values
+            self.present = before
+            if changed_back is not None:
+                changed_back()
+
+        return back
+
+    def _displace_model(self, s: Array) -> Callable[[], None]:
+        """Change Pinocchio's numbers likewise."""
+        model = self._model
         inertias = [(i, model.inertias[i].copy()) for i in self._heavier]
         for i, one in inertias:
             numbers = one.toDynamicParameters() + s @ self._inertias[:, i]
@@ -137,17 +154,13 @@ class InPlace:
             model.armature = armature + s @ self._armature
         if self._gravity.any():
             model.gravity.linear = gravity + s @ self._gravity
-        self.present = s
 
         def back() -> None:
-            for flat, at, values in kept:
-                flat[at] = values
             for i, one in inertias:
                 model.inertias[i] = one
             for i, one in places:
                 model.jointPlacements[i] = one
             model.armature, model.gravity.linear = armature, gravity
-            self.present = before
 
         return back
 
