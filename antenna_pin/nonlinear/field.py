@@ -193,7 +193,9 @@ class Field:
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
         own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
         kept, displaced = ways[self.parts[-2]][own], ways[self.parts[-3]]
-        alone = displaced.any(axis=0) & (np.count_nonzero(ways, axis=0) == np.count_nonzero(displaced, axis=0))
+        alone = displaced.any(axis=0) & (
+            np.count_nonzero(ways, axis=0) == np.count_nonzero(displaced, axis=0)
+        )
         for k in np.flatnonzero(kept.any(axis=0) | displaced.any(axis=0)).tolist():
             if alone[k]:
                 found[:, :, k] = self._over_numbers(time, y, displaced[:, k], float(steps[k]))

@@ -71,7 +71,7 @@ class Lift(NamedTuple):
 
     A displacement, (2 nv + bristles + 2 contacts + parameters + kept + 1,), is that of the configuration in
     the coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of
-    those of effective masses, of parameters of the system in their scales, of what elements keep, and of time.
+    those of effective masses, of parameters of the system in their scales, of what elements keep, of time.
     Coordinates are ways, rates, bristles, parameters, what elements keep, and what contacts remember.
 
     Attributes:

@@ -1,9 +1,9 @@
 """Numbers of a system that a parameter changes, and a system's own copy in which they are changed in place.
 
 A parameter s acts on a motion through the arrays that a system is made of: the words of its elements, masses
-and placements of bodies, what closures are made of, gravity. Their derivatives N' over s are found by building
-the system at neighbouring values; then arrays N + N' s, in place, have the rates' derivative over s by any
-step, as small as a contact's depth wants it.
+and placements of bodies, what closures are made of, gravity. Their derivatives N' over s are found by
+building the system at neighbouring values; then arrays N + N' s, in place, have the rates' derivative over
+s by any step, as small as a contact's depth wants it.
 """
 
 from __future__ import annotations

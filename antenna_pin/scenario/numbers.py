@@ -1,4 +1,4 @@
-"""Single numbers of a scenario: what stands at a key, in which unit, and the scenario with another one there."""
+"""Single numbers of a scenario: what stands at a key, in which unit, and the scenario with another there."""
 
 from __future__ import annotations
 
@@ -68,14 +68,28 @@ def number_of(scenario: Scenario, key: str, place: str) -> Number:
 
 
 def with_number(scenario: Scenario, key: str, value: float) -> Scenario:
-    """Return a scenario with another number at a key, in SI units, as ``with_overrides`` would."""
+    """Return a scenario with another number at a key, in SI units, as ``with_overrides`` would.
+
+    The other numbers of a law stay the same in SI units, also where an exponent is in these.
+    """
     name, index = _parted(key)
     if index is None:
-        return scenario.with_overrides({key: value})
+        table, _, own = key.rpartition(".")
+        return scenario.with_overrides({**_beside(scenario, table, own), key: value})
     below: Any = scenario.model_dump()
     for part in name.split("."):
         below = below[part]
     return scenario.with_overrides({name: [value if i == index else old for i, old in enumerate(below)]})
+
+
+def _beside(scenario: Scenario, table: str, own: str) -> dict[str, float]:
+    """Return the other numbers of a law's table, by their keys, if it is one."""
+    first, *middle, last = table.split(".") if table.count(".") else ("", "")
+    if first != "clearance" or len(middle) != 1 or middle[0] not in scenario.clearance:
+        return {}
+    numbers = law_tables(scenario.clearance[middle[0]]).get(last, {})
+    read = {name: any_quantity(one) for name, one in numbers.items() if name != own}
+    return {f"{table}.{name}": one[0] for name, one in read.items() if one is not None}
 
 
 def _parted(key: str) -> tuple[str, int | None]:

@@ -20,7 +20,7 @@ from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.saltation import Passed
 from antenna_pin.nonlinear.variational import Carrier
-from antenna_pin.records import memory_numbers, memory_records
+from antenna_pin.records import memory_records
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.settings import RunSettings
@@ -34,8 +34,8 @@ __all__ = ["ByEquation", "Displaced"]
 
 Array = NDArray[np.float64]
 
-# Step of differences of first states, in a parameter's scale; steps of those of samples, the largest first, and
-# how well their two orders agree at least, over the derivative; round-off of a sample, over its size.
+# Step of differences of first states, in a parameter's scale; steps of those of samples, the largest first,
+# and how well their two orders agree at least, over the derivative; round-off of a sample, over its size.
 _START, _STEPS, _GOOD, _ROUND_OFF = 1e-3, (1e-3, 1e-4, 1e-5, 1e-6), 1e-9, 1e-14
 
 
@@ -136,8 +136,8 @@ class ByEquation:
         if not np.array_equal(ours["touching"], theirs["touching"]):
             one = self._parameters[k]
             raise GrazeError(
-                f"sensitivities: with {one.key} = {one.value + s * one.scale:.9g} other contacts touch at the "
-                "start: it has no derivative there; start apart, or deeper",
+                f"sensitivities: with {one.key} = {one.value + s * one.scale:.9g} other contacts touch "
+                "at the start: it has no derivative there; start apart, or deeper",
                 here.time,
             )
         way, rate, bristles, speeds, masses, _, kept, _ = self._parts
@@ -181,7 +181,13 @@ class ByEquation:
 
         frame = Chart(self.flow.system, self._here.first).frame
         carrier, _ = self.flow.carry(
-            self._here.first, duration, frame, self._start, numbers=self._numbers, looks=times.tolist(), seen=see
+            self._here.first,
+            duration,
+            frame,
+            self._start,
+            numbers=self._numbers,
+            looks=times.tolist(),
+            seen=see,
         )
         at, states, memories, programs, ways, doubts, words = zip(*seen, strict=True)
         chunk = Chunk(np.array(at), np.array(states), np.array(memories), list(programs))
@@ -195,13 +201,20 @@ class ByEquation:
         Not of those that follow from what is integrated along a run, works and impulses.
         """
         here = self._seen(displaced.chunk, 0, 0.0)
-        names = [name for name, one in here.items() if one.dtype.kind == "f" and name not in self._integrated(displaced, here)]
+        names = [
+            name
+            for name, one in here.items()
+            if one.dtype.kind == "f" and name not in self._integrated(displaced, here)
+        ]
         found: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names if name != "time"}
         for k in range(len(self._parameters)):
             best: dict[str, tuple[Array, Array]] = {}
             for step in _STEPS:
                 ahead, behind = (
-                    [self._seen(self._displaced(displaced, k, side * j * step), k, side * j * step) for j in (1, 2, 3)]
+                    [
+                        self._seen(self._displaced(displaced, k, side * j * step), k, side * j * step)
+                        for j in (1, 2, 3)
+                    ]
                     for side in (1, -1)
                 )
                 good = True
@@ -212,9 +225,14 @@ class ByEquation:
                     rest = _most(rest)
                     if name in best:
                         better = rest < best[name][1]
-                        sixth, rest = np.where(better, sixth, best[name][0]), np.where(better, rest, best[name][1])
+                        sixth, rest = (
+                            np.where(better, sixth, best[name][0]),
+                            np.where(better, rest, best[name][1]),
+                        )
                     best[name] = sixth, rest
-                    good = good and bool((rest <= _GOOD * np.maximum(_most(np.abs(sixth)), _most(np.abs(here[name])))).all())
+                    good = good and bool(
+                        (rest <= _GOOD * np.maximum(_most(np.abs(sixth)), _most(np.abs(here[name])))).all()
+                    )
                 if good:
                     break
             scale = self._parameters[k].scale
@@ -263,7 +281,11 @@ class ByEquation:
         states = chunk.states.copy()
         states[:, first:][:, own] += 1.0
         other = self._seen(chunk._replace(states=states), 0, 0.0)
-        return {name for name, one in here.items() if not np.array_equal(one, other[name], equal_nan=one.dtype.kind == "f")}
+        return {
+            name
+            for name, one in here.items()
+            if not np.array_equal(one, other[name], equal_nan=one.dtype.kind == "f")
+        }
 
 
 def _most(sizes: Array) -> Array:
@@ -279,6 +301,3 @@ def _retracted(system: System, q: Array, step: Array) -> Array:
     import pinocchio as pin
 
     return np.asarray(pin.integrate(system.model, q, step))
-
-
-_ = memory_numbers

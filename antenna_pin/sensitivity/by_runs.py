@@ -24,10 +24,12 @@ __all__ = ["ByRuns", "Slopes", "numbers_at"]
 
 Array = NDArray[np.float64]
 
-# Steps of differences, over a parameter's scale, the largest first; the first with which two orders agree so
-# well counts, else the one with which they agree best.
-_STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
-_GOOD = 1e-7
+# Steps of differences of each order, over a parameter's scale, the largest first; the first with which two
+# orders agree so well counts, else the one with which they agree best.
+_STEPS = {6: (1e-3, 1e-4, 1e-5, 1e-6), 2: (1e-4, 1e-5, 1e-6)}
+_GOOD = {6: 1e-7, 2: 1e-3}
+# Numbers of how a run is computed, none of the motion.
+_OF_THE_RUN = ("energy_error",)
 # How many of its tolerances a run is off by, about.
 _TOLERANCES = 10.0
 # Where a run has samples that are asked for: how near [ulp of the last].
@@ -39,7 +41,7 @@ class Slopes(NamedTuple):
 
     Attributes:
         values: By variable.
-        doubts: Likewise: what is between differences of sixth and fourth order, and the runs' own error.
+        doubts: Likewise: what is between differences of two orders, and the runs' own error.
     """
 
     values: dict[str, Array]
@@ -52,8 +54,8 @@ def numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
     Raises:
         SensitivityError: The run has no sample there.
     """
-    names = [name for name, one in run.data.variables.items() if one.dtype.kind == "f" and name != "time"]
-    data = run.data[names]
+    names = [name for name, one in run.data.data_vars.items() if one.dtype.kind == "f"]
+    data = run.data[[name for name in names if name not in _OF_THE_RUN]]
     if "time" not in data.sizes:
         return data
     had = run.data["time"].values
@@ -75,6 +77,7 @@ class ByRuns:
         times: At which samples are differentiated, (times,) [s].
         start: From where they go on; the scenario's start if None.
         processes: In how many processes runs are made.
+        order: Of differences: 6, of six runs a parameter, or 2, of two.
     """
 
     def __init__(
@@ -85,8 +88,10 @@ class ByRuns:
         times: Array,
         start: State | None = None,
         processes: int = 1,
+        order: int = 6,
     ) -> None:
         """Make the run itself."""
+        self._order = order
         self._scenario, self._settings, self._duration = scenario, settings, duration
         self._times, self._start, self._processes = times, start, processes
         self.run = self._made(scenario, "the run")
@@ -118,7 +123,7 @@ class ByRuns:
     def _over(self, parameter: Parameter) -> Slopes:
         best: dict[str, tuple[float, Array, Array]] = {}
         unlike: GrazeError | None = None
-        for step in _STEPS:
+        for step in _STEPS[self._order]:
             try:
                 found = self._differences(parameter, step)
             except GrazeError as error:
@@ -131,7 +136,7 @@ class ByRuns:
                 worst = float(doubt.max(initial=0.0)) / size if size > 0.0 else 0.0
                 if name not in best or worst < best[name][0]:
                     best[name] = worst, value, doubt
-            if max((worst for worst, *_ in best.values()), default=0.0) <= _GOOD:
+            if max((worst for worst, *_ in best.values()), default=0.0) <= _GOOD[self._order]:
                 break
         if not best:
             assert unlike is not None
@@ -139,17 +144,21 @@ class ByRuns:
         return Slopes({k: value for k, (_, value, _) in best.items()}, {k: d for k, (*_, d) in best.items()})
 
     def _differences(self, parameter: Parameter, step: float) -> dict[str, tuple[Array, Array]]:
-        """Return derivatives and their doubts by variable, by runs of neighbours up to three steps away."""
-        h = step * parameter.scale
-        values = [parameter.value + side * point * h for side in (1, -1) for point in (1, 2, 3)]
+        """Return derivatives and their doubts by variable, by runs of neighbours on both sides."""
+        h, points = step * parameter.scale, (1, 2, 3) if self._order == 6 else (1,)
+        values = [parameter.value + side * point * h for side in (1, -1) for point in points]
         work: Callable[[float], dict[str, Array]] = functools.partial(self._neighbour, parameter)
         made = list(side_by_side(work, values, self._processes))
         found = {}
         for name, here in self.here.data_vars.items():
-            ahead, behind = (np.array([one[str(name)] for one in side]) for side in (made[:3], made[3:]))
-            sixth, fourth = np.tensordot(WEIGHTS, ahead - behind, 1) / h
+            sides = made[: len(points)], made[len(points) :]
+            ahead, behind = (np.array([one[str(name)] for one in side]) for side in sides)
+            if self._order == 6:
+                best, other = np.tensordot(WEIGHTS, ahead - behind, 1) / h
+            else:  # on one side it is of first order
+                best, other = 0.5 * (ahead - behind)[0] / h, (ahead[0] - here.values) / h
             noise = _TOLERANCES * self._settings.rtol * float(np.abs(here.values).max(initial=0.0)) / h
-            found[str(name)] = sixth, np.abs(sixth - fourth) + noise
+            found[str(name)] = best, np.abs(best - other) + noise
         return found
 
     def _neighbour(self, parameter: Parameter, value: float) -> dict[str, Array]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,9 +13,10 @@ from numpy.typing import ArrayLike
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import Scenario
-from antenna_pin.sensitivity.by_runs import ByRuns
+from antenna_pin.sensitivity.by_equation import ByEquation
+from antenna_pin.sensitivity.by_runs import ByRuns, Slopes
 from antenna_pin.sensitivity.found import Sensitivities, dataset_of
-from antenna_pin.sensitivity.parameters import parameters_of
+from antenna_pin.sensitivity.parameters import Parameter, SensitivityError, parameters_of
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import settings_of
 from antenna_pin.state import State
@@ -22,6 +25,11 @@ __all__ = ["sensitivities"]
 
 # Of runs that are differentiated, where no settings are given.
 _RTOL = 1e-12
+# By how much the equation may differ from differences of second order of runs, over the larger of a number's
+# own size and its change over a scale; and two times of one event [s].
+_APART, _SAME = 1e-4, 1e-9
+
+Method = Literal["runs", "quick-runs", "equation"]
 
 
 @takes(duration="s")
@@ -33,13 +41,20 @@ def sensitivities(
     duration: float | str | None = None,
     settings: RunSettings | None = None,
     start: State | None = None,
+    method: Method = "runs",
     processes: int = 1,
 ) -> Sensitivities:
     """Return the derivatives of a scenario's results over some of its numbers.
 
-    All numbers of the result have them: samples at given times, instants and peaks of contacts, impulses,
-    losses, whatever the schema names. They are differences of sixth order of runs, each of which locates its
-    own contacts and events; in doubt by what fourth order says otherwise and by the runs' own error.
+    By ``runs`` all numbers of the result have them: samples at given times, instants and peaks of contacts,
+    impulses, losses, whatever the schema names. They are differences of sixth order of six runs a parameter,
+    each of which locates its own contacts and events, in doubt by what fourth order says otherwise and by the
+    runs' own error; ``quick-runs`` are of second order, of two.
+
+    The ``equation`` carries displacements along one run, and through events by their saltation
+    (:mod:`antenna_pin.nonlinear.variational`): samples have derivatives but for works and impulses, and so
+    have the instants of contacts. It takes more time, and neighbours need not be alike in it: so it is held
+    against two runs a parameter, and refused where they contradict.
 
     Args:
         scenario: The scenario.
@@ -50,6 +65,7 @@ def sensitivities(
         duration: Of the run [s]; the scenario's if left out, or up to the last of ``times``.
         settings: How to integrate; with the scenario's engine, order 8(5,3) and 1e-12 if left out.
         start: From where the run goes on, the ``end`` of another; the scenario's start if left out.
+        method: ``runs``, ``quick-runs`` or ``equation``.
         processes: In how many processes runs are made side by side.
 
     Raises:
@@ -62,14 +78,61 @@ def sensitivities(
     parameters = parameters_of(scenario, keys, place)
     begin = 0.0 if start is None else start.reached
     used, at, span = _sampled(scenario, times, duration, settings, begin)
-    runs = ByRuns(scenario, used, span, at, start, processes)
+    if method == "equation" and start is not None:
+        rule = "left out where method = 'equation', which begins with the scenario's start"
+        raise InvalidParameterError(place, "start", rule, said="a state")
+    runs = ByRuns(scenario, used, span, at, start, processes, 6 if method == "runs" else 2)
     found = runs.over(parameters)
-    names = [str(name) for name in runs.here.data_vars]
+    if method == "equation":
+        equation = ByEquation(scenario, parameters, used)
+        found = _held_against(found, _by_equation(equation, runs, at, span, parameters), runs, parameters)
     slopes, doubts = (
-        {name: np.stack([getattr(one, kind)[name] for one in found], axis=-1) for name in names}
+        {name: np.stack([getattr(one, kind)[name] for one in found], axis=-1) for name in found[0].values}
         for kind in ("values", "doubts")
     )
-    return Sensitivities(runs.run, parameters, dataset_of(runs.here, slopes, doubts, parameters))
+    here = runs.here[list(slopes)]
+    return Sensitivities(runs.run, parameters, dataset_of(here, slopes, doubts, parameters))
+
+
+def _by_equation(
+    equation: ByEquation, runs: ByRuns, at: np.ndarray, span: float, parameters: tuple[Parameter, ...]
+) -> list[Slopes]:
+    """Return the derivatives over each parameter by the variational equation."""
+    displaced, passed = equation.carried(at, span)
+    series = equation.series(displaced)
+    found = []
+    for k, one in enumerate(parameters):
+        values = {name: v[..., k] for name, (v, _) in series.items() if name in runs.here}
+        doubts = {name: d[..., k] for name, (_, d) in series.items() if name in runs.here}
+        for name, what in (("onset_time", "onset"), ("release_time", "release")):
+            if name not in runs.here:
+                continue
+            times, contacts = runs.here[name].values, runs.run.data["episode_contact"].values
+            late = np.zeros(len(times))
+            for i, (time, contact) in enumerate(zip(times, contacts, strict=True)):
+                near = (p for p in passed if p.what == what and p.name == str(contact))
+                late[i] = next((p.late[k] / one.scale for p in near if abs(p.time - time) < _SAME), 0.0)
+            values[name], doubts[name] = late, np.abs(late) * displaced.doubts[:, k].max()
+        found.append(Slopes(values, doubts))
+    return found
+
+
+def _held_against(
+    runs: list[Slopes], found: list[Slopes], made: ByRuns, parameters: tuple[Parameter, ...]
+) -> list[Slopes]:
+    """Return what the equation gives, or refuse it where runs contradict it."""
+    for one, ours, theirs in zip(parameters, found, runs, strict=True):
+        for name, value in ours.values.items():
+            size = float(np.abs(made.here[name].values).max(initial=0.0)) / one.scale
+            size = max(size, float(np.abs(theirs.values[name]).max(initial=0.0)))
+            off = np.abs(value - theirs.values[name]) - 2.0 * theirs.doubts[name] - ours.doubts[name]
+            if float(off.max(initial=-math.inf)) > _APART * size:
+                raise SensitivityError(
+                    f"sensitivities: over {one.key} the equation and runs contradict about {name}, by "
+                    f"{float(off.max()) / size:.2g} of its size: what that key changes is not all carried; "
+                    "take method = 'runs'"
+                )
+    return found
 
 
 def _sampled(
