@@ -200,11 +200,11 @@ class ByEquation:
 
         Not of those that follow from what is integrated along a run, works and impulses.
         """
-        here = self._seen(displaced.chunk, 0, 0.0)
+        here, integrated = self._seen(displaced.chunk, 0, 0.0), self._integrated(displaced)
         names = [
             name
             for name, one in here.items()
-            if one.dtype.kind == "f" and name not in self._integrated(displaced, here)
+            if one.dtype.kind == "f" and name not in integrated
         ]
         found: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names if name != "time"}
         for k in range(len(self._parameters)):
@@ -271,16 +271,16 @@ class ByEquation:
             field.turn_on(y)
         return Chunk(chunk.times, states, memories, programs)
 
-    def _integrated(self, displaced: Displaced, here: dict[str, Array]) -> set[str]:
-        """Return which series follow from what is integrated along a run."""
-        system, chunk = self._here.system, displaced.chunk
-        first = system.model.nq + system.model.nv
+    def _integrated(self, displaced: Displaced) -> set[str]:
+        """Return which series follow from what is integrated along a run, since its first sample too."""
+        system, first = self._here.system, self._here.system.model.nq + self._here.system.model.nv
         own = np.ones(system.manifold.nx, dtype=bool)
         own[np.asarray(system.bristle_x, dtype=int)] = False
         own[list(system.turn_x.values())] = False
-        states = chunk.states.copy()
-        states[:, first:][:, own] += 1.0
-        other = self._seen(chunk._replace(states=states), 0, 0.0)
+        both = Chunk.joined([displaced.chunk.part(0, 1), displaced.chunk])
+        states = both.states.copy()
+        states[1:, first:][:, own] += 1.0
+        here, other = (self._seen(one, 0, 0.0) for one in (both, both._replace(states=states)))
         return {
             name
             for name, one in here.items()

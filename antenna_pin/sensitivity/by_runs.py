@@ -131,9 +131,9 @@ class ByRuns:
                 continue
             for name, (value, doubt) in found.items():
                 # What changes a number by less than its own size over the scale is faint beside it.
-                own = float(np.abs(self.here[name].values).max(initial=0.0)) / parameter.scale
-                size = max(float(np.abs(value).max(initial=0.0)), own)
-                worst = float(doubt.max(initial=0.0)) / size if size > 0.0 else 0.0
+                own = float(np.nanmax(np.abs(self.here[name].values), initial=0.0)) / parameter.scale
+                size = max(float(np.nanmax(np.abs(value), initial=0.0)), own)
+                worst = float(np.nanmax(doubt, initial=0.0)) / size if size > 0.0 else 0.0
                 if name not in best or worst < best[name][0]:
                     best[name] = worst, value, doubt
             if max((worst for worst, *_ in best.values()), default=0.0) <= _GOOD[self._order]:
@@ -157,7 +157,7 @@ class ByRuns:
                 best, other = np.tensordot(WEIGHTS, ahead - behind, 1) / h
             else:  # on one side it is of first order
                 best, other = 0.5 * (ahead - behind)[0] / h, (ahead[0] - here.values) / h
-            noise = _TOLERANCES * self._settings.rtol * float(np.abs(here.values).max(initial=0.0)) / h
+            noise = _TOLERANCES * self._settings.rtol * float(np.nanmax(np.abs(here.values), initial=0.0)) / h
             found[str(name)] = best, np.abs(best - other) + noise
         return found
 

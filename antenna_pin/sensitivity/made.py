@@ -123,13 +123,13 @@ def _held_against(
     """Return what the equation gives, or refuse it where runs contradict it."""
     for one, ours, theirs in zip(parameters, found, runs, strict=True):
         for name, value in ours.values.items():
-            size = float(np.abs(made.here[name].values).max(initial=0.0)) / one.scale
-            size = max(size, float(np.abs(theirs.values[name]).max(initial=0.0)))
+            size = float(np.nanmax(np.abs(made.here[name].values), initial=0.0)) / one.scale
+            size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
             off = np.abs(value - theirs.values[name]) - 2.0 * theirs.doubts[name] - ours.doubts[name]
-            if float(off.max(initial=-math.inf)) > _APART * size:
+            if float(np.nanmax(off, initial=-math.inf)) > _APART * size:
                 raise SensitivityError(
                     f"sensitivities: over {one.key} the equation and runs contradict about {name}, by "
-                    f"{float(off.max()) / size:.2g} of its size: what that key changes is not all carried; "
+                    f"{float(np.nanmax(off)) / size:.2g} of its size: what that key changes is not all carried; "
                     "take method = 'runs'"
                 )
     return found
