@@ -201,11 +201,7 @@ class ByEquation:
         Not of those that follow from what is integrated along a run, works and impulses.
         """
         here, integrated = self._seen(displaced.chunk, 0, 0.0), self._integrated(displaced)
-        names = [
-            name
-            for name, one in here.items()
-            if one.dtype.kind == "f" and name not in integrated
-        ]
+        names = [name for name, one in here.items() if one.dtype.kind == "f" and name not in integrated]
         found: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names if name != "time"}
         for k in range(len(self._parameters)):
             best: dict[str, tuple[Array, Array]] = {}

@@ -67,6 +67,18 @@ def numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
     return data.isel(time=at).assign_coords(time=times)
 
 
+def _sizes(data: xr.Dataset) -> dict[str, float]:
+    """Return how large the numbers of the unit of each variable are."""
+    own = {
+        str(name): float(np.nanmax(np.abs(one.values), initial=0.0)) for name, one in data.data_vars.items()
+    }
+    most: dict[str, float] = {}
+    for name, size in own.items():
+        unit = str(data[name].attrs.get("units", ""))
+        most[unit] = max(most.get(unit, 0.0), size)
+    return {name: most[str(data[name].attrs.get("units", ""))] for name in own}
+
+
 class ByRuns:
     """Differentiates what runs of a scenario give.
 
@@ -96,6 +108,8 @@ class ByRuns:
         self._times, self._start, self._processes = times, start, processes
         self.run = self._made(scenario, "the run")
         self.here = numbers_at(self.run, times)
+        #: How large numbers of a variable are, or of others of its unit: it may be next to zero itself.
+        self.sizes = _sizes(self.here)
 
     def _made(self, scenario: Scenario, what: str) -> Trajectory:
         """Return a run.
@@ -131,7 +145,7 @@ class ByRuns:
                 continue
             for name, (value, doubt) in found.items():
                 # What changes a number by less than its own size over the scale is faint beside it.
-                own = float(np.nanmax(np.abs(self.here[name].values), initial=0.0)) / parameter.scale
+                own = self.sizes[name] / parameter.scale
                 size = max(float(np.nanmax(np.abs(value), initial=0.0)), own)
                 worst = float(np.nanmax(doubt, initial=0.0)) / size if size > 0.0 else 0.0
                 if name not in best or worst < best[name][0]:
@@ -157,7 +171,7 @@ class ByRuns:
                 best, other = np.tensordot(WEIGHTS, ahead - behind, 1) / h
             else:  # on one side it is of first order
                 best, other = 0.5 * (ahead - behind)[0] / h, (ahead[0] - here.values) / h
-            noise = _TOLERANCES * self._settings.rtol * float(np.nanmax(np.abs(here.values), initial=0.0)) / h
+            noise = _TOLERANCES * self._settings.rtol * self.sizes[str(name)] / h
             found[str(name)] = best, np.abs(best - other) + noise
         return found
 

@@ -123,7 +123,7 @@ def _held_against(
     """Return what the equation gives, or refuse it where runs contradict it."""
     for one, ours, theirs in zip(parameters, found, runs, strict=True):
         for name, value in ours.values.items():
-            size = float(np.nanmax(np.abs(made.here[name].values), initial=0.0)) / one.scale
+            size = made.sizes[name] / one.scale
             size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
             off = np.abs(value - theirs.values[name]) - 2.0 * theirs.doubts[name] - ours.doubts[name]
             if float(np.nanmax(off, initial=-math.inf)) > _APART * size:
