@@ -110,6 +110,11 @@ class Workspace:
         return self._work
 
     @property
+    def bodies(self) -> NDArray[Any] | None:
+        """The bodies on which elements on links act, BODY, (bodies,); None if there are no such elements."""
+        return None if self._bodies is None else self._bodies[0]
+
+    @property
     def coupled(self) -> NDArray[np.int64]:
         """Places in x of what the derivative depends on: bristles, states; the rest are integrals."""
         return np.asarray(self.system.bristle_x, dtype=np.int64)

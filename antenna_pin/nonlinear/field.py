@@ -15,6 +15,7 @@ from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at, parts_of
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.lifts import Lifts
+from antenna_pin.nonlinear.numbers import InPlace, Numbers
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.stretches import stepper_of
@@ -46,6 +47,7 @@ class Field:
     Args:
         system: The system.
         settings: Of the run whose engine evaluates them.
+        numbers: Parameters of the system that displacements have, too; none if left out.
 
     Attributes:
         workspace: Its contact memory and program are those of the moment.
@@ -55,8 +57,10 @@ class Field:
         round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
 
-    def __init__(self, system: System, settings: RunSettings) -> None:
+    def __init__(self, system: System, settings: RunSettings, numbers: Numbers | None = None) -> None:
         """Allocate once."""
+        if numbers is not None:
+            system = numbers.own_system()
         self.system = system
         self.workspace = Workspace(system)
         self.units, self.kept = Units.of(system), Kept(system)
@@ -73,12 +77,16 @@ class Field:
         self._y = np.zeros(system.manifold.size)
         self._memory = self.workspace.memory.copy()
         #: Parts of a displacement, and its size.
-        self.parts = parts_of(system, len(self.kept))
+        count = 0 if numbers is None else numbers.count
+        self.parts = parts_of(system, len(self.kept), count)
+        #: The system's numbers, if parameters displace them.
+        self.numbers = None if numbers is None else InPlace(numbers, self.workspace, self._stepper)
         self.displacement = self.parts[-1].stop
         self._coarse = self._coarseness()
+        self._opened: tuple[int, Array] | None = None
         self._measured = any(joint.backend != "closed-form" for joint in system.clearances)
         self.round_off = 0.0
-        self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds)
+        self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds, self._gaps)
         self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
@@ -102,7 +110,7 @@ class Field:
     def _coarseness(self) -> Array:
         """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
         units, (way, rate, bristles, *_) = self.units, self.parts
-        *_, kept, _ = self.parts
+        *_, numbers, kept, _ = self.parts
         out = np.zeros(self.displacement)
         out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
         out[kept] = 1.0 / (_STEP * self._kept_units)
@@ -112,6 +120,7 @@ class Field:
         out[way] /= steps
         out[rate] /= steps
         out[bristles] /= finer
+        out[numbers] = 1.0 / _STEP
         return out
 
     # --- derivatives ----------------------------------------------------------------------------------------
@@ -193,10 +202,29 @@ class Field:
         found = np.array((by or self._slopes).rates(time, y, np.ascontiguousarray(ways), steps))
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
         own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
-        kept = ways[self.parts[-2]][own]
-        for k in np.flatnonzero(kept.any(axis=0)).tolist() if own else ():
+        kept, displaced = ways[self.parts[-2]][own], ways[self.parts[-3]]
+        alone = displaced.any(axis=0) & (
+            np.count_nonzero(ways, axis=0) == np.count_nonzero(displaced, axis=0)
+        )
+        for k in np.flatnonzero(kept.any(axis=0) | displaced.any(axis=0)).tolist():
+            if alone[k]:
+                found[:, :, k] = self._over_numbers(time, y, displaced[:, k], float(steps[k]))
+                continue
             found[:, :, k] = self._over(self.rates, time, y, ways[:, k], float(steps[k]))
         return found
+
+    def _over_numbers(self, time: float, y: Array, way: Array, step: float) -> Array:
+        """Return derivatives of the rates over the system's numbers, as :meth:`_over`."""
+        assert self.numbers is not None
+        found = []
+        for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
+            back = self.numbers.displace(point * step * way)
+            try:
+                found.append(self.rates(time, y).copy())
+            finally:
+                back()
+        values = np.array(found)
+        return np.asarray(WEIGHTS @ (values[:3] - values[3:]) / step)
 
     def _over(self, function: Function, time: float, y: Array, way: Array, step: float) -> Array:
         """Return the derivative of a function along a displacement, of sixth and fourth order, (2, ...)."""
@@ -257,7 +285,7 @@ class Field:
                 steps = np.minimum(steps, _SHARE * rate / np.maximum(change, 1e-300))
         for c in np.flatnonzero(self.workspace.memory["touching"]).tolist():
             normal, gap = self.workspace.along_normal(y, c)
-            opening = np.abs(normal @ ways[self.parts[0]])
+            opening = np.abs(normal @ ways[self.parts[0]] + self._opening(y, c) @ ways[self.parts[-3]])
             if gap < 0.0:
                 steps = np.minimum(steps, -_SHARE * gap / np.maximum(opening, 1e-300))
         return np.asarray(np.maximum(steps, finest))
@@ -277,8 +305,9 @@ class Field:
     def _at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
         """Return a function's value at a neighbour."""
         nq, nv = self.system.model.nq, self.system.model.nv
-        way, rate, bristles, speeds, masses, own, clock = (displacement[part] for part in self.parts)
+        way, rate, bristles, speeds, masses, numbers, own, clock = (displacement[one] for one in self.parts)
         memory, kept, program = self.workspace.memory, self._memory, self.workspace.program
+        back = self.numbers.displace(numbers) if self.numbers is not None and numbers.any() else None
         words = program[self.kept.words]
         self._y[:] = y
         self.workspace.retract(self._y, way)
@@ -292,6 +321,8 @@ class Field:
             return np.array(function(time + float(clock[0]), self._y))
         finally:
             memory[:], program[self.kept.words] = kept, words
+            if back is not None:
+                back()
 
     # --- coordinates ----------------------------------------------------------------------------------------
 
@@ -305,7 +336,42 @@ class Field:
 
     def _speeds(self, time: float, y: Array, ways: Array) -> Array:
         """Return the derivatives of how fast constraints are violated along displacements, (rows, k)."""
-        return np.asarray(self._slopes.speeds(time, y, ways, self._steps(y, ways, False))[0])
+        steps = self._steps(y, ways, False)
+        found = np.array(self._slopes.speeds(time, y, ways, steps)[0])
+        for k in np.flatnonzero(ways[self.parts[-3]].any(axis=0)).tolist():
+            found[:, k] = self._over(self._violated("every_speed"), time, y, ways[:, k], float(steps[k]))[0]
+        return found
+
+    def _violated(self, name: str) -> Function:
+        """Return residuals of constraints as a function of the state, by their name there."""
+        constraints = self.workspace.constraints
+
+        def function(time: float, y: Array) -> Array:
+            assert constraints is not None
+            self.workspace.prepare_motions(time, y)
+            constraints.residuals(time, y, self.workspace.program)
+            return np.asarray(getattr(constraints, name))
+
+        return function
+
+    def _of_numbers(self) -> Array:
+        """Return the displacements of parameters alone, (displacement, parameters)."""
+        return np.eye(self.displacement)[:, self.parts[-3]]
+
+    def _gaps(self, time: float, y: Array) -> Array:
+        """Return the derivatives of how far constraints are violated over parameters, (rows, parameters)."""
+        ways = self._of_numbers()
+        return self.along(self._violated("every_gap"), time, y, ways)[0]
+
+    def _opening(self, y: Array, c: int) -> Array:
+        """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""
+        ways = self._of_numbers()
+        if ways.shape[1] == 0:
+            return np.zeros(0)
+        if self._opened is None or self._opened[0] != c:  # it hardly changes while a contact lasts
+            gap: Function = lambda _, state: np.array([self.workspace.along_normal(state, c)[1]])  # noqa: E731
+            self._opened = c, self.along(gap, 0.0, y, ways)[0][0]
+        return self._opened[1]
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
         """Return the derivative of the coordinates' rates over the coordinates.

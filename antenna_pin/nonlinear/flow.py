@@ -16,7 +16,8 @@ from antenna_pin.differences import Slope, slope
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.frames import Frame
+from antenna_pin.nonlinear.frames import Frame, Lift
+from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.records import memory_records
 from antenna_pin.scenario import Scenario
@@ -208,7 +209,15 @@ class Flow:
         return Tangent(matrix, np.maximum(carrier.doubt, least), end, lost)
 
     def carry(
-        self, start: State, span: float, frame: Frame, ways: Array | None = None
+        self,
+        start: State,
+        span: float,
+        frame: Frame,
+        ways: Array | Callable[[Lift], Array] | None = None,
+        *,
+        numbers: Numbers | None = None,
+        looks: Sequence[float] = (),
+        seen: Callable[[Carrier, float, Array, Array], None] | None = None,
     ) -> tuple[Carrier, State]:
         """Return what carries displacements over a span [s] of the run from a state, and where that leads.
 
@@ -216,14 +225,19 @@ class Flow:
             start: From where.
             span: [s].
             frame: Axes of coordinates in that state.
-            ways: Displacements in these, (size, k); all of them if left out.
+            ways: Displacements in these, (size, k), or what makes them of these; all of them if left out.
+            numbers: Parameters of the system, which coordinates have too.
+            looks: When to look at displacements on the way, ascending [s].
+            seen: Called at each, ``(carrier, time, y, displacements)``, the last (displacement, k).
 
         Raises:
             FlowError: The run did not come to its end.
         """
         end = start.time + span
         run = Run(self.system, start, end, self._sampled(span), self._events, singly=True)
-        carrier = Carrier(run, frame, ways)
+        carrier = Carrier(run, frame, ways, numbers, looks)
+        if seen is not None:
+            carrier.seen = functools.partial(seen, carrier)
         run.advance(keep=carrier)
         self._check(run, span, start)
         return carrier, run.present()

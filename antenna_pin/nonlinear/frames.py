@@ -69,10 +69,10 @@ class Frame(NamedTuple):
 class Lift(NamedTuple):
     """Coordinates about a state as displacements of one, and back.
 
-    A displacement, (2 nv + bristles + 2 contacts + kept + 1,), is that of the configuration in the
-    coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of those of
-    effective masses, of what elements keep, and of time. Coordinates are ways, rates, bristles, what elements
-    keep, and what contacts remember.
+    A displacement, (2 nv + bristles + 2 contacts + parameters + kept + 1,), is that of the configuration in
+    the coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of
+    those of effective masses, of parameters of the system in their scales, of what elements keep, of time.
+    Coordinates are ways, rates, bristles, parameters, what elements keep, and what contacts remember.
 
     Attributes:
         up: Displacement of each coordinate, by columns, (displacement, size).
@@ -99,15 +99,18 @@ class Rates(NamedTuple):
     noise: float
 
 
-def parts_of(system: System, kept: int) -> tuple[slice, ...]:
-    """Return the parts of a displacement: way, rate, bristles, approach speeds, masses, kept numbers, time.
+def parts_of(system: System, kept: int, parameters: int = 0) -> tuple[slice, ...]:
+    """Return the parts of a displacement.
+
+    They are way, rate, bristles, approach speeds, masses, parameters, kept numbers, time.
 
     Args:
         system: The system.
         kept: How many numbers its elements keep.
+        parameters: How many of its numbers are displaced (:mod:`antenna_pin.nonlinear.numbers`).
     """
     nv, contacts = system.model.nv, len(system.contact_names)
-    sizes = [nv, nv, len(system.bristle_x), contacts, contacts, kept, 1]
+    sizes = [nv, nv, len(system.bristle_x), contacts, contacts, parameters, kept, 1]
     ends = np.cumsum(sizes).tolist()
     return tuple(slice(end - size, end) for end, size in zip(ends, sizes, strict=True))
 

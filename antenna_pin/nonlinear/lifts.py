@@ -28,6 +28,7 @@ class Lifts:
         parts: Of a displacement.
         speeds: ``(time, y, ways) -> (rows, k)``: the derivatives along displacements of how fast constraints
             are violated.
+        gaps: ``(time, y) -> (rows, parameters)``: the same of how far they are, over parameters.
     """
 
     def __init__(
@@ -37,11 +38,12 @@ class Lifts:
         kept: Kept,
         parts: tuple[slice, ...],
         speeds: Callable[[float, Array, Array], Array],
+        gaps: Callable[[float, Array], Array],
     ) -> None:
         """Begin with none."""
         self._workspace, self._units, self._kept, self._parts = workspace, units, kept, parts
         self._kept_units = kept.units(units.way, units.rate)
-        self._speeds = speeds
+        self._speeds, self._gaps = speeds, gaps
         self._lifted: tuple[Frame, Lift] | None = None
 
     def lift(self, frame: Frame, time: float, y: Array) -> Lift:
@@ -52,18 +54,21 @@ class Lifts:
         """
         if self._lifted is not None and self._lifted[0] is frame:
             return self._lifted[1]
-        units, (way, rate, bristles, *remembered, _) = self._units, self._parts
+        units, (way, rate, bristles, *remembered, numbers, _, _) = self._units, self._parts
         n, nb, nk, nm = frame.ways, len(self._units.bristle), len(frame.kept), len(frame.remembered)
-        size = 2 * n + nb + nk + nm
+        count = numbers.stop - numbers.start
+        size = 2 * n + nb + count + nk + nm
         up, down = np.zeros((self._parts[-1].stop, size)), np.zeros((size, self._parts[-1].stop))
         ways, rates, own = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + nb)
         up[way, ways], down[ways, way] = units.way[:, None] * frame.free, frame.free.T / units.way
         up[rate, rates], down[rates, rate] = units.rate[:, None] * frame.free, frame.free.T / units.rate
         up[bristles, own], down[own, bristles] = np.diag(units.bristle), np.diag(1.0 / units.bristle)
-        for k, number in enumerate(frame.kept, 2 * n + nb):
+        parameters = slice(2 * n + nb, 2 * n + nb + count)
+        up[numbers, parameters] = down[parameters, numbers] = np.eye(count)
+        for k, number in enumerate(frame.kept, parameters.stop):
             at, unit = self._parts[-2].start + number, self._kept_units[number]
             up[at, k], down[k, at] = unit, 1.0 / unit
-        for k, (contact, column) in enumerate(frame.remembered, 2 * n + nb + nk):
+        for k, (contact, column) in enumerate(frame.remembered, parameters.stop + nk):
             at = remembered[column - 1].start + contact
             up[at, k] = down[k, at] = 1.0
         lift = Lift(up, down)
@@ -77,7 +82,7 @@ class Lifts:
         """Let closures and motions hold in displacements, in place."""
         constraints, program = self._workspace.constraints, self._workspace.program
         assert constraints is not None
-        way, rate, *_ = self._parts
+        way, rate, *_, numbers, _, _ = self._parts
         n = frame.ways
 
         self._workspace.prepare_motions(time, y)
@@ -85,8 +90,9 @@ class Lifts:
         rows = constraints.every_row.copy()
         across = self._units.way[:, None] * frame.bound
         first = 2 * n + len(self._units.bristle)
-        places = [*range(n), *range(first, first + len(frame.kept))]  # of what moves the configuration
-        off = np.hstack([rows @ up[way, :n], self._gaps_over_kept(frame, time, y)])
+        last = first + numbers.stop - numbers.start + len(frame.kept)
+        places = [*range(n), *range(first, last)]  # of what moves the configuration
+        off = np.hstack([rows @ up[way, :n], self._gaps(time, y), self._gaps_over_kept(frame, time, y)])
         up[way, places] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
         moved = up[:, places]
         turned = self._speeds(time, y, moved)

@@ -19,7 +19,7 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.own_actions import Switch
 from antenna_pin.simulation.passages import Passage
 
-__all__ = ["Carried", "Onset", "Saltation"]
+__all__ = ["Carried", "Onset", "Passed", "Saltation"]
 
 Array = NDArray[np.float64]
 
@@ -54,6 +54,22 @@ class Onset(NamedTuple):
     rows: dict[int, tuple[Array, Array]]
 
 
+class Passed(NamedTuple):
+    """An instant at which something happened.
+
+    Attributes:
+        what: ``onset``, ``release`` or ``event``.
+        name: Of the event; of a contact its number.
+        time: When [s].
+        late: By how much later it is for each displacement [s], (k,).
+    """
+
+    what: str
+    name: str
+    time: float
+    late: Array
+
+
 class _Way(NamedTuple):
     """What happens to displacements as a function passes zero.
 
@@ -82,10 +98,12 @@ class Saltation:
         """Begin with nothing that has happened."""
         self._field = field
         self._moment = Moment(field.workspace)
-        self._replay = Replay(field.workspace, field.kept)
+        self._replay = Replay(field.workspace, field.kept, field.numbers)
         self._passages: list[Passage] = []
         run.actions.passages = self._passages
         self._table = np.zeros(len(field.workspace.table), CONTACT)
+        #: What has happened so far.
+        self.passed: list[Passed] = []
         #: How many displacements there are, and how many directions changes of mode have left of them.
         self.count = self.rank = count
 
@@ -106,6 +124,10 @@ class Saltation:
         self._passages.clear()
         return carried
 
+    def _note(self, what: str, name: str, time: float, late: Array, carried: Carried) -> None:
+        """Note by how much an instant is displaced."""
+        self.passed.append(Passed(what, name, time, late @ carried.matrix[:, : self.count]))
+
     # --- events ---------------------------------------------------------------------------------------------
 
     def _event(self, one: Passage, carried: Carried, time: float, y: Array) -> Carried:
@@ -122,9 +144,12 @@ class Saltation:
         late = np.zeros(up.shape[1])
         if not isinstance(event.when, Time):
             late = self._late(function, time, y, up, of_forces=True)
+        self._note("event", one.event.name, time, late, carried)
         passage = _Way(up, late, field.flow(time, y))
         if isinstance(event.action, Jump) or one.done:
             passage = self._jump(one, time, y, up, late)
+        if field.numbers is not None:
+            field.numbers.let_go(np.flatnonzero(field.workspace.program != one.program))
         field.workspace.program[:] = one.program
         return self._carry(passage, carried, time, y)
 
@@ -204,6 +229,7 @@ class Saltation:
         kept: dict[int, tuple[Function, float]] = {2: (mass, float(memory["effective_mass"]))}
         if memory["approach_speed"] > field.system.approach_speed_floors[c]:
             kept[1] = self._located("rate", c), float(memory["approach_speed"])
+        self._note("onset", str(c), time, late, carried)
         nothing = np.zeros(carried.matrix.shape[1])
         rows = dict.fromkeys(MEMORIES, (nothing, nothing))
         for column, (function, value) in kept.items():
@@ -236,6 +262,8 @@ class Saltation:
         field = self._field
         up = field.lift(carried.frame, time, y).up
         late = self._late(self._located("gap", c), time, y, up)
+        if onset is None:
+            self._note("release", str(c), time, late, carried)
         passage = _Way(up, late, field.flow(time, y))
         field.workspace.memory[c] = np.zeros(1, MEMORY)[0] if onset is None else onset.memory
         found = self._carry(passage, carried, time, y)

@@ -18,8 +18,7 @@ itself is off by for them is in the doubt (:mod:`antenna_pin.nonlinear.missed`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +28,11 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import NODES, Propagator, method_named
 from antenna_pin.nonlinear.breaks import BETWEEN, SAMPLES, left_over, located
 from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.frames import Frame
+from antenna_pin.nonlinear.frames import Frame, Lift
 from antenna_pin.nonlinear.missed import Kink, Missed, StepAnew
-from antenna_pin.nonlinear.saltation import Carried, Onset, Saltation
+from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.pieces import HALVINGS, Piece
+from antenna_pin.nonlinear.saltation import Carried, Onset, Passed, Saltation
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.stretches import stepper_of
 
@@ -39,58 +40,15 @@ __all__ = ["Carrier"]
 
 Array = NDArray[np.float64]
 
-# What a piece of a step may be wrong by, over the displacements and over the run's tolerance; how often a
-# step is halved for that, and how often to find where it breaks: what is wrong then is in the doubt.
-_GOOD, _HALVINGS, _SEARCHES = 1e2, 30, 8
-# Power of what is integrated over that time goes with next to where a contact begins or ends.
-_GRADE = 4
+# What a piece of a step may be wrong by, over the displacements and over the run's tolerance; and how often a
+# step is halved to find where it breaks: what is wrong then is in the doubt.
+_GOOD, _SEARCHES = 1e2, 8
 # In how many steps the round-off of rates is looked at once, where nothing changes.
 _LOOKS = 8
+# In parts of a step, what counts as the same instant.
+_AT_ONCE = 1e-12
 # How often round-off may be what a piece's derivatives are off by.
 _NOISY = 30.0
-
-
-class _Piece(NamedTuple):
-    """A part of a step, which runs from 0 to 1.
-
-    Attributes:
-        a: Where it begins.
-        b: Where it ends.
-        graded: Whether the step begins where contacts or drives have changed.
-        falling: Whether it ends there.
-        known: Whether its first and its last end are breaks that are known.
-        halvings: How often it may be cut yet.
-    """
-
-    a: float
-    b: float
-    graded: bool = False
-    falling: bool = False
-    known: tuple[bool, bool] = (False, False)
-    halvings: int = _HALVINGS
-
-    def at(self, places: Array) -> tuple[Array, Array]:
-        """Return fractions of the step and their slopes over places from 0 to 1.
-
-        Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time, and
-        likewise before a release: there time goes with a power of what is integrated over.
-        """
-        size = self.b - self.a
-        if self.graded:
-            return self.a + size * places**_GRADE, _GRADE * places ** (_GRADE - 1)
-        if self.falling:
-            rest = 1.0 - places
-            return self.b - size * rest**_GRADE, _GRADE * rest ** (_GRADE - 1)
-        return self.a + size * places, np.ones(len(places))
-
-    def cut(self, at: float, known: bool) -> tuple[_Piece, _Piece]:
-        """Return it in two, cut at a fraction of the step, which may be a break that is known."""
-        first, last = self.known
-        less = self.halvings - 1
-        return (
-            self._replace(b=at, falling=False, known=(first, known), halvings=less),
-            self._replace(a=at, graded=False, known=(known, last), halvings=less),
-        )
 
 
 class Carrier:
@@ -102,16 +60,26 @@ class Carrier:
     Args:
         run: Before its first step; its steps are made one by one.
         first: Axes in its first state.
-        ways: Displacements to carry, in coordinates along these, (size, k); all of them if left out.
+        ways: Displacements to carry, in coordinates along these, (size, k), or what makes them of these; all
+            of them if left out.
+        numbers: Parameters of the system that are coordinates too; none if left out.
+        looks: When to be shown to ``seen`` within steps, ascending [s].
 
     Attributes:
         field: The rates, with the contacts that count.
     """
 
-    def __init__(self, run: Run, first: Frame, ways: Array | None = None) -> None:
+    def __init__(
+        self,
+        run: Run,
+        first: Frame,
+        ways: Array | Callable[[Lift], Array] | None = None,
+        numbers: Numbers | None = None,
+        looks: Sequence[float] = (),
+    ) -> None:
         """Begin in the run's first state."""
         system, settings = run.system, run.settings
-        self.field = Field(system, settings)
+        self.field = Field(system, settings, numbers)
         workspace = self.field.workspace
         workspace.memory[:], workspace.program[:] = run.workspace.memory, run.workspace.program
         self._own = Workspace(system)
@@ -126,9 +94,12 @@ class Carrier:
         self._left_over = 0.0
         self._way: tuple[Frame, Array, Array] | None = None
         self._propagator = Propagator(0)
+        self._looks = list(looks)
+        #: Told of each look: ``(time, y, displacements)``, the last (displacement, k).
+        self.seen: Callable[[float, Array, Array], None] | None = None
         self._take_over(run)
-        size = self.field.lift(first, self._time, self._y).up.shape[1]
-        start = np.eye(size) if ways is None else ways
+        lift = self.field.lift(first, self._time, self._y)
+        start = np.eye(lift.up.shape[1]) if ways is None else ways(lift) if callable(ways) else ways
         self._saltation = Saltation(self.field, run, start.shape[1])
         self._missed = Missed(start.shape[1], settings.rtol)
         start = self._missed.begin(start)
@@ -138,6 +109,11 @@ class Carrier:
     def carried(self) -> Carried:
         """Displacements in the present state."""
         return self._missed.own(self._all)
+
+    @property
+    def passed(self) -> tuple[Passed, ...]:
+        """When contacts have begun and ended and events happened, and how their instants are displaced."""
+        return tuple(self._saltation.passed)
 
     @property
     def rank(self) -> int:
@@ -200,16 +176,16 @@ class Carrier:
             if theta > 1.0:
                 break
             if theta > begin:
-                self._piece(_Piece(begin, theta, known=(broken, True)))
+                self._part(Piece(begin, theta, known=(broken, True)))
             self._let_count(c, self._time + theta * size, self._at(theta))
             self.field.look_at(self._time + theta * size, self._at(theta), self._along()[0])
             begin, begins, broken = theta, True, True
         last = ends_in_change or ends_in_break
         if begins and ends_in_change:
             middle = 0.5 * (begin + 1.0)
-            self._piece(_Piece(begin, middle, True, False, (broken, False)))
+            self._part(Piece(begin, middle, True, False, (broken, False)))
             begin, begins, broken = middle, False, False
-        self._piece(_Piece(begin, 1.0, begins, ends_in_change, (broken, last)))
+        self._part(Piece(begin, 1.0, begins, ends_in_change, (broken, last)))
         whole = self._at(1.0)
         off = self._again.off(end, whole)
         if off.any():
@@ -219,6 +195,24 @@ class Carrier:
         self._time, self._y, self._changed, self._broken = end, whole, False, ends_in_break
         if self.field.workspace.constraints is not None:
             self.turn(self.field.frame(self._y))
+
+    def _part(self, piece: Piece) -> None:
+        """Carry the displacements over a part of a step, and show them where they are to be looked at."""
+        while self._looks and (theta := (self._looks[0] - self._time) / self._dense.h) < piece.b - _AT_ONCE:
+            if theta > piece.a + _AT_ONCE:
+                before, piece = piece.cut(theta, False)
+                self._piece(before)
+            self._show(piece.a)
+        self._piece(piece)
+        while self._looks and (self._looks[0] - self._time) / self._dense.h < piece.b + _AT_ONCE:
+            self._show(piece.b)
+
+    def _show(self, theta: float) -> None:
+        """Show the displacements at a fraction of the step."""
+        time, y = self._looks.pop(0), self._at(theta)
+        if self.seen is not None:
+            matrix, _, frame = self.carried
+            self.seen(time, y, self.field.lift(frame, time, y).up @ matrix)
 
     def _down(self, time: float, y: Array) -> Array:
         """Return what makes coordinates of displacements."""
@@ -260,7 +254,7 @@ class Carrier:
             self._way = frame, up @ unit, unit
         return self._way[1:]
 
-    def _piece(self, piece: _Piece) -> None:
+    def _piece(self, piece: Piece) -> None:
         """Carry the displacements over a part of the step, cut where it breaks and as short as it must be."""
         field, start, whole = self.field, self._time, self._dense.h
         frame, length, way = self._all.frame, (piece.b - piece.a) * whole, self._along()[0]
@@ -279,7 +273,7 @@ class Carrier:
         noise = _NOISY * length * max(one for _, one in seen)
         off = length * rest if length * rest <= self._good else max(length * rest - noise, 0.0)
         found_break = self._break(piece, way, low, high, seen) if off > self._good else None
-        searching = off > self._good and piece.halvings > _HALVINGS - _SEARCHES
+        searching = off > self._good and piece.halvings > HALVINGS - _SEARCHES
         if piece.halvings > 0 and (found_break is not None or searching or not step.off <= self._good):
             cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break[0]
             before, behind = piece.cut(cut, found_break is not None)
@@ -294,7 +288,7 @@ class Carrier:
         self._all = Carried(step.matrix @ old.matrix, other @ old.other, old.frame)
 
     def _break(
-        self, piece: _Piece, way: Array, low: int, high: int, seen: list[tuple[Array, float]]
+        self, piece: Piece, way: Array, low: int, high: int, seen: list[tuple[Array, float]]
     ) -> tuple[float, Kink] | None:
         """Return where rates break between two samples of a piece, as a fraction of the step, or None."""
         field = self.field
@@ -325,7 +319,7 @@ class Carrier:
         error = self._missed.error(self._all) + self._down(time, y) @ self._again.off(time, y)
         self._all = self._missed.passed(kink, error, self._all)
 
-    def _looked(self, piece: _Piece, place: float, look: Callable[[float, Array], Array]) -> Array:
+    def _looked(self, piece: Piece, place: float, look: Callable[[float, Array], Array]) -> Array:
         """Return what a look at a place of a piece shows, per what is integrated over."""
         (theta,), (slope,) = piece.at(np.array([place]))
         return float(slope) * look(self._time + float(theta) * self._dense.h, self._at(float(theta)))

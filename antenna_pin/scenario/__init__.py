@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.laws import LawChange, LawSpec
     from antenna_pin.scenario.load import load_scenario
     from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
+    from antenna_pin.scenario.numbers import Number, number_of, with_number
     from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
     from antenna_pin.scenario.references import REFERENCE_SPECS, ReferenceSpec
     from antenna_pin.scenario.rotors import RotorSpec
@@ -140,7 +141,10 @@ _HOMES = {
     "SphericalClearance": "clearance",
     "AnySpring": "drives",
     "TimeEvent": "events",
+    "Number": "numbers",
     "list_scenarios": "shipped",
+    "number_of": "numbers",
+    "with_number": "numbers",
     "load_scenario": "load",
     "joint_limits": "stops",
     "models_path": "shipped",
@@ -198,6 +202,9 @@ __all__ = [
     "MaterialSpec",
     "MechanismSpec",
     "ModalDataSpec",
+    "Number",
+    "number_of",
+    "with_number",
     "ModeSpec",
     "ModesSpec",
     "OrbitSpec",

@@ -29,7 +29,7 @@ from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
 from antenna_pin.trajectory.labelled import Unlabelled
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = ["Recording", "at_present", "recorded"]
+__all__ = ["Recording", "at_present", "recorded", "series_at"]
 
 Values = Mapping[str, Any]
 
@@ -76,6 +76,21 @@ def at_present(run: Run) -> xr.Dataset:
     ((_, values),) = recording.blocks()
     run.outcome, run.message = outcome  # what is recorded of an instant is no judgement of the run
     return recording.unlabelled(values, {}).labelled()
+
+
+def series_at(run: Run, chunk: Chunk) -> Values:
+    """Return the series that some states of a run's system imply, by name, (n, ...) each.
+
+    Args:
+        run: Any run of the system.
+        chunk: The states, and what held there besides.
+    """
+    outcome = run.outcome, run.message
+    samples = Samples(run.workspace, 1.0, (), float(chunk.times[0]), float(chunk.times[-1]))
+    samples.take_up(chunk)
+    blocks = [values for _, values in Recording(run, samples=samples).blocks()]
+    run.outcome, run.message = outcome  # what is recorded of a few states is no judgement of the run
+    return {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]}
 
 
 class Recording:

@@ -1,0 +1,131 @@
+"""Single numbers of a scenario: what stands at a key, in which unit, and the scenario with another there."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+from antenna_pin.errors import ScenarioError, UnknownNameError
+from antenna_pin.scenario._base import Quantity, Vector
+from antenna_pin.scenario._clearance import law_tables
+from antenna_pin.units import any_quantity, shown
+
+if TYPE_CHECKING:
+    from antenna_pin.scenario.scenario import Scenario
+
+__all__ = ["Number", "number_of", "with_number"]
+
+_INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")
+
+
+class Number(NamedTuple):
+    """A number of a scenario.
+
+    Attributes:
+        key: Where it stands, with dots, as in ``--set``; ``mechanism.gravity[2]`` for one of an array.
+        value: In SI units.
+        unit: Its SI unit, "1" if it has none; "" where that depends on what else stands there.
+    """
+
+    key: str
+    value: float
+    unit: str
+
+
+def number_of(scenario: Scenario, key: str, place: str) -> Number:
+    """Return the number that stands at a key.
+
+    Args:
+        scenario: The scenario.
+        key: With dots, as in ``--set``; ``mechanism.gravity[2]`` for one number of an array.
+        place: Who asks, for messages.
+
+    Raises:
+        UnknownNameError: There is no such key, or the scenario leaves it out.
+        ScenarioError: What stands there is no number.
+    """
+    name, index = _parted(key)
+    below, unit = _tables(scenario), ""
+    spec: Any = scenario
+    for part in name.split("."):
+        if not isinstance(below, Mapping) or part not in below:
+            known = [f"{before}{one}" for before in [_before(name, part)] for one in _keys(below)]
+            raise UnknownNameError(
+                place, "number of the scenario (set it first, if it is left out)", key, known
+            )
+        unit, spec = _unit(spec, part) or unit, _part(spec, part)
+        below = below[part]
+    if index is not None:
+        if not isinstance(below, list | tuple) or index >= len(below):
+            count = len(below) if isinstance(below, list | tuple) else 0
+            raise ScenarioError(f"{place}: {key} must be one of {count} numbers of an array, from [0] on")
+        below = below[index]
+    read = any_quantity(below)
+    if read is None or isinstance(below, int) and not isinstance(below, float) and unit == "":
+        raise ScenarioError(f"{place}: {key} must be a number that may differ by little, got {shown(below)}")
+    return Number(key, read[0], read[1] or unit)
+
+
+def with_number(scenario: Scenario, key: str, value: float) -> Scenario:
+    """Return a scenario with another number at a key, in SI units, as ``with_overrides`` would.
+
+    The other numbers of a law stay the same in SI units, also where an exponent is in these.
+    """
+    name, index = _parted(key)
+    if index is None:
+        table, _, own = key.rpartition(".")
+        return scenario.with_overrides({**_beside(scenario, table, own), key: value})
+    below: Any = scenario.model_dump()
+    for part in name.split("."):
+        below = below[part]
+    return scenario.with_overrides({name: [value if i == index else old for i, old in enumerate(below)]})
+
+
+def _beside(scenario: Scenario, table: str, own: str) -> dict[str, float]:
+    """Return the other numbers of a law's table, by their keys, if it is one."""
+    first, *middle, last = table.split(".") if table.count(".") else ("", "")
+    if first != "clearance" or len(middle) != 1 or middle[0] not in scenario.clearance:
+        return {}
+    numbers = law_tables(scenario.clearance[middle[0]]).get(last, {})
+    read = {name: any_quantity(one) for name, one in numbers.items() if name != own}
+    return {f"{table}.{name}": one[0] for name, one in read.items() if one is not None}
+
+
+def _parted(key: str) -> tuple[str, int | None]:
+    """Return a key without its index, and this."""
+    indexed = _INDEXED.fullmatch(key)
+    return (key, None) if indexed is None else (indexed[1], int(indexed[2]))
+
+
+def _tables(scenario: Scenario) -> dict[str, Any]:
+    """Return all tables of a scenario as a file would have them, with the units of laws."""
+    data = scenario.model_dump(exclude_none=True)
+    for joint, clearance in scenario.clearance.items():
+        data["clearance"][joint].update(law_tables(clearance))
+    return data
+
+
+def _before(name: str, part: str) -> str:
+    return name[: name.index(part)] if part in name else ""
+
+
+def _keys(below: Any) -> list[str]:
+    return [str(one) for one in below] if isinstance(below, Mapping) else []
+
+
+def _part(spec: Any, part: str) -> Any:
+    return spec.get(part) if isinstance(spec, Mapping) else getattr(spec, part, None)
+
+
+def _unit(spec: Any, part: str) -> str:
+    """Return the unit of a field of a table; "" if it has none, or several of which one is taken."""
+    field = getattr(type(spec), "model_fields", {}).get(part)
+    for item in () if field is None else (*field.metadata, *_annotations(field.annotation)):
+        if isinstance(item, Quantity | Vector):
+            return item.unit if isinstance(item.unit, str) else ""
+    return ""
+
+
+def _annotations(item: Any) -> list[Any]:
+    return [item, *(one for part in get_args(item) for one in _annotations(part))]

@@ -1,0 +1,299 @@
+"""Derivatives of a result by the variational equation, along one run and through its events."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.differences import WEIGHTS
+from antenna_pin.dynamics import System
+from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.nonlinear import Flow
+from antenna_pin.nonlinear.chart import Chart
+from antenna_pin.nonlinear.frames import Lift, parts_of, way_between
+from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.saltation import Passed
+from antenna_pin.nonlinear.variational import Carrier
+from antenna_pin.records import memory_records
+from antenna_pin.scenario import Scenario, with_number
+from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
+from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.record import series_at
+from antenna_pin.simulation.samples import Chunk
+from antenna_pin.state import State
+
+__all__ = ["ByEquation", "Displaced"]
+
+Array = NDArray[np.float64]
+
+# Step of differences of first states, in a parameter's scale; steps of those of samples, the largest first,
+# and how well their two orders agree at least, over the derivative; round-off of a sample, over its size.
+_START, _STEPS, _GOOD, _ROUND_OFF = 1e-3, (1e-3, 1e-4, 1e-5, 1e-6), 1e-9, 1e-14
+
+
+class Displaced(NamedTuple):
+    """States of a run, and how they are displaced with each parameter.
+
+    Attributes:
+        chunk: The states, and what held there besides.
+        ways: Displacements, (n, displacement, parameters).
+        doubts: Of these, over their sizes, (n, parameters).
+        words: Derivatives of the program there, (n, parameters, words).
+    """
+
+    chunk: Chunk
+    ways: Array
+    doubts: Array
+    words: Array
+
+
+class Neighbour(NamedTuple):
+    """A scenario next to the given one.
+
+    Attributes:
+        scenario: The scenario.
+        system: What it builds.
+        first: The state that it starts from.
+    """
+
+    scenario: Scenario
+    system: System
+    first: State
+
+
+class ByEquation:
+    """Differentiates samples of one run of a scenario.
+
+    Args:
+        scenario: The scenario.
+        parameters: Its numbers.
+        settings: How to integrate.
+
+    Raises:
+        InvalidParameterError: It has controllers, or a parameter is one of an event.
+    """
+
+    def __init__(self, scenario: Scenario, parameters: Sequence[Parameter], settings: RunSettings) -> None:
+        """Build the system and its neighbours."""
+        check_without_controllers("sensitivities", scenario)
+        self._scenario, self._parameters, self._settings = scenario, tuple(parameters), settings
+        self._made = functools.cache(self._neighbour)
+        self._here = self._made(0, 0.0)
+        system = self._here.system
+        self.flow = Flow(system, settings, events_of(scenario), scenario)
+        builds = [functools.partial(self._system, k) for k in range(len(self._parameters))]
+        self._numbers = Numbers(system, builds, [one.key for one in self._parameters])
+        self._kept = Kept(system)
+        # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
+        self._numbers.slopes["program"][:, self._kept.words] = 0.0
+        self._parts = parts_of(system, len(self._kept), len(self._parameters))
+
+    def _neighbour(self, k: int, s: float) -> Neighbour:
+        """Return the scenario with a parameter so many scales farther."""
+        one, scenario = self._parameters[k], self._scenario
+        if s != 0.0:
+            value = one.value + s * one.scale
+            try:
+                scenario = with_number(scenario, one.key, value)
+            except AntennaPinError as error:
+                said = f"sensitivities: {one.key} must have room on both sides: {error}"
+                raise SensitivityError(said) from error
+            if scenario.events != self._scenario.events:
+                rule = "none of an event's, which only differences of runs take (method = 'runs')"
+                raise InvalidParameterError("sensitivities", "key", rule, said=one.key)
+        system = build_system(scenario)
+        flow = Flow(system, self._settings, events_of(scenario))
+        first = flow.first(*initial_state(scenario, system), initial_angles(scenario, system))
+        return Neighbour(scenario, system, first)
+
+    def _system(self, k: int, s: float) -> System:
+        return self._made(k, s).system
+
+    def _start(self, lift: Lift) -> Array:
+        """Return the displacements of the first state in coordinates, (size, parameters)."""
+        columns = []
+        for k in range(len(self._parameters)):
+            ahead, behind = (
+                np.array([self._apart(k, side * j * _START) for j in (1, 2, 3)]) for side in (1, -1)
+            )
+            columns.append(WEIGHTS[0] @ (ahead - behind) / _START)
+        ways = np.column_stack(columns)
+        ways[self._parts[-3]] = np.eye(len(self._parameters))
+        return lift.down @ ways
+
+    def _apart(self, k: int, s: float) -> Array:
+        """Return the displacement of a neighbour's first state, without that of the parameter itself."""
+        here, there, system = self._here.first, self._made(k, s).first, self._here.system
+        ours, theirs = (memory_records(one.memory) for one in (here, there))
+        if not np.array_equal(ours["touching"], theirs["touching"]):
+            one = self._parameters[k]
+            raise GrazeError(
+                f"sensitivities: with {one.key} = {one.value + s * one.scale:.9g} other contacts touch "
+                "at the start: it has no derivative there; start apart, or deeper",
+                here.time,
+            )
+        way, rate, bristles, speeds, masses, _, kept, _ = self._parts
+        out = np.zeros(self._parts[-1].stop)
+        out[way], out[rate] = way_between(system, here.q, there.q), there.v - here.v
+        at = np.asarray(system.bristle_x, dtype=int)
+        out[bristles] = there.x[at] - here.x[at]
+        touch = ours["touching"] != 0.0
+        for part, name in ((speeds, "approach_speed"), (masses, "effective_mass")):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                logs = np.log(theirs[name] / ours[name])
+            out[part] = np.where(touch & np.isfinite(logs), logs, 0.0)
+        out[kept] = self._kept.between(tuple(range(len(self._kept))), here, there)
+        return out
+
+    def carried(self, times: Array, duration: float) -> tuple[Displaced, tuple[Passed, ...]]:
+        """Return states of the run at some times, and instants, with how parameters displace them.
+
+        Args:
+            times: When, ascending (n,) [s].
+            duration: Of the run [s].
+
+        Raises:
+            GrazeError: A contact begins, or an event happens, with no speed.
+        """
+        seen: list[tuple[Any, ...]] = []
+
+        def see(carrier: Carrier, time: float, y: Array, ways: Array) -> None:
+            field, sizes = carrier.field, np.linalg.norm(carrier.carried.matrix, axis=0)
+            if not np.isfinite(ways).all():
+                when = max((one.time for one in carrier.passed if one.time <= time), default=time)
+                raise GrazeError(
+                    f"sensitivities: at {when:.9g} s a contact or an event comes with no speed: there is no "
+                    "derivative behind that; take other values, or a span that ends before",
+                    when,
+                )
+            memory, program = field.workspace.memory.copy(), field.workspace.program.copy()
+            assert field.numbers is not None
+            words = field.numbers.program.copy()
+            seen.append((time, y.copy(), memory, program, ways.copy(), carrier.doubt / sizes, words))
+
+        frame = Chart(self.flow.system, self._here.first).frame
+        carrier, _ = self.flow.carry(
+            self._here.first,
+            duration,
+            frame,
+            self._start,
+            numbers=self._numbers,
+            looks=times.tolist(),
+            seen=see,
+        )
+        at, states, memories, programs, ways, doubts, words = zip(*seen, strict=True)
+        chunk = Chunk(np.array(at), np.array(states), np.array(memories), list(programs))
+        return Displaced(chunk, np.array(ways), np.array(doubts), np.array(words)), carrier.passed
+
+    # --- samples --------------------------------------------------------------------------------------------
+
+    def series(self, displaced: Displaced) -> dict[str, tuple[Array, Array]]:
+        """Return derivatives of the series of a result at samples, and their doubts, (n, ..., parameters).
+
+        Not of those that follow from what is integrated along a run, works and impulses.
+        """
+        here, integrated = self._seen(displaced.chunk, 0, 0.0), self._integrated(displaced)
+        names = [name for name, one in here.items() if one.dtype.kind == "f" and name not in integrated]
+        found: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names if name != "time"}
+        for k in range(len(self._parameters)):
+            best: dict[str, tuple[Array, Array]] = {}
+            for step in _STEPS:
+                ahead, behind = (
+                    [
+                        self._seen(self._displaced(displaced, k, side * j * step), k, side * j * step)
+                        for j in (1, 2, 3)
+                    ]
+                    for side in (1, -1)
+                )
+                good = True
+                for name in found:
+                    odd = np.array([one[name] for one in ahead]) - np.array([one[name] for one in behind])
+                    sixth, fourth = np.tensordot(WEIGHTS, odd, 1) / step
+                    rest = np.abs(sixth - fourth) + _ROUND_OFF * np.abs(here[name]) / step
+                    rest = _most(rest)
+                    if name in best:
+                        better = rest < best[name][1]
+                        sixth, rest = (
+                            np.where(better, sixth, best[name][0]),
+                            np.where(better, rest, best[name][1]),
+                        )
+                    best[name] = sixth, rest
+                    good = good and bool(
+                        (rest <= _GOOD * np.maximum(_most(np.abs(sixth)), _most(np.abs(here[name])))).all()
+                    )
+                if good:
+                    break
+            scale = self._parameters[k].scale
+            for name, (value, rest) in best.items():
+                carried = displaced.doubts[:, k].reshape(-1, *[1] * (value.ndim - 1)) * _most(np.abs(value))
+                found[name].append((value / scale, (rest + carried) / scale))
+        return {
+            name: (np.stack([v for v, _ in each], axis=-1), np.stack([d for _, d in each], axis=-1))
+            for name, each in found.items()
+        }
+
+    def _seen(self, chunk: Chunk, k: int, s: float) -> dict[str, Array]:
+        """Return the series that states imply of a neighbour's system, by name."""
+        one = self._made(k, s)
+        run = Run(one.system, one.first, 1.0, self._settings, ())
+        return dict(series_at(run, chunk))
+
+    def _displaced(self, displaced: Displaced, k: int, s: float) -> Chunk:
+        """Return states displaced along a parameter so many scales."""
+        system, chunk = self._here.system, displaced.chunk
+        nq, nv = system.model.nq, system.model.nv
+        way, rate, bristles, speeds, masses, _, kept, _ = self._parts
+        states, memories, programs = chunk.states.copy(), chunk.memories.copy(), []
+        at = nq + nv + np.asarray(system.bristle_x, dtype=int)
+        field = self._made(k, s).system
+        for i, y in enumerate(states):
+            move = s * displaced.ways[i, :, k]
+            y[:nq] = _retracted(system, y[:nq], move[way])
+            y[nq : nq + nv] += move[rate]
+            y[at] += move[bristles]
+            memories[i]["approach_speed"] *= np.exp(move[speeds])
+            memories[i]["effective_mass"] *= np.exp(move[masses])
+            program = chunk.programs[i] + s * displaced.words[i, k]
+            program[self._kept.words] += move[kept]
+            programs.append(program)
+            field.turn_on(y)
+        return Chunk(chunk.times, states, memories, programs)
+
+    def _integrated(self, displaced: Displaced) -> set[str]:
+        """Return which series follow from what is integrated along a run, since its first sample too."""
+        system, first = self._here.system, self._here.system.model.nq + self._here.system.model.nv
+        own = np.ones(system.manifold.nx, dtype=bool)
+        own[np.asarray(system.bristle_x, dtype=int)] = False
+        own[list(system.turn_x.values())] = False
+        both = Chunk.joined([displaced.chunk.part(0, 1), displaced.chunk])
+        states = both.states.copy()
+        states[1:, first:][:, own] += 1.0
+        here, other = (self._seen(one, 0, 0.0) for one in (both, both._replace(states=states)))
+        return {
+            name
+            for name, one in here.items()
+            if not np.array_equal(one, other[name], equal_nan=one.dtype.kind == "f")
+        }
+
+
+def _most(sizes: Array) -> Array:
+    """Return the largest of each sample, (n, ...), in every place of it."""
+    if sizes.ndim == 1:
+        return sizes
+    most = sizes.max(axis=tuple(range(1, sizes.ndim)), keepdims=True, initial=0.0)
+    return np.broadcast_to(most, sizes.shape)
+
+
+def _retracted(system: System, q: Array, step: Array) -> Array:
+    """Return a configuration moved by a step in the coordinates of velocities."""
+    import pinocchio as pin
+
+    return np.asarray(pin.integrate(system.model, q, step))

@@ -1,0 +1,231 @@
+"""Derivatives of a result by differences of runs, each of which finds its own contacts and events."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from antenna_pin.differences import WEIGHTS
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.scenario import Scenario, with_number
+from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
+from antenna_pin.settings import RunSettings
+from antenna_pin.side_by_side import side_by_side
+from antenna_pin.simulation import simulate
+from antenna_pin.state import State
+from antenna_pin.trajectory import Outcome, Trajectory
+
+__all__ = ["ByRuns", "Slopes", "numbers_at"]
+
+Array = NDArray[np.float64]
+
+# Steps of differences of each order, over a parameter's scale, the largest first; the first with which two
+# orders agree so well counts, else the one with which they agree best.
+_STEPS = {6: (1e-3, 1e-4, 1e-5, 1e-6), 2: (1e-4, 1e-5, 1e-6)}
+_GOOD = {6: 1e-7, 2: 1e-3}
+# Numbers of how a run is computed, none of the motion.
+_OF_THE_RUN = ("energy_error",)
+# How many of its tolerances a run is off by, about.
+_TOLERANCES = 10.0
+# Where a run has samples that are asked for: how near [ulp of the last].
+_ULPS = 4.0
+
+
+class Slopes(NamedTuple):
+    """Derivatives over one parameter.
+
+    Attributes:
+        values: By variable.
+        doubts: Likewise: what is between differences of two orders, and the runs' own error.
+    """
+
+    values: dict[str, Array]
+    doubts: dict[str, Array]
+
+
+def numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
+    """Return the numbers of a result that may have derivatives, at some of its times.
+
+    Raises:
+        SensitivityError: The run has no sample there.
+    """
+    names = [name for name, one in run.data.data_vars.items() if one.dtype.kind == "f"]
+    data = run.data[[name for name in names if name not in _OF_THE_RUN]]
+    if "time" not in data.sizes:
+        return data
+    had = run.data["time"].values
+    near = _ULPS * np.spacing(max(float(had[-1]), float(times.max(initial=0.0))))
+    at = np.searchsorted(had, times + near, side="right") - 1
+    lacking = np.abs(had[at] - times) > near
+    if lacking.any():
+        raise SensitivityError(f"sensitivities: the run has no sample at {times[lacking][0]:.9g} s")
+    return data.isel(time=at).assign_coords(time=times)
+
+
+def _sizes(data: xr.Dataset) -> dict[str, float]:
+    """Return how large the numbers of the unit of each variable are."""
+    own = {
+        str(name): float(np.nanmax(np.abs(one.values), initial=0.0)) for name, one in data.data_vars.items()
+    }
+    most: dict[str, float] = {}
+    for name, size in own.items():
+        unit = str(data[name].attrs.get("units", ""))
+        most[unit] = max(most.get(unit, 0.0), size)
+    return {name: most[str(data[name].attrs.get("units", ""))] for name in own}
+
+
+class ByRuns:
+    """Differentiates what runs of a scenario give.
+
+    Args:
+        scenario: The scenario.
+        settings: Of all runs.
+        duration: Of all runs [s].
+        times: At which samples are differentiated, (times,) [s].
+        start: From where they go on; the scenario's start if None.
+        processes: In how many processes runs are made.
+        order: Of differences: 6, of six runs a parameter, or 2, of two.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        settings: RunSettings,
+        duration: float,
+        times: Array,
+        start: State | None = None,
+        processes: int = 1,
+        order: int = 6,
+    ) -> None:
+        """Make the run itself."""
+        self._order = order
+        self._scenario, self._settings, self._duration = scenario, settings, duration
+        self._times, self._start, self._processes = times, start, processes
+        self.run = self._made(scenario, "the run")
+        self.here = numbers_at(self.run, times)
+        #: How large numbers of a variable are, or of others of its unit: it may be next to zero itself.
+        self.sizes = _sizes(self.here)
+
+    def _made(self, scenario: Scenario, what: str) -> Trajectory:
+        """Return a run.
+
+        Raises:
+            SensitivityError: It did not come to its end.
+        """
+        given = {"settings": self._settings, "duration": self._duration, "start": self._start}
+        run = simulate(scenario, **given)  # type: ignore[arg-type]
+        if run.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        if not run.completed:
+            raise SensitivityError(f"sensitivities: {what} has not come to its end: {run.message}")
+        return run
+
+    def over(self, parameters: Sequence[Parameter]) -> list[Slopes]:
+        """Return the derivatives over each of some parameters.
+
+        Raises:
+            GrazeError: A contact or an event comes or goes with one.
+            SensitivityError: A run did not come to its end, or the scenario refuses a neighbour's value.
+        """
+        return [self._over(one) for one in parameters]
+
+    def _over(self, parameter: Parameter) -> Slopes:
+        best: dict[str, tuple[float, Array, Array]] = {}
+        unlike: GrazeError | None = None
+        for step in _STEPS[self._order]:
+            try:
+                found = self._differences(parameter, step)
+            except GrazeError as error:
+                unlike = error
+                continue
+            for name, (value, doubt) in found.items():
+                # What changes a number by less than its own size over the scale is faint beside it.
+                own = self.sizes[name] / parameter.scale
+                size = max(float(np.nanmax(np.abs(value), initial=0.0)), own)
+                worst = float(np.nanmax(doubt, initial=0.0)) / size if size > 0.0 else 0.0
+                if name not in best or worst < best[name][0]:
+                    best[name] = worst, value, doubt
+            if max((worst for worst, *_ in best.values()), default=0.0) <= _GOOD[self._order]:
+                break
+        if not best:
+            assert unlike is not None
+            raise unlike
+        return Slopes({k: value for k, (_, value, _) in best.items()}, {k: d for k, (*_, d) in best.items()})
+
+    def _differences(self, parameter: Parameter, step: float) -> dict[str, tuple[Array, Array]]:
+        """Return derivatives and their doubts by variable, by runs of neighbours on both sides."""
+        h, points = step * parameter.scale, (1, 2, 3) if self._order == 6 else (1,)
+        values = [parameter.value + side * point * h for side in (1, -1) for point in points]
+        work: Callable[[float], dict[str, Array]] = functools.partial(self._neighbour, parameter)
+        made = list(side_by_side(work, values, self._processes))
+        found = {}
+        for name, here in self.here.data_vars.items():
+            sides = made[: len(points)], made[len(points) :]
+            ahead, behind = (np.array([one[str(name)] for one in side]) for side in sides)
+            if self._order == 6:
+                best, other = np.tensordot(WEIGHTS, ahead - behind, 1) / h
+            else:  # on one side it is of first order
+                best, other = 0.5 * (ahead - behind)[0] / h, (ahead[0] - here.values) / h
+            noise = _TOLERANCES * self._settings.rtol * self.sizes[str(name)] / h
+            found[str(name)] = best, np.abs(best - other) + noise
+        return found
+
+    def _neighbour(self, parameter: Parameter, value: float) -> dict[str, Array]:
+        """Return the numbers of a neighbour's run, by variable.
+
+        Raises:
+            GrazeError: Other contacts begin in it, or other events happen.
+        """
+        what = f"with {parameter.key} = {value:.9g}"
+        try:
+            other = with_number(self._scenario, parameter.key, value)
+        except AntennaPinError as error:
+            raise SensitivityError(
+                f"sensitivities: {parameter.key} must have room on both sides: {error}"
+            ) from error
+        run = self._made(other, f"a run {what}")
+        self._check_alike(run, what)
+        there = numbers_at(run, self._times)
+        return {str(name): np.asarray(there[name].values, dtype=float) for name in self.here.data_vars}
+
+    def _check_alike(self, run: Trajectory, what: str) -> None:
+        """Refuse a neighbour in which other contacts begin, or other things happen."""
+        ours, theirs = self.run.data, run.data
+        for name, here in ours.variables.items():
+            there: Any = theirs.variables.get(name)
+            if (
+                "time" in here.dims
+                or here.dtype.kind == "f"
+                and there is not None
+                and here.shape == there.shape
+            ):
+                continue
+            if there is None or here.shape != there.shape or not np.array_equal(here.values, there.values):
+                time = _first_unlike(ours, theirs)
+                at = "" if np.isnan(time) else f", first at {time:.9g} s"
+                raise GrazeError(
+                    f"sensitivities: {what}, other contacts begin or other events happen{at}: it has no "
+                    f"derivative there; take another value, or a span that ends before",
+                    time,
+                )
+
+
+def _first_unlike(ours: xr.Dataset, theirs: xr.Dataset) -> float:
+    """Return when contacts of two runs begin to differ [s]; NaN if all begin alike."""
+    if "onset_time" not in ours or "onset_time" not in theirs:
+        return float("nan")
+    mine, other = (
+        list(zip(one["onset_time"].values, one["episode_contact"].values, strict=True))
+        for one in (ours, theirs)
+    )
+    for k in range(max(len(mine), len(other))):
+        if k >= len(mine) or k >= len(other):
+            return float((mine if k < len(mine) else other)[k][0])
+        if mine[k][1] != other[k][1]:
+            return float(min(mine[k][0], other[k][0]))
+    return float("nan")

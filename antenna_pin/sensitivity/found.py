@@ -1,0 +1,95 @@
+"""Derivatives of a result over numbers of its scenario, as they are handed on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from antenna_pin.brief import brief
+from antenna_pin.errors import UnknownNameError
+from antenna_pin.sensitivity.parameters import Parameter
+from antenna_pin.trajectory import Trajectory
+
+__all__ = ["Sensitivities", "dataset_of"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensitivities:
+    """Derivatives of all that a run gives, over numbers of its scenario.
+
+    Attributes:
+        run: The run itself.
+        parameters: The numbers, in the order of ``parameter``.
+        data: By the names of the result's variables, at the times that were asked for: ``NAME``, its
+            derivatives ``d_NAME`` over (..., parameter), and ``doubt_NAME``, by how much these are in doubt.
+    """
+
+    run: Trajectory
+    parameters: tuple[Parameter, ...]
+    data: xr.Dataset
+
+    __repr__ = brief
+
+    def derivative(self, variable: str) -> Array:
+        """Return the derivatives of a variable of the result, (time, ..., parameter), in SI units.
+
+        Args:
+            variable: Its name, as in the result.
+
+        Raises:
+            UnknownNameError: The result has no such number.
+        """
+        return self._of("d_", variable)
+
+    def doubt(self, variable: str) -> Array:
+        """Return by how much :meth:`derivative` is in doubt, likewise."""
+        return self._of("doubt_", variable)
+
+    def relative(self, variable: str) -> Array:
+        """Return by how much a variable changes per scale of each parameter, (time, ..., parameter).
+
+        A hundredth of it is the change per 1 %, where scales are the parameters' values.
+        """
+        return np.asarray(self.derivative(variable) * np.array([one.scale for one in self.parameters]))
+
+    def _of(self, kind: str, variable: str) -> Array:
+        if f"d_{variable}" not in self.data:
+            known = [str(name)[2:] for name in self.data if str(name).startswith("d_")]
+            raise UnknownNameError("sensitivities", "variable with derivatives", variable, known)
+        return np.asarray(self.data[f"{kind}{variable}"].values)
+
+
+def dataset_of(
+    here: xr.Dataset, slopes: dict[str, Array], doubts: dict[str, Array], parameters: tuple[Parameter, ...]
+) -> xr.Dataset:
+    """Return variables and derivatives side by side.
+
+    Args:
+        here: The variables.
+        slopes: Derivatives by variable, (..., parameter).
+        doubts: Likewise.
+        parameters: The parameters.
+    """
+    found: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
+    for name, slope in slopes.items():
+        dims = (*map(str, here[name].dims), "parameter")
+        unit, words = (str(here[name].attrs.get(one, "")) for one in ("units", "long_name"))
+        about = {"units": f"{unit} per unit of the parameter", "long_name": f"derivative of {words or name}"}
+        found[f"d_{name}"] = dims, slope, about
+        found[f"doubt_{name}"] = (
+            dims,
+            doubts[name],
+            about | {"long_name": f"doubt of the {about['long_name']}"},
+        )
+    labels = {
+        "parameter": [one.key for one in parameters],
+        "parameter_value": ("parameter", [one.value for one in parameters]),
+        "parameter_scale": ("parameter", [one.scale for one in parameters]),
+        "parameter_unit": ("parameter", [one.unit for one in parameters]),
+    }
+    return here.assign(found).assign_coords(labels)

@@ -1,0 +1,163 @@
+"""Sensitivities of a scenario's results to its numbers."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from antenna_pin.arguments import takes
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.scenario import Scenario
+from antenna_pin.sensitivity.by_equation import ByEquation
+from antenna_pin.sensitivity.by_runs import ByRuns, Slopes
+from antenna_pin.sensitivity.found import Sensitivities, dataset_of
+from antenna_pin.sensitivity.parameters import Parameter, SensitivityError, parameters_of
+from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.from_scenario import settings_of
+from antenna_pin.state import State
+
+__all__ = ["sensitivities"]
+
+# Of runs that are differentiated, where no settings are given.
+_RTOL = 1e-12
+# By how much the equation may differ from differences of second order of runs, over the larger of a number's
+# own size and its change over a scale; and two times of one event [s].
+_APART, _SAME = 1e-4, 1e-9
+
+Method = Literal["runs", "quick-runs", "equation"]
+
+
+@takes(duration="s")
+def sensitivities(
+    scenario: Scenario,
+    keys: Sequence[str] | Mapping[str, float | str | None],
+    times: ArrayLike | None = None,
+    *,
+    duration: float | str | None = None,
+    settings: RunSettings | None = None,
+    start: State | None = None,
+    method: Method = "runs",
+    processes: int = 1,
+) -> Sensitivities:
+    """Return the derivatives of a scenario's results over some of its numbers.
+
+    By ``runs`` all numbers of the result have them: samples at given times, instants and peaks of contacts,
+    impulses, losses, whatever the schema names. They are differences of sixth order of six runs a parameter,
+    each of which locates its own contacts and events, in doubt by what fourth order says otherwise and by the
+    runs' own error; ``quick-runs`` are of second order, of two.
+
+    The ``equation`` carries displacements along one run, and through events by their saltation
+    (:mod:`antenna_pin.nonlinear.variational`): samples have derivatives but for works and impulses, and so
+    have the instants of contacts. It takes more time, and neighbours need not be alike in it: so it is held
+    against two runs a parameter, and refused where they contradict.
+
+    Args:
+        scenario: The scenario.
+        keys: Of its numbers, as in ``--set``; ``mechanism.gravity[2]`` for one of an array. A mapping gives
+            each a scale, beside which changes are small, a number or text with a unit: the size of its value
+            if None, and to be given where that is 0.
+        times: At which samples are differentiated, ascending [s]; the scenario's output if left out.
+        duration: Of the run [s]; the scenario's if left out, or up to the last of ``times``.
+        settings: How to integrate; with the scenario's engine, order 8(5,3) and 1e-12 if left out.
+        start: From where the run goes on, the ``end`` of another; the scenario's start if left out.
+        method: ``runs``, ``quick-runs`` or ``equation``.
+        processes: In how many processes runs are made side by side.
+
+    Raises:
+        GrazeError: A contact or an event comes or goes with the smallest change: there is no derivative.
+        SensitivityError: A run does not come to its end, or a number has no neighbours.
+        AntennaPinError: The input is not valid.
+    """
+    place = "sensitivities"
+    assert not isinstance(duration, str)
+    parameters = parameters_of(scenario, keys, place)
+    begin = 0.0 if start is None else start.reached
+    used, at, span = _sampled(scenario, times, duration, settings, begin)
+    if method == "equation" and start is not None:
+        rule = "left out where method = 'equation', which begins with the scenario's start"
+        raise InvalidParameterError(place, "start", rule, said="a state")
+    runs = ByRuns(scenario, used, span, at, start, processes, 6 if method == "runs" else 2)
+    found = runs.over(parameters)
+    if method == "equation":
+        equation = ByEquation(scenario, parameters, used)
+        found = _held_against(found, _by_equation(equation, runs, at, span, parameters), runs, parameters)
+    slopes, doubts = (
+        {name: np.stack([getattr(one, kind)[name] for one in found], axis=-1) for name in found[0].values}
+        for kind in ("values", "doubts")
+    )
+    here = runs.here[list(slopes)]
+    return Sensitivities(runs.run, parameters, dataset_of(here, slopes, doubts, parameters))
+
+
+def _by_equation(
+    equation: ByEquation, runs: ByRuns, at: np.ndarray, span: float, parameters: tuple[Parameter, ...]
+) -> list[Slopes]:
+    """Return the derivatives over each parameter by the variational equation."""
+    displaced, passed = equation.carried(at, span)
+    series = equation.series(displaced)
+    found = []
+    for k, one in enumerate(parameters):
+        values = {name: v[..., k] for name, (v, _) in series.items() if name in runs.here}
+        doubts = {name: d[..., k] for name, (_, d) in series.items() if name in runs.here}
+        for name, what in (("onset_time", "onset"), ("release_time", "release")):
+            if name not in runs.here:
+                continue
+            times, contacts = runs.here[name].values, runs.run.data["episode_contact"].values
+            late = np.zeros(len(times))
+            for i, (time, contact) in enumerate(zip(times, contacts, strict=True)):
+                near = (p for p in passed if p.what == what and p.name == str(contact))
+                late[i] = next((p.late[k] / one.scale for p in near if abs(p.time - time) < _SAME), 0.0)
+            values[name], doubts[name] = late, np.abs(late) * displaced.doubts[:, k].max()
+        found.append(Slopes(values, doubts))
+    return found
+
+
+def _held_against(
+    runs: list[Slopes], found: list[Slopes], made: ByRuns, parameters: tuple[Parameter, ...]
+) -> list[Slopes]:
+    """Return what the equation gives, or refuse it where runs contradict it."""
+    for one, ours, theirs in zip(parameters, found, runs, strict=True):
+        for name, value in ours.values.items():
+            size = made.sizes[name] / one.scale
+            size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
+            off = np.abs(value - theirs.values[name]) - 2.0 * theirs.doubts[name] - ours.doubts[name]
+            if float(np.nanmax(off, initial=-math.inf)) > _APART * size:
+                raise SensitivityError(
+                    f"sensitivities: over {one.key} the equation and runs contradict about {name}, by "
+                    f"{float(np.nanmax(off)) / size:.2g} of its size: what that key changes is not all carried; "
+                    "take method = 'runs'"
+                )
+    return found
+
+
+def _sampled(
+    scenario: Scenario,
+    times: ArrayLike | None,
+    duration: float | None,
+    settings: RunSettings | None,
+    begin: float,
+) -> tuple[RunSettings, np.ndarray, float]:
+    """Return how to integrate, the times of samples (times,) [s] and the span of the run [s]."""
+    used = settings or dataclasses.replace(
+        settings_of(scenario), accuracy=None, method="dormand-prince-853", rtol=_RTOL
+    )
+    if times is None:
+        span = scenario.duration if duration is None else duration
+        count = int(np.floor(span * used.output_rate * (1.0 + 1e-12)))
+        at = begin + np.arange(count + 1) / used.output_rate
+        return dataclasses.replace(used, output_times=tuple(at.tolist())), at, span
+    at = np.atleast_1d(np.asarray(times, dtype=float))
+    if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or not (np.diff(at) > 0.0).all():
+        raise InvalidParameterError("sensitivities", "times", "finite and ascending [s]", times)
+    if not at[0] >= begin:
+        raise InvalidParameterError("sensitivities", "times", f"from {begin:g} s on", float(at[0]))
+    span = float(at[-1]) - begin if duration is None else duration
+    if not at[-1] <= begin + span * (1.0 + 1e-12):
+        rule = f"within the run, which ends at {begin + span:g} s"
+        raise InvalidParameterError("sensitivities", "times", rule, float(at[-1]))
+    return dataclasses.replace(used, output_rate=0.5 / span, output_times=tuple(at.tolist())), at, span
