@@ -57,7 +57,7 @@ class Stepper:
         problem: The differential equation.
         method: The method.
         scales: Absolute size of one unit of tolerance per component of [u, v, x], (2 nv + nx,): the error
-            of a step counts against rtol (scale + |value|); an infinite scale leaves a component out.
+            of a step counts against rtol (scale + ``|value|``); an infinite scale leaves a component out.
         rtol: Relative tolerance [-].
     """
 

@@ -1,0 +1,100 @@
+"""How Sphinx makes the site: ``scripts/docs`` lays out its source and builds it without network."""
+
+from importlib.metadata import version as version_of
+
+
+project = "antenna_pin"
+author = "antenna_pin developers"
+copyright = "antenna_pin developers"  # noqa: A001 - Sphinx' name
+version = release = version_of("antenna-pin")
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.mathjax",
+    "sphinx_gallery.gen_gallery",
+]
+root_doc = "docs/index"
+exclude_patterns = ["**/.*", "docs/gallery/*.ipynb", "scripts/examples/GALLERY_HEADER.rst"]
+nitpicky = False
+keep_warnings = True
+
+# --- pages: those of docs/ as GitHub shows them, with anchors as GitHub makes them ---
+
+myst_enable_extensions = ["dollarmath", "amsmath"]
+myst_heading_anchors = 4
+# A formula in dollars is one wherever it stands; a shell's prompt stands in a block.
+myst_dmath_double_inline = True
+# Reference tables hold headings below their page's, at the level that GitHub gives them; and a rule of a parameter
+# ("positive"), which stands in its annotation, may be the name of something.
+suppress_warnings = ["myst.header", "ref.python"]
+
+# --- notebooks: run by the build, and kept until they change ---
+
+nb_execution_mode = "cache"
+nb_execution_timeout = 120
+nb_execution_raise_on_error = True
+nb_merge_streams = True
+
+# --- formulas: drawn in the browser by a script of the site's own ---
+
+mathjax_path = "mathjax.js"
+mathjax3_config = {"svg": {"fontCache": "global"}, "options": {"enableMenu": False}}
+
+# --- names of the code ---
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+autodoc_default_options = {"members": True, "inherited-members": False, "undoc-members": False}
+autodoc_preserve_defaults = True
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+toc_object_entries = False
+maximum_signature_line_length = 90
+add_module_names = False
+
+# --- examples: run by the build, with what they print and draw ---
+
+sphinx_gallery_conf = {
+    "examples_dirs": ["scripts/examples"],
+    "gallery_dirs": ["docs/gallery"],
+    "filename_pattern": "/run_",
+    "download_all_examples": False,
+    "show_memory": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    "abort_on_example_error": True,
+    "remove_config_comments": True,
+    "image_scrapers": ("matplotlib",),
+    "reset_modules": (),
+    "write_computation_times": False,
+}
+
+# --- looks ---
+
+html_theme = "pydata_sphinx_theme"
+html_title = "antenna_pin"
+html_static_path = ["_static"]
+html_extra_path = ["extra"]
+html_css_files = ["site.css"]
+html_show_sourcelink = False
+html_copy_source = False
+html_sidebars = {"docs/index": []}
+html_theme_options = {
+    "navigation_with_keys": False,
+    "show_nav_level": 1,
+    "navigation_depth": 2,
+    "show_toc_level": 2,
+    "collapse_navigation": True,
+    "secondary_sidebar_items": ["page-toc"],
+    "footer_start": ["copyright"],
+    "footer_end": [],
+    "header_links_before_dropdown": 7,
+    "pygments_light_style": "a11y-high-contrast-light",
+    "pygments_dark_style": "a11y-high-contrast-dark",
+}
+

@@ -1,0 +1,72 @@
+"""Lay out the source of the site, build it, and check what was built; ``scripts/docs`` calls it.
+
+The source is laid out under ``build/docs/source`` as the checkout is, so that links between pages are those that hold
+on GitHub; generated pages are added there. Nothing is written into the checkout.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import http.server
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from laid_out import lay_out
+from verdict import complaints
+
+ROOT = Path(__file__).parents[2]
+BUILT = ROOT / "build" / "docs"
+
+__all__ = ["build"]
+
+
+def build(built: Path = BUILT, *, anew: bool = False) -> Path:
+    """Build the site and return its folder; the process ends where Sphinx has a warning.
+
+    Args:
+        built: Folder for source, site and what is kept between builds.
+        anew: Whether nothing of an earlier build is used, but for notebooks that were run.
+    """
+    source, site, kept = built / "source", built / "site", built / "kept"
+    lay_out(source)
+    if anew:
+        shutil.rmtree(site, ignore_errors=True)
+        shutil.rmtree(kept, ignore_errors=True)
+    options = ["-W", "--keep-going", "-q", "-j", "2", "-d", str(kept), "-D", f"nb_execution_cache_path={built}/cells"]
+    command = [sys.executable, "-m", "sphinx", "-b", "html", "-c", str(source / "docs")]
+    if subprocess.run([*command, *options, str(source), str(site)], check=False).returncode:
+        raise SystemExit("docs: not built; the warnings above say why")
+    return site
+
+
+def serve(site: Path) -> None:
+    """Show the site on this machine until it is interrupted."""
+    handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=str(site))
+    with http.server.ThreadingHTTPServer(("localhost", 8000), handler) as server:
+        print("http://localhost:8000 (Ctrl+C ends it)")
+        server.serve_forever()
+
+
+def main() -> int:
+    """Build, and check or show what was built."""
+    parser = argparse.ArgumentParser(prog="scripts/docs", description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--check", action="store_true", help="build anew, check links, anchors and sizes")
+    parser.add_argument("--serve", action="store_true", help="show it under http://localhost:8000")
+    asked = parser.parse_args()
+    begun = time.monotonic()
+    site = build(anew=asked.check)
+    print(f"{(site / 'index.html').relative_to(ROOT)}: built in {time.monotonic() - begun:.0f} s")
+    found = complaints(site) if asked.check else []
+    for line in found:
+        print(line)
+    if asked.serve:
+        serve(site)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,115 @@
+"""Pages of every public name of the package, a page a room, of what ``__all__`` names and docstrings say."""
+
+from __future__ import annotations
+
+import enum
+import importlib
+import inspect
+import pkgutil
+import types
+from typing import Any, get_origin
+
+import antenna_pin
+
+__all__ = ["name_pages", "public_rooms"]
+
+# The command line has a page of its own, and what stands beside a test or a lock is nobody's business.
+_LEFT_OUT = ("cli",)
+
+
+def public_rooms() -> dict[str, types.ModuleType]:
+    """Return the rooms that offer names, by name: packages and files whose name has no underscore in front."""
+    rooms = {}
+    for found in pkgutil.iter_modules(antenna_pin.__path__):
+        if not found.name.startswith("_") and found.name not in _LEFT_OUT:
+            room = importlib.import_module(f"antenna_pin.{found.name}")
+            if getattr(room, "__all__", ()):
+                rooms[found.name] = room
+    return rooms
+
+
+def home_of(name: str, value: Any, room: str, rooms: dict[str, types.ModuleType]) -> str:
+    """Return the room whose page has a name: that in which it is written, if that offers it."""
+    written = str(getattr(value, "__module__", "") or "").split(".")
+    if not is_described(value) or written[0] != "antenna_pin" or len(written) < 2:
+        return room
+    own = rooms.get(written[1])
+    return written[1] if own is not None and getattr(own, name, None) is value and name in own.__all__ else room
+
+
+def is_described(value: Any) -> bool:
+    """Return whether a name is of a class or a function, which have a docstring of their own."""
+    return (inspect.isclass(value) and get_origin(value) is None) or callable(getattr(value, "__wrapped__", value)) and (
+        inspect.isroutine(inspect.unwrap(value))
+    )
+
+
+def entry(room: str, name: str, value: Any) -> str:
+    """Return what a page has of a name."""
+    place = f"antenna_pin.{room}.{name}"
+    if inspect.isclass(value) and get_origin(value) is None:
+        more = "   :undoc-members:\n" if issubclass(value, enum.Enum) else ""
+        return f".. autoclass:: {place}\n{more}"
+    if is_described(value):
+        return f".. autofunction:: {place}\n"
+    kind = type(value).__name__
+    return f".. py:data:: {place}\n   :type: {kind}\n"
+
+
+def room_page(room: str, module: types.ModuleType, rooms: dict[str, types.ModuleType]) -> str:
+    """Return the page of a room: what it is, its own names, and those of other rooms that it has too."""
+    title = f"antenna_pin.{room}"
+    parts = [title, "=" * len(title), "", f".. automodule:: {title}", "   :no-members:", ""]
+    elsewhere = []
+    for name in sorted(module.__all__, key=str.lower):
+        value = getattr(module, name)
+        home = home_of(name, value, room, rooms)
+        if home != room:
+            elsewhere.append(f"- :py:obj:`{title}.{name} <antenna_pin.{home}.{name}>`")
+        else:
+            parts += [entry(room, name, value), ""]
+    if elsewhere:
+        parts += ["Described elsewhere", "-------------------", "", *elsewhere, ""]
+    return "\n".join(parts)
+
+
+def name_pages() -> dict[str, str]:
+    """Return the pages, reStructuredText by name, with an index that leads to them."""
+    rooms = public_rooms()
+    pages = {room: room_page(room, module, rooms) for room, module in rooms.items()}
+    front = []
+    for name in antenna_pin.__all__:
+        value = getattr(antenna_pin, name)
+        if not inspect.ismodule(value):
+            room = value.__module__.split(".")[1]
+            front.append(f"   * - :py:obj:`antenna_pin.{name} <antenna_pin.{room}.{name}>`\n     - {first_line(value)}")
+    lines = [f"   * - :doc:`antenna_pin.{room} <{room}>`\n     - {first_line(module)}" for room, module in rooms.items()]
+    table = ".. list-table::\n   :widths: 35 65\n\n"
+    pages["index"] = "\n".join(
+        [
+            "Python",
+            "======",
+            "",
+            "Names that ``antenna_pin`` itself has",
+            "-------------------------------------",
+            "",
+            table + "\n".join(front),
+            "",
+            "Rooms",
+            "-----",
+            "",
+            table + "\n".join(lines),
+            "",
+            ".. toctree::",
+            "   :hidden:",
+            "",
+            *(f"   {room}" for room in rooms),
+            "",
+        ]
+    )
+    return pages
+
+
+def first_line(value: Any) -> str:
+    """Return the first line of a docstring."""
+    return (inspect.getdoc(value) or "").split("\n")[0]
