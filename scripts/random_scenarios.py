@@ -338,9 +338,7 @@ class _Worker:
         self.pipe.close()
 
 
-def run_numbers(
-    seed: int, numbers: Iterable[int], jobs: int, wall: float, **how: bool
-) -> Iterator[Row]:
+def run_numbers(seed: int, numbers: Iterable[int], jobs: int, wall: float, **how: bool) -> Iterator[Row]:
     """Run numbers in several processes, each at most some seconds; yield rows as they come."""
     waiting = deque(numbers)
     workers: list[_Worker] = []

@@ -134,25 +134,26 @@ def _drive(rng: Random, joint: _Joint) -> tuple[str, Table]:
     return "drives", {"kind": "pd", "kp": stiffness, "angle": joint.at, "follows": swing}
 
 
-def _pair(rng: Random, one: _Joint, other: _Joint, turning: bool) -> tuple[str, Table] | None:
-    """Return what couples two joints without play that turn, or a turning and a sliding one."""
+def _pair(rng: Random, one: _Joint, other: _Joint, turning: bool) -> tuple[str, Table]:
+    """Return what couples two joints without play that turn, or a turning and a sliding one.
+
+    Belts and cables are pulled where angles are zero, far from where these joints start.
+    """
     heavy = min(one.inertia, other.inertia)
     stiffness = heavy * (20.0 / one.time) ** 2
     if not turning:
         numbers = {"radius": 0.1, "stiffness": stiffness / 0.01, "play": 0.05 * one.way * 0.1}
+        numbers["offset"] = 0.1 * one.at - other.at  # it starts in the middle of its play
         return "gears", {"kind": "rack", "input": one.name, "output": other.name, **numbers}
-    kind = str(rng.choice(["gear", "spline", "belt", "cable", "coupling"]))
+    kind = str(rng.choice(["gear", "spline", "coupling"]))
     ratio = float(rng.choice([-2.0, -0.7, 1.0, 1.5]))
     if kind == "coupling":
         follows = {"follower": other.name, "leader": one.name, "multiplier": ratio}
         return "couplings", {**follows, "offset": other.at - ratio * one.at}
-    table: Table = {"kind": kind, "input": one.name, "output": other.name}
-    if kind == "gear":
-        return "gears", table | {"ratio": ratio, "stiffness": stiffness, "play": 0.1 * one.way}
-    if kind == "spline":
-        return "gears", table | {"stiffness": stiffness, "play": 0.1 * one.way}
-    rolls = {"input_radius": 0.1, "output_radius": 0.2, "stiffness": stiffness / 0.02}
-    return "gears", table | rolls | ({"pretension": 10.0 * one.effort} if kind == "belt" else {})
+    table: Table = {"kind": kind, "input": one.name, "output": other.name, "stiffness": stiffness}
+    by = {"gear": ratio, "spline": 1.0}[kind]
+    table |= {"play": 0.1 * one.way, "offset": one.at / by - other.at}
+    return "gears", table | ({"ratio": ratio} if kind == "gear" else {})
 
 
 def _force(rng: Random, scenario: Scenario, size: float) -> Table:
@@ -190,12 +191,11 @@ def with_elements(scenario: Scenario, seed: int, number: int) -> Scenario:
     sliding = [one for one in plain if kinds[one.name]]
     partner = turning[1:2] or sliding[:1]
     if turning and partner and rng.random() < 0.7:
-        pair = _pair(rng, turning[0], partner[0], turning=len(turning) > 1)
-        if pair is not None:
-            more[f"{pair[0]}.mesh"] = pair[1]
-            if pair[0] == "couplings":  # what is held begins as it is held
-                speed = {"velocity": pair[1]["multiplier"] * turning[0].rate}
-                more[f"initial.joints.{partner[0].name}"] = speed
+        family, table = _pair(rng, turning[0], partner[0], turning=len(turning) > 1)
+        more[f"{family}.mesh"] = table
+        if family == "couplings":  # what is held begins as it is held
+            speed = {"velocity": table["multiplier"] * turning[0].rate}
+            more[f"initial.joints.{partner[0].name}"] = speed
     if rng.random() < 0.5:
         more["forces.outside"] = _force(rng, scenario, min(one.effort for one in joints.values()))
     if scenario.mechanism.base == "fixed" and rng.random() < 0.5:

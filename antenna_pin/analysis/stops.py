@@ -63,7 +63,8 @@ def latch_events(run: RunLike) -> xr.Dataset:
 
     Returns:
         Over ``latch_event``: ``time`` [s], ``angle`` [rad], ``rate`` [rad/s], ``loss`` [J], ``impulse``
-        [N m s], ``energy`` [J], in m, m/s and N s at a joint that slides; labelled by ``latch`` (its place) and ``what``.
+        [N m s], ``energy`` [J], in m, m/s and N s at a joint that slides; labelled by ``latch`` (its place)
+        and ``what``.
     """
     found = latch_changes(data_of(run))
     labels = {"latch": [one.element for one in found], "what": [one.what for one in found]}

@@ -56,6 +56,7 @@ __all__ = [
     "modes_in_another",
     "modes_kept",
     "impulse",
+    "reduced_inertia",
     "joints_held",
     "Audit",
     "CallableDrive",

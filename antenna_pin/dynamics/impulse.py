@@ -99,9 +99,7 @@ def _held_rows(workspace: Workspace, t: float, y: Array) -> tuple[list[Array], l
     return rows, lacks, len(constraints.loads())
 
 
-def _nearest(
-    workspace: Workspace, y: Array, rows: list[Array], lacks: list[float]
-) -> tuple[Array, Array]:
+def _nearest(workspace: Workspace, y: Array, rows: list[Array], lacks: list[float]) -> tuple[Array, Array]:
     """Return the change of velocity nearest in kinetic energy that rows lack, and their impulses."""
     model = workspace.model
     mass: Any = pin.crba(model, workspace.data, y[: model.nq])

@@ -212,7 +212,9 @@ class ForceElement:
     def unit(self, name: str, slides: bool) -> str:
         """Return the unit of one of its parameters as :mod:`antenna_pin.readable` takes it."""
         found = parameters_of(type(self))[name]
-        return (found.sliding if slides and found.sliding else found.unit).replace("**", "^").replace("*", " ")
+        return (
+            (found.sliding if slides and found.sliding else found.unit).replace("**", "^").replace("*", " ")
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,8 +13,8 @@ OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
 
 #: Window with its middle, where it holds, greatest rate, energy (infinite: any) and way of capture (+1, -1, 0
 #: for both), spring and damper with half of the play, torque at which it lets go (infinite: never), the mode,
-#: on which side of the window the joint is or was (+1 above), and which flank of its play the joint is pressed
-#: to (0: none).
+#: on which side of the window the joint is or was (+1 above), and which flank of its play it is pressed to
+#: (0: none).
 LAYOUT = layout(
     ("lower", "f8"),
     ("middle", "f8"),

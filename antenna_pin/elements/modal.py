@@ -37,8 +37,8 @@ class Met(NamedTuple):
         rate: Of the joint [rad/s] ([m/s]).
         load: Torque that its row carries, on the child, 0 where it holds nothing [N m] ([N]).
         integrals: What it has integrated so far, in the order of its own.
-        inertia: Reduced inertia about the joint's axis of what is on both its sides [kg m^2] ([kg]), for those
-            that ask for it (``weighs``), else 0.
+        inertia: Reduced inertia about the joint's axis of what is on both its sides [kg m^2] ([kg]), for
+            those that ask for it (``weighs``), else 0.
     """
 
     t: float

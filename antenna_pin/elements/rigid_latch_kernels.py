@@ -9,9 +9,9 @@ from antenna_pin._compile import inlined, kernel, record
 from antenna_pin.elements.latch_kernels import HELD, capture
 from antenna_pin.records import layout, words_of
 
-#: Window with its middle, greatest rate, energy (infinite: any) and way of capture (+1, -1, 0 for both), torque
-#: at which it lets go (infinite: never), the mode, on which side of the window the joint is or was (+1 above),
-#: where it is held.
+#: Window with its middle, greatest rate, energy (infinite: any) and way of capture (+1, -1, 0 for both),
+#: torque at which it lets go (infinite: never), the mode, on which side of the window the joint is or was
+#: (+1 above), where it is held.
 LAYOUT = layout(
     ("lower", "f8"),
     ("middle", "f8"),

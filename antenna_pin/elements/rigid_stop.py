@@ -95,6 +95,6 @@ class RigidStop(Limits):
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""
-        told = f"rigid end stop {self.words_of_limits(slides)}, restitution {self.said('restitution', slides)}"
         upper = "" if self.upper_restitution is None else f", above {self.said('upper_restitution', slides)}"
-        return told + upper
+        restitution = self.said("restitution", slides)
+        return f"rigid end stop {self.words_of_limits(slides)}, restitution {restitution}{upper}"

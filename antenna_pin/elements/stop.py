@@ -51,8 +51,9 @@ class EndStop(Limits):
               f_e = K \delta \left(\frac{\delta}{1\,\mathrm{rad}}\right)^{n - 1}
 
     with f of the law named, of which the depth is the angle beyond the limit. Touch and release are located;
-    the rate of approach that many laws damp by is that of the present touch. What is said here is of both sides;
-    where the upper one differs ``upper_stiffness``, ``upper_law``, ... say it, of that side alone. A start beyond a limit is a start pressed in, at rest with the least rate. At a joint
+    the rate of approach that many laws damp by is that of the present touch. What is said here is of both
+    sides; where the upper one differs ``upper_stiffness``, ``upper_law``, ... say it, of that side alone. A
+    start beyond a limit is a start pressed in, at rest with the least rate. At a joint
     with play phi is the motion angle. The angle counts whole turns: a joint that turns without end has its
     limits where they are said, and once.
 
@@ -127,7 +128,9 @@ class EndStop(Limits):
             given = getattr(self, name) is not None
             if given and own not in takes and not (side == UPPER and name == own):
                 told = ", ".join(item for item in takes if item in _OF_LAWS) or "none of its own"
-                raise InvalidParameterError(self, name, f"left out: law {law} takes {told}", getattr(self, name))
+                raise InvalidParameterError(
+                    self, name, f"left out: law {law} takes {told}", getattr(self, name)
+                )
             if own in takes and not given:
                 name = f"upper_{own}" if side == UPPER else own
                 raise InvalidParameterError(self, name, f"given; law {law} asks for it", said="none")

@@ -87,7 +87,9 @@ def _latches(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterat
                 (int((one["what"].values == what).sum()) if own else None for one, own in _pairs(mine, has)),
             )
         refused = [one.isel(latch_event=np.flatnonzero(one["what"].values == "refused")) for one in mine]
-        yield quantities("largest energy refused", [_largest(one["energy"].values) for one in refused], "J", 4)
+        yield quantities(
+            "largest energy refused", [_largest(one["energy"].values) for one in refused], "J", 4
+        )
         captures = [one.isel(latch_event=np.flatnonzero(one["what"].values == "latched")) for one in mine]
         for name, key, unit in (
             ("last capture", "time", "s"),

@@ -1,4 +1,4 @@
-"""Sound scenarios with an element of every kind: a small rig, and beside it what joints may have besides play."""
+"""Sound scenarios with an element of every kind: a small rig, and what joints may have besides play."""
 
 from __future__ import annotations
 

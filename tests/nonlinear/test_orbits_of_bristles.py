@@ -1,4 +1,4 @@
-"""Periodic solutions of joints whose friction has bristles, and of springs that yield: books and multipliers."""
+"""Periodic solutions of joints with bristles, and of springs that yield: books and multipliers."""
 
 import numpy as np
 import pytest

@@ -239,8 +239,9 @@ TABLES = {
     "dahl": 'kind = "dahl"\ncoulomb = "2 N*m"\nstiffness = "40 N*m/rad"\n',
     "lugre": 'kind = "lugre"\ncoulomb = "2 N*m"\nstatic = "3 N*m"\nstribeck_rate = "0.2 rad/s"\n'
     'stiffness = "40 N*m/rad"\ndamping = "0.6 N*m*s/rad"\nviscous = "0.1 N*m*s/rad"\n',
-    "gonthier": 'kind = "gonthier-bristle"\ncoulomb = "2 N*m"\nstatic = "3 N*m"\nstribeck_rate = "0.2 rad/s"\n'
-    'stiffness = "40 N*m/rad"\ndamping = "0.6 N*m*s/rad"\ndwell_time = "0.5 s"\n',
+    "gonthier": 'kind = "gonthier-bristle"\ncoulomb = "2 N*m"\nstatic = "3 N*m"\n'
+    'stribeck_rate = "0.2 rad/s"\nstiffness = "40 N*m/rad"\ndamping = "0.6 N*m*s/rad"\n'
+    'dwell_time = "0.5 s"\n',
 }
 
 

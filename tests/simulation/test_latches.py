@@ -99,7 +99,7 @@ def test_captured_where_it_slows_down_in_the_window():
 @pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
 @pytest.mark.parametrize("holds", [RigidLatch, Latch])
 def test_captured_where_its_energy_falls_to_the_greatest(holds, engine):
-    """As by the rate of which 2 kg have that energy: refused with 0.49 J, captured at 0.25 J in the window."""
+    """As by the rate of which 2 kg have that energy: refused with 0.49 J, captured at 0.25 J inside."""
     spring = {} if holds is RigidLatch else {"stiffness": 1e3}
     latch = holds(joint="j", angle=0.3, width=0.15, greatest_energy=0.25, **spring)
     made = system(latches=[latch], springs={"damper": JointSpring(joint="j", damping=4.0)})
@@ -128,7 +128,7 @@ def test_the_energy_is_that_of_the_reduced_inertia_on_a_free_base(kind, share, w
 
 
 def test_a_start_that_moves_in_the_window_is_weighed():
-    """One joule of 2 kg at 1 m/s: above the greatest energy it stays free, below it is held from the start."""
+    """One joule of 2 kg at 1 m/s: above the greatest energy it stays free, else it is held at once."""
     for greatest, held in ((0.9, False), (1.1, True)):
         latch = RigidLatch(joint="j", angle=0.0, width=0.5, greatest_energy=greatest)
         run = simulate(system(latches=[latch]), v=[1.0], duration=0.2, settings=TIGHT)

@@ -218,7 +218,7 @@ def test_joints_that_stick_on_a_free_base_stay_and_keep_momentum() -> None:
 
 
 def test_a_joint_that_sticks_holds_for_an_hour_while_all_else_moves() -> None:
-    """On a base that turns freely, another joint driven: what pulls at it comes and goes, it does not creep."""
+    """On a base that turns freely, beside a driven joint: its load comes and goes, and it does not creep."""
     a = StickingFriction(joint="a", coulomb=2.0)
     drive = SineDrive(joint="b", amplitude=0.3, frequency=0.2)
     system = _two("free", 0.0, drives={"b": drive}, a=a)

@@ -104,7 +104,7 @@ def test_a_free_base_comes_back_with_the_restitution_of_the_law(kind, law, more,
 
 
 def test_the_upper_side_has_the_law_that_is_said_of_it_alone():
-    """Elastic above, half an oscillation long; half the rate comes back below; as two stops of a side each."""
+    """Elastic above, half an oscillation long; half the rate comes back below; as two stops are."""
     stiffness, speed, mass = 4e4, 0.7, 2.0
     below = {"stiffness": 1e4, "restitution": 0.5}
     upper = {"upper_stiffness": stiffness, "upper_law": "elastic"}
