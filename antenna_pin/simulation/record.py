@@ -6,10 +6,9 @@ import functools
 import json
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from antenna_pin.dynamics import bearing_names, observed
 from antenna_pin.elements import Motion
@@ -28,6 +27,9 @@ from antenna_pin.trajectory import ENDED_WELL, Outcome
 from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
 from antenna_pin.trajectory.labelled import Unlabelled
 from antenna_pin.trajectory.schema import VARIABLES
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Recording", "at_present", "recorded"]
 
