@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import math
 from collections.abc import Iterator, Mapping
@@ -177,14 +176,16 @@ class Recording:
         ticked = self.run.ticks.ticked
         values = {**series, **self._totals, **self._peaks, **episodes_of(self.run), **values_of_ticks(ticked)}
         labels = self._labels | labels_of_ticks(ticked, lean) | ({} if lean else {"time": series["time"]})
-        residual = self._peaks["peak_residual"]
+        system, singular = self.run.system, self.run.singular
+        held = first.state.copy(), last.state.copy(), self._peaks["peak_residual"]
+        passed = () if singular is None else tuple(singular.found)
         return Unlabelled(
             values,
             labels,
             attributes,
-            of_system=functools.partial(mechanism_attributes, self.run.system),
-            more=constraint_attributes(self.run, first.state, last.state, residual),
-            free_base=self.run.system.mechanism.base == "free",
+            of_system=lambda: mechanism_attributes(system) | constraint_attributes(system, *held, passed),
+            more={},
+            free_base=system.mechanism.base == "free",
             lean=lean,
         )
 
