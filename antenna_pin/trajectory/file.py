@@ -133,7 +133,7 @@ def _structure(file: Any, data: xr.Dataset | Content) -> dict[Any, Any]:
     scales, variables = {}, {}
     for number, (name, size) in enumerate(data.sizes.items()):
         if name in data.coords:
-            scale = variables[name] = _create(file, str(name), data.variables[name])
+            scale = variables[name] = _create(file, str(name), data.variables[str(name)])
         else:
             scale = file.create_dataset(str(name), shape=(size,), dtype=">f4")
         scale.make_scale(str(name) if name in data.coords else _NO_VARIABLE.format(size))
