@@ -9,8 +9,6 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-import xarray as xr
-
 from antenna_pin._compile_time import CompileClock
 from antenna_pin.errors import OutputError
 from antenna_pin.files import check_writable, replacing
@@ -78,7 +76,7 @@ def finished(
         now = time.perf_counter() - (compiled.seconds - before)
         run.wall, began = run.wall + now - began, now
         return Trajectory.later(
-            data.labelled,
+            data,
             outcome=run.outcome,
             message=run.message,
             counts=replace(run.counts(), compile_seconds=compiled.seconds),
@@ -105,9 +103,8 @@ def _streamed(run: Run, keeper: Keeper, about: Mapping[str, Any], result: Any, l
     recording = Recording(run, keeper.parts)
     about = {**about, "versions": json.dumps(library_versions())}
 
-    def dataset_of(series: Mapping[str, Any]) -> xr.Dataset:
-        stored: xr.Dataset = result(recording.unlabelled(series, about, lean=lean)).stored()
-        return stored
+    def dataset_of(series: Mapping[str, Any]) -> Any:
+        return result(recording.unlabelled(series, about, lean=lean)).stored()
 
     try:
         target = check_writable(keeper.path)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.constraints import Anchor
-from antenna_pin.dynamics import constraint_counts, facts_of_couplings
+from antenna_pin.dynamics import System, constraint_counts, facts_of_couplings
 from antenna_pin.mechanism import quaternion
-from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.singular import Singular
 
 __all__ = ["constraint_attributes"]
 
@@ -21,7 +22,9 @@ Array = NDArray[np.float64]
 _RESIDUALS = ("position_residual", "angle_residual", "velocity_residual", "rate_residual")
 
 
-def constraint_attributes(run: Run, first: Array, last: Array, residual: Array) -> dict[str, str]:
+def constraint_attributes(
+    system: System, first: Array, last: Array, residual: Array, passed: Sequence[Singular]
+) -> dict[str, str]:
     """Return the attributes of a dataset that describe its constraints; none of a tree that nothing holds.
 
     ``closures`` (JSON) has of each closure its ``kind``, how many ``equations`` it is, whether it has an
@@ -38,12 +41,12 @@ def constraint_attributes(run: Run, first: Array, last: Array, residual: Array) 
     the least independent equation there.
 
     Args:
-        run: The run.
+        system: What was run.
         first: [q, v, x] at the first sample.
         last: At the last.
         residual: The largest at samples, (4,), as of ``Observed.residual``.
+        passed: The singular positions.
     """
-    system = run.system
     if system.plan is None:
         return {}
     booked = system.model.nq + system.model.nv + system.projection_x[0]
@@ -68,7 +71,7 @@ def constraint_attributes(run: Run, first: Array, last: Array, residual: Array) 
                 **constraint_counts(system, first),
                 **dict(zip(_RESIDUALS, residual.tolist(), strict=True)),
                 "projection_energy": float(put_in),
-                "singular": [one._asdict() for one in run.singular.found] if run.singular else [],
+                "singular": [one._asdict() for one in passed],
             }
         ),
     }

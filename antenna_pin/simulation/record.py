@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from antenna_pin.dynamics import bearing_names, observed
 from antenna_pin.elements import Motion
@@ -28,6 +26,9 @@ from antenna_pin.trajectory import ENDED_WELL, Outcome
 from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
 from antenna_pin.trajectory.labelled import Unlabelled
 from antenna_pin.trajectory.schema import VARIABLES
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Recording", "at_present", "recorded", "series_at"]
 
@@ -190,14 +191,16 @@ class Recording:
         ticked = self.run.ticks.ticked
         values = {**series, **self._totals, **self._peaks, **episodes_of(self.run), **values_of_ticks(ticked)}
         labels = self._labels | labels_of_ticks(ticked, lean) | ({} if lean else {"time": series["time"]})
-        residual = self._peaks["peak_residual"]
+        system, singular = self.run.system, self.run.singular
+        held = first.state.copy(), last.state.copy(), self._peaks["peak_residual"]
+        passed = () if singular is None else tuple(singular.found)
         return Unlabelled(
             values,
             labels,
             attributes,
-            of_system=functools.partial(mechanism_attributes, self.run.system),
-            more=constraint_attributes(self.run, first.state, last.state, residual),
-            free_base=self.run.system.mechanism.base == "free",
+            of_system=lambda: mechanism_attributes(system) | constraint_attributes(system, *held, passed),
+            more={},
+            free_base=system.mechanism.base == "free",
             lean=lean,
         )
 

@@ -8,11 +8,15 @@ none does.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.trajectory.read import contact_joints, contact_kinds
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["blow_counts", "blow_numbers", "surfaces"]
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
-
-import xarray as xr
 
 from antenna_pin.trajectory.json_attributes import JSON_ATTRIBUTES, problem_of_json
 from antenna_pin.trajectory.numbers import problems_of_numbers
 from antenna_pin.trajectory.read import is_lean, json_in, names_along
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
 from antenna_pin.units import shown
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["problem_of"]
 

@@ -10,18 +10,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
-import xarray as xr
 
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import PatientFile, absence, has_whole_seal, seal
 from antenna_pin.interruption import held_back
 from antenna_pin.trajectory.hdf5 import open_hdf5
-from antenna_pin.trajectory.on_disk import Stored, StoredFile
+from antenna_pin.trajectory.labelled import Column, Content
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from antenna_pin.trajectory.on_disk import StoredFile
 
 __all__ = ["FORMAT", "read", "write", "write_blocks"]
 
@@ -57,8 +61,8 @@ _CHANGED = (
 _NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 
 
-def write(data: xr.Dataset, path: Path) -> None:
-    """Write a dataset, whose variables along ``contact`` tell its coordinates.
+def write(data: xr.Dataset | Content, path: Path) -> None:
+    """Write a dataset, or what it is made of, whose variables along ``contact`` tell its coordinates.
 
     Raises:
         OSError: It cannot be written there.
@@ -77,7 +81,7 @@ def write(data: xr.Dataset, path: Path) -> None:
 
 def write_blocks(
     blocks: Iterator[tuple[int, Mapping[str, Any]]],
-    dataset_of: Callable[[Mapping[str, Any]], xr.Dataset],
+    dataset_of: Callable[[Mapping[str, Any]], xr.Dataset | Content],
     count: int,
     path: Path,
 ) -> None:
@@ -116,7 +120,7 @@ def write_blocks(
     seal(path)
 
 
-def _attribute(file: Any, data: xr.Dataset) -> None:
+def _attribute(file: Any, data: xr.Dataset | Content) -> None:
     file.attrs["_NCProperties"] = (
         f"version=2,{_WRITER},h5py={h5py.__version__},hdf5={h5py.version.hdf5_version}"
     )
@@ -124,12 +128,12 @@ def _attribute(file: Any, data: xr.Dataset) -> None:
         file.attrs[str(name)] = value
 
 
-def _structure(file: Any, data: xr.Dataset) -> dict[Any, Any]:
+def _structure(file: Any, data: xr.Dataset | Content) -> dict[Any, Any]:
     """Make all that a file holds, without the numbers; return its variables, by name."""
     scales, variables = {}, {}
     for number, (name, size) in enumerate(data.sizes.items()):
         if name in data.coords:
-            scale = variables[name] = _create(file, str(name), data.coords[name].variable)
+            scale = variables[name] = _create(file, str(name), data.variables[str(name)])
         else:
             scale = file.create_dataset(str(name), shape=(size,), dtype=">f4")
         scale.make_scale(str(name) if name in data.coords else _NO_VARIABLE.format(size))
@@ -156,7 +160,7 @@ def _structure(file: Any, data: xr.Dataset) -> dict[Any, Any]:
     return variables
 
 
-def _create(file: Any, name: str, variable: xr.Variable) -> Any:
+def _create(file: Any, name: str, variable: xr.Variable | Column) -> Any:
     if variable.dtype.kind in "OUT":
         made = file.create_dataset(name, shape=variable.shape, dtype=_TEXT)
     elif variable.size and variable.ndim:
@@ -172,7 +176,7 @@ def _create(file: Any, name: str, variable: xr.Variable) -> Any:
     return made
 
 
-def _put(made: Any, variable: xr.Variable, stream: PatientFile) -> None:
+def _put(made: Any, variable: xr.Variable | Column, stream: PatientFile) -> None:
     """Write the numbers of a variable, a part at a time if they are many."""
     if variable.dtype.kind in "OUT":
         made[()] = variable.values.astype(object)
@@ -204,7 +208,7 @@ def read(source: Path) -> xr.Dataset:
             found = attributes.get("format")
             known = isinstance(found, str) and found == FORMAT
             large = source.stat().st_size > _LARGE
-            content = _variables(file, StoredFile(source) if large else None) if known else {}
+            content = _variables(file, _stored(source) if large else None) if known else {}
     except FileFormatError:
         raise
     except Exception as error:  # HDF5 raises any if damaged
@@ -218,6 +222,8 @@ def read(source: Path) -> xr.Dataset:
             "run the scenario again with this version" if run else "`antenna-pin report` shows what is no run"
         )
         raise FileFormatError(f"{source}: the format must be {FORMAT!r}, got {found!r}; {way}")
+    import xarray as xr
+
     labels = {*DIMENSIONS, *(coordinate.name for coordinate in COORDINATES)}
     try:
         return xr.Dataset(
@@ -232,8 +238,18 @@ def read(source: Path) -> xr.Dataset:
         ) from None
 
 
+def _stored(source: Path) -> StoredFile:
+    from antenna_pin.trajectory.on_disk import StoredFile
+
+    return StoredFile(source)
+
+
 def _variables(file: Any, large: StoredFile | None) -> dict[str, xr.Variable]:
     """Return the variables of a file; what is long of a large one stays there until it is asked for."""
+    import xarray as xr
+
+    from antenna_pin.trajectory.on_disk import Stored
+
     names: dict[str, tuple[str, ...]] = {one.name: (one.dim,) for one in COORDINATES}
     names |= {variable.name: variable.dims for variable in VARIABLES.values()}
     content = {}

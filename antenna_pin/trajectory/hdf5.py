@@ -8,12 +8,14 @@ a stranger would show bytes of a file of its reader's. No program that writes re
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
-import xarray as xr
 
 from antenna_pin.errors import FileFormatError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["load_dataset", "open_hdf5"]
 
@@ -41,6 +43,8 @@ def load_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         FileFormatError: As :func:`open_hdf5`.
         Exception: The libraries raise any where the file is damaged or none of theirs.
     """
+    import xarray as xr
+
     open_hdf5(path).close()
     with xr.open_dataset(path, engine="h5netcdf") as stored:
         return stored.load()

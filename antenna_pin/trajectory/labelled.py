@@ -1,26 +1,113 @@
-"""Numbers as a labelled dataset, by the schema of results."""
+"""Numbers with labels by the schema of results: as what a file is written from, and as a dataset."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
+from numpy.typing import NDArray
 
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
 
-__all__ = ["Unlabelled", "labelled"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Column", "Content", "Unlabelled"]
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A variable as who writes it asks for it, in xarray's words.
+
+    Attributes:
+        dims: Its dimensions.
+        values: Its numbers.
+        attrs: Its attributes.
+    """
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: Mapping[str, Any]
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Of what kind its numbers are."""
+        return self.values.dtype
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length along each dimension."""
+        return self.values.shape
+
+    @property
+    def ndim(self) -> int:
+        """How many dimensions it has."""
+        return self.values.ndim
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has."""
+        return self.values.size
+
+    @property
+    def nbytes(self) -> int:
+        """How much they take [bytes]."""
+        return self.values.nbytes
+
+    def __getitem__(self, rows: slice) -> Column:
+        """Return some of it along its first dimension."""
+        return Column(self.dims, self.values[rows], self.attrs)
+
+
+@dataclass(slots=True)
+class Content:
+    """What a dataset holds, without xarray, which takes longer to load than a short run.
+
+    Attributes:
+        coords: Coordinates by name.
+        data: The other variables.
+        attrs: Of all.
+    """
+
+    coords: dict[str, Column]
+    data: dict[str, Column]
+    attrs: dict[str, Any]
+
+    @property
+    def variables(self) -> dict[str, Column]:
+        """All variables, in the order of a dataset."""
+        return {**self.data, **self.coords}
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Length of each dimension, in the order of a dataset."""
+        return {
+            dim: size
+            for column in self.variables.values()
+            for dim, size in zip(column.dims, column.shape, strict=True)
+        }
+
+    def dataset(self) -> xr.Dataset:
+        """Return the same as xarray has it."""
+        import xarray as xr
+
+        coordinates, variables = (
+            {name: xr.Variable(one.dims, one.values, one.attrs) for name, one in columns.items()}
+            for columns in (self.coords, self.data)
+        )
+        # Coordinates first: given with the variables they would be merged and compared with them one by one.
+        return xr.Dataset(variables, coords=xr.Coordinates(coordinates), attrs=self.attrs)
 
 
 @dataclass(slots=True)
 class Unlabelled:
-    """All that a dataset is made of. To make it takes longer than a short run: it is made where it is read.
+    """All that the data of a result are made of. They are made where they are read.
 
     Attributes:
         values: Of each variable, by name.
-        labels: As :func:`labelled` takes them.
+        labels: Of each dimension and coordinate, by name; of ``episode`` and ``tick`` how many there are.
         attributes: The first of the dataset.
         of_system: What tells those that follow, of what was run.
         more: The last ones; to be added to.
@@ -37,50 +124,35 @@ class Unlabelled:
     lean: bool = False
 
     def labelled(self) -> xr.Dataset:
-        """Return the dataset."""
+        """Return a dataset by the schema.
+
+        Raises:
+            KeyError: The labels' dimensions ask for a variable that is not given.
+        """
+        return self.content().dataset()
+
+    def content(self) -> Content:
+        """Return the same without xarray."""
         attributes = {**self.attributes, **self.of_system(), **self.more}
-        return labelled(self.values, self.labels, attributes, free_base=self.free_base, lean=self.lean)
-
-
-def labelled(
-    values: Mapping[str, Any],
-    labels: Mapping[str, Any],
-    attributes: Mapping[str, Any],
-    *,
-    free_base: bool,
-    lean: bool = False,
-) -> xr.Dataset:
-    """Return a dataset by the schema.
-
-    Args:
-        values: Of each variable, by name.
-        labels: Of each dimension and coordinate, by name; of ``episode`` and ``tick`` how many there are.
-        attributes: Of the dataset.
-        free_base: Whether the base is free.
-        lean: Whether to leave the series out.
-
-    Raises:
-        KeyError: The labels' dimensions ask for a variable that is not given.
-    """
-    coordinates: dict[str, xr.Variable] = {}
-    left_out = {"time"} if lean else set()
-    for name in DIMENSIONS:
-        if name == "time" and not lean:
-            coordinates[name] = xr.Variable(name, labels[name], {"units": "s", "long_name": "time"})
-        elif name in labels and name not in ("time", "episode", "tick"):
-            coordinates[name] = xr.Variable(name, _text(labels[name]))
-    for coordinate in COORDINATES:
-        if coordinate.dim in labels:
-            text = _text(labels[coordinate.name])
-            coordinates[coordinate.name] = xr.Variable(
-                coordinate.dim, text, {"long_name": coordinate.meaning}
-            )
-    variables = {
-        variable.name: xr.Variable(variable.dims, values[variable.name], variable.attributes)
-        for variable in variables_of(set(labels) - left_out, free_base)
-    }
-    # Coordinates first: given with the variables they would be merged and compared with them one by one.
-    return xr.Dataset(variables, coords=xr.Coordinates(coordinates), attrs=dict(attributes))
+        labels = self.labels
+        coordinates: dict[str, Column] = {}
+        left_out = {"time"} if self.lean else set()
+        for name in DIMENSIONS:
+            if name == "time" and not self.lean:
+                about = {"units": "s", "long_name": "time"}
+                coordinates[name] = Column((name,), np.asarray(labels[name]), about)
+            elif name in labels and name not in ("time", "episode", "tick"):
+                coordinates[name] = Column((name,), _text(labels[name]), {})
+        for one in COORDINATES:
+            if one.dim in labels:
+                coordinates[one.name] = Column(
+                    (one.dim,), _text(labels[one.name]), {"long_name": one.meaning}
+                )
+        variables = {
+            one.name: Column(one.dims, np.asarray(self.values[one.name]), one.attributes)
+            for one in variables_of(set(labels) - left_out, self.free_base)
+        }
+        return Content(coordinates, variables, attributes)
 
 
 def _text(labels: Any) -> Any:

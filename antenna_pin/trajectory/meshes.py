@@ -6,13 +6,15 @@ It is read from the run's changes of mode, whose instants are located; torques a
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from antenna_pin.trajectory.read import is_lean
 from antenna_pin.trajectory.touches import Touch, elements_of, mode_changes, touches
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Span", "mesh_spans", "mesh_touches", "met_by_meshes"]
 

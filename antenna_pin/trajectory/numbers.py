@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.trajectory.columns import Breach, Rule
 from antenna_pin.trajectory.outcome import ENDED_WELL
 from antenna_pin.trajectory.read import contact_kinds, is_lean, names_along
 from antenna_pin.trajectory.schema import TIME, variables_of
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["problems_of_numbers"]
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from antenna_pin.errors import FileFormatError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = [
     "contact_ends",

@@ -7,13 +7,11 @@ import json
 import math
 import os
 import platform
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, cast
-
-import xarray as xr
 
 from antenna_pin._views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text
 from antenna_pin.errors import FileFormatError
@@ -22,12 +20,15 @@ from antenna_pin.state import State
 from antenna_pin.trajectory.blows import blow_counts
 from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
+from antenna_pin.trajectory.labelled import Content, Unlabelled
 from antenna_pin.trajectory.meshes import met_by_meshes
 from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
 from antenna_pin.trajectory.read import names_along
 from antenna_pin.trajectory.touches import met_by_elements
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from antenna_pin.scenario import Scenario
 
 __all__ = ["Trajectory", "library_versions"]
@@ -52,9 +53,7 @@ def library_versions() -> dict[str, str]:
 
 
 class _Later:
-    """Room for what makes the data of a result, beside its fields."""
-
-    __slots__ = ("_make",)
+    __slots__ = ("_unlabelled",)  # what the data of a result are made of, beside its fields
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,16 +85,16 @@ class Trajectory(_Later):
     analyse = View[RunNumbers]()
 
     @classmethod
-    def later(cls, make: Callable[[], xr.Dataset], **fields: Any) -> Self:
+    def later(cls, unlabelled: Unlabelled, **fields: Any) -> Self:
         """Return a result whose data are made when they are first asked for.
 
         Args:
-            make: What makes them, always the same.
+            unlabelled: What of.
             **fields: The other fields.
         """
         made = cls(data=cast("xr.Dataset", None), **fields)
         object.__delattr__(made, "data")
-        object.__setattr__(made, "_make", make)
+        object.__setattr__(made, "_unlabelled", unlabelled)
         return made
 
     if not TYPE_CHECKING:  # a checker is to know no other names than those that there are
@@ -105,10 +104,10 @@ class Trajectory(_Later):
             if name != "data":
                 said = f"{type(self).__name__!r} object has no attribute {name!r}"
                 raise AttributeError(said, name=name, obj=self)
-            make = self._make
-            if make is not None:
-                object.__setattr__(self, "data", make())
-                object.__setattr__(self, "_make", None)  # after: another thread may ask meanwhile
+            unlabelled = self._unlabelled
+            if unlabelled is not None:
+                object.__setattr__(self, "data", unlabelled.labelled())
+                object.__setattr__(self, "_unlabelled", None)  # after: another thread may ask meanwhile
             return object.__getattribute__(self, "data")
 
     @property
@@ -138,16 +137,20 @@ class Trajectory(_Later):
             write(self.stored(), partial)
         return target
 
-    def stored(self) -> xr.Dataset:
+    def stored(self) -> xr.Dataset | Content:
         """Return the data as a file has them, with all that is beside them as attributes."""
-        return self.data.assign_attrs(
-            format=FORMAT,
-            outcome=self.outcome.name,
-            outcome_message=self.message,
-            counts=json.dumps(asdict(self.counts)),
-            scenario="" if self.scenario is None else self.scenario.model_dump_json(),
-            end="" if self.end is None else self.end.to_json(),
-        )
+        unlabelled: Unlabelled | None = getattr(self, "_unlabelled", None)
+        data = self.data if unlabelled is None else unlabelled.content()
+        attributes = {
+            **data.attrs,
+            "format": FORMAT,
+            "outcome": self.outcome.name,
+            "outcome_message": self.message,
+            "counts": json.dumps(asdict(self.counts)),
+            "scenario": "" if self.scenario is None else self.scenario.model_dump_json(),
+            "end": "" if self.end is None else self.end.to_json(),
+        }
+        return replace(data, attrs=attributes) if isinstance(data, Content) else data.assign_attrs(attributes)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, scenario: bool = True) -> Self:

@@ -9,13 +9,15 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.trajectory.read import is_lean, names_along
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = [
     "ModeChange",

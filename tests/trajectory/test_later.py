@@ -3,6 +3,8 @@
 import copy
 import dataclasses
 import pickle
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -55,13 +57,44 @@ def test_what_makes_data_may_fail_and_be_asked_again(made):
     _, run = made
     data, tries = run.data, []
 
-    def make():
-        tries.append(1)
-        if len(tries) == 1:
-            raise MemoryError
-        return data
+    class Failing:
+        def labelled(self):
+            tries.append(1)
+            if len(tries) == 1:
+                raise MemoryError
+            return data
 
-    late = Trajectory.later(make, outcome=run.outcome, message=run.message, counts=run.counts)
+    late = Trajectory.later(Failing(), outcome=run.outcome, message=run.message, counts=run.counts)
     with pytest.raises(MemoryError):
         late.data  # noqa: B018 - made
     assert late.data is data and len(tries) == 2
+
+
+def test_a_file_is_the_same_whether_data_have_been_read_or_not(made, tmp_path):
+    """It is written without xarray, which would be half of what a short run waits for."""
+    count, run = made
+    plain = run.save(tmp_path / "plain.nc").read_bytes()
+    assert not count
+    assert list(run.stored().variables) == list(run.data.variables)
+    assert list(run.stored().sizes.items()) == list(run.data.sizes.items())
+    assert run.save(tmp_path / "labelled.nc").read_bytes() == plain
+    assert Trajectory.load(tmp_path / "plain.nc").data.identical(
+        Trajectory.load(tmp_path / "labelled.nc").data
+    )
+
+
+_COMMAND = """
+import sys
+from antenna_pin._entry import main
+try:
+    main()
+except SystemExit:
+    print(*sys.modules)
+"""
+
+
+def test_a_run_that_is_written_loads_no_xarray(tmp_path):
+    words = "run pendulum --case ideal --duration 0.01 --no-progress -q --out".split()
+    command = [sys.executable, "-c", _COMMAND, *words, str(tmp_path / "run.nc")]
+    loaded = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300).stdout.split()
+    assert "antenna_pin.simulation.run" in loaded and not {"xarray", "pandas"} & set(loaded)
