@@ -148,7 +148,9 @@ class Field:
     def slopes(self, time: float, y: Array, ways: Array) -> tuple[Array, Array, Array]:
         """Return the derivatives of the rates along displacements (:meth:`along`), and the steps they took.
 
-        Steps that straddle a kink are made finer.
+        Of a tree they are put together from its parts (:class:`antenna_pin.engine.Tangents`). Those of which
+        the two orders part are taken by differences of the whole, whose steps are made finer where they
+        straddle a kink.
 
         Returns:
             By differences of sixth and of fourth order, (nv + nx, k) each; and steps, (k,).
@@ -188,7 +190,7 @@ class Field:
     ) -> Array:
         """Return derivatives of the rates by differences of sixth and fourth order, (2, nv + nx, k).
 
-        They are of the whole where it is not said by what.
+        They are of the rates as a whole, or by what is given.
         """
         found = np.array((by or self._slopes).rates(time, y, np.ascontiguousarray(ways), steps))
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
