@@ -157,3 +157,17 @@ def test_what_is_not_put_together_from_parts():
         built("bai2020", "case3", **closed, **{"clearance.elevation.load": "distributed"})
     )
     assert not Tangents.takes(built("slider_crank", "planar"))
+
+
+def test_both_engines_have_the_same_derivatives():
+    """The tree's derivative is compiled for both: bit for bit."""
+    system, found = built("bai2020", "case3", **{"clearance.elevation.geometry": "closed-form"}), []
+    _, y = anywhere(system, 1)
+    for engine in ("compiled", "pinocchio"):
+        field = Field(system, RunSettings(engine=engine))
+        memory = field.workspace.memory
+        memory["touching"], memory["approach_speed"] = [1.0, 0.0, 0.0, 0.0], 0.1
+        parts = Tangents(system, field._stepper, np.concatenate(field.units), WEIGHTS)
+        ways = ways_of(field)
+        found.append(parts.rates(TIME, y, ways, np.full(ways.shape[1], 1e-4)))
+    assert np.array_equal(*found)
