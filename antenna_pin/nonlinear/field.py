@@ -154,15 +154,25 @@ class Field:
             out[:, :, k] = self._over(function, time, y, way, float(step))
         return out[0], out[1]
 
-    def slopes(self, time: float, y: Array, ways: Array) -> tuple[Array, Array, Array]:
+    def slopes(
+        self, time: float, y: Array, ways: Array, first: Array | None = None
+    ) -> tuple[Array, Array, Array]:
         """Return the derivatives of the rates along displacements (:meth:`along`), and the steps they took.
 
-        Steps that straddle a kink are made finer.
+        Of a tree they are put together from its parts (:class:`antenna_pin.engine.Tangents`). Those of which
+        the two orders part are taken by differences of the whole, whose steps are made finer where they
+        straddle a kink.
+
+        Args:
+            time: [s].
+            y: State.
+            ways: Displacements of a size of about 1 in units, by columns, (displacement, k).
+            first: Steps of differences that are chosen for them, if they are known already, (k,).
 
         Returns:
             By differences of sixth and of fourth order, (nv + nx, k) each; and steps, (k,).
         """
-        steps = self._steps(y, ways, True)
+        steps = self._steps(y, ways, True) if first is None else first.copy()
         found = self._differences(time, y, ways, steps, self._tangents or self._slopes)
         off, noise = self._sizes(found[0] - found[1]), _NOISY * self.round_off
         least = np.maximum(_STRADDLES * self._sizes(found[0]).max(initial=0.0), noise / steps)
@@ -197,7 +207,7 @@ class Field:
     ) -> Array:
         """Return derivatives of the rates by differences of sixth and fourth order, (2, nv + nx, k).
 
-        They are of the whole where it is not said by what.
+        They are of the rates as a whole, or by what is given.
         """
         found = np.array((by or self._slopes).rates(time, y, np.ascontiguousarray(ways), steps))
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
@@ -257,14 +267,15 @@ class Field:
             y: State.
             way: (displacement,).
         """
-        sixth, _, steps = self.slopes(time, y, way[:, None])
-        return self._weighed(sixth)[:, 0], self._noise(y, way[:, None], steps)
+        first = self._steps(y, way[:, None], True)
+        sixth, _, steps = self.slopes(time, y, way[:, None], first)
+        return self._weighed(sixth)[:, 0], self._noise(y, way[:, None], steps, first)
 
-    def _noise(self, y: Array, ways: Array, steps: Array) -> float:
+    def _noise(self, y: Array, ways: Array, steps: Array, first: Array) -> float:
         """Return the round-off of derivatives along a displacement; without bounds in a shallow contact."""
         # Steps that a kink has made finer are not those of a shallow contact.
         touch = self.workspace.memory["touching"].any()
-        shallow = touch and self._shallow(y, ways, self._steps(y, ways, True))[0]
+        shallow = touch and self._shallow(y, ways, first)[0]
         return math.inf if shallow else self.round_off / float(steps[0])
 
     def across_kinks(self, time: float, y: Array, way: Array) -> tuple[Array, float]:
@@ -388,7 +399,9 @@ class Field:
         nq, nv = self.system.model.nq, self.system.model.nv
         own, rate, bristles, *_ = self.parts
         v, count = y[nq : nq + nv], lift.up.shape[1]
-        sixth, fourth, steps = self.slopes(time, y, np.column_stack([lift.up, way]))
+        ways = np.column_stack([lift.up, way])
+        first = self._steps(y, ways, True)
+        sixth, fourth, steps = self.slopes(time, y, ways, first)
         both = []
         for found in (sixth[:, :count], fourth[:, :count]):
             change = np.zeros((self.displacement, count))
@@ -399,5 +412,5 @@ class Field:
             both[0],
             both[1],
             self._weighed(sixth[:, count:])[:, 0],
-            self._noise(y, way[:, None], steps[count:]),
+            self._noise(y, way[:, None], steps[count:], first[count:]),
         )
