@@ -572,7 +572,8 @@ def test_what_the_heading_names_can_be_hidden(opened, clearance_run, ideal_run):
 def test_what_was_thinned_is_said_where_asked(opened, clearance_run):
     """A note that lies over the mechanism is for what is wrong; how small a page was made is not."""
     limit = 1e-6 * len(record(clearance_run, fps=1e6, curves=()).html.encode())
-    small = record(clearance_run, fps=1e6, curves=(), max_megabytes=limit - 3e-3)  # less than what moves takes
+    # What moves takes more than what is taken off here.
+    small = record(clearance_run, fps=1e6, curves=(), max_megabytes=limit - 3e-3)
     assert small.data["thinned"] and not small.data["warnings"]
     page = opened(small)
     box = "return document.querySelector('.ap-thinned').getBoundingClientRect().height;"
