@@ -45,13 +45,13 @@ def say_answer(trajectory: Trajectory, label: str = "") -> None:
             if (len(row), len(part)) == longest:
                 part.pop()
                 rows[k] = _wrapped("; ".join(part), room)
-    for row in head:
-        say(row)
+    for text in head:
+        say(text)
     for line, (first, *more) in zip(found.lines, rows, strict=True):
         about = f"  {line.about:<{widest}}  "
         say(about + first)
-        for part in more:
-            say(" " * len(about) + part)
+        for text in more:
+            say(" " * len(about) + text)
 
 
 def _wrapped(text: str, width: int, further: str = "") -> list[str]:

@@ -292,10 +292,11 @@ def test_the_curve_of_the_ideal_run_is_beside_and_said(opened, clearance_run, id
     page.run("recording.seek(a[0]);", time)
     said = page.run("return recording.curve.other.textContent;")
     value, unit = re.fullmatch(r"ideal \u2248 (\S+) (\S+)", said).groups()
-    expected = float(np.interp(time, exact.time, exact.values)) / {"rad/s": 1.0}[unit]
+    factor = {"rad/s": 1.0, "mrad/s": 1e-3}[unit]
+    expected = float(np.interp(time, exact.time, exact.values)) / factor
     # Four digits are shown, and a curve is off by a ten-thousandth of its range at most.
     assert float(value.replace("\u2212", "-")) == pytest.approx(
-        expected, rel=5e-4, abs=1e-4 * np.ptp(exact.values)
+        expected, rel=5e-4, abs=1e-4 * np.ptp(exact.values) / factor
     )
     pixels = page.pixels(".ap-curve canvas").astype(int)
     assert (np.abs(pixels - GHOST).max(axis=2) <= 24).any(
@@ -351,7 +352,7 @@ def test_the_curve_goes_with_time_and_time_with_the_curve(opened, clearance_run)
     # Between samples the value is that of the line, which says so.
     assert page.run("return recording.curve.value.textContent;").endswith(" N")
     page.run("recording.curve.choose('motion_rate[elevation]');")
-    assert page.run("return recording.curve.value.textContent;").endswith(" rad/s")
+    assert page.run("return recording.curve.value.textContent;").endswith(" mrad/s")
     assert quiet(page)
 
 
@@ -570,8 +571,9 @@ def test_what_the_heading_names_can_be_hidden(opened, clearance_run, ideal_run):
 
 def test_what_was_thinned_is_said_where_asked(opened, clearance_run):
     """A note that lies over the mechanism is for what is wrong; how small a page was made is not."""
-    limit = 1e-6 * len(record(clearance_run, fps=1e5, curves=()).html.encode())
-    small = record(clearance_run, fps=1e5, curves=(), max_megabytes=0.9 * limit)
+    limit = 1e-6 * len(record(clearance_run, fps=1e6, curves=()).html.encode())
+    # What moves takes more than what is taken off here.
+    small = record(clearance_run, fps=1e6, curves=(), max_megabytes=limit - 3e-3)
     assert small.data["thinned"] and not small.data["warnings"]
     page = opened(small)
     box = "return document.querySelector('.ap-thinned').getBoundingClientRect().height;"

@@ -108,7 +108,7 @@ def test_figures_of_controllers_and_forces_are_in_their_sections(run):
 
 def test_why_a_figure_is_missing_stands_where_it_would_be():
     """Nothing goes through the dish's hinge: its mass centre is on the axis, and nothing pulls."""
-    gear = simulate(load_scenario("pointing_gear", case="tight"), duration=0.05)
+    gear = simulate(load_scenario("pointing_gear", case="tight"), duration=0.5)
     (joints,) = (one for one in report(gear, recordings=False).sections if one.key == "joints")
     (note,) = joints.notes
     assert note.startswith("Force through dish: ") and note.endswith(
