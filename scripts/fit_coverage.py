@@ -3,7 +3,7 @@
     python scripts/fit_coverage.py [--count 100] [--seed 0]
 
 A bar hangs from a hinge with play. What its sensors read is made by equations and an integrator that are none
-of the package's (tests/reference/planar_joint.py), noise is added, and play, stiffness, restitution, friction are
+of the package's (tests/reference/planar_joint.py), noise is added, play, stiffness, restitution, friction are
 fitted, each time from another noise. Of bands of 95 % some 95 of 100 hold the number that the record was
 made with; of so many draws between 90 and 99 are what chance leaves (binomial, 98 %).
 """
