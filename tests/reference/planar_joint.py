@@ -30,7 +30,9 @@ def record(play, stiffness, restitution, friction, times, velocity=(0.15, 0.0), 
         depth, rate = max(distance - play, 0.0), v @ out
         hysteresis = 1.0 + 0.75 * (1.0 - restitution**2) * rate / approach
         normal = max(stiffness * depth**EXPONENT * hysteresis, 0.0)
-        slip = v @ across + spin * (BEARING_RADIUS - distance)  # of the journal's point at the bearing's surface
+        slip = v @ across + spin * (
+            BEARING_RADIUS - distance
+        )  # of the journal's point at the bearing's surface
         whole = -normal * out - friction * np.tanh(slip / TRANSITION) * normal * across
         arm = BEARING_RADIUS * out - p - LENGTH * np.array([-np.sin(turn), np.cos(turn)])
         return whole, arm[0] * whole[1] - arm[1] * whole[0]
