@@ -40,13 +40,16 @@ def test_answer_is_short_and_its_files_are_there(cli, hinge):
     ("options", "words"),
     [
         (["hinge.fit.toml", "--record", "test"], "--record must be given with --write-scenario"),
-        (["hinge.fit.toml", "--record", "tset", "--write-scenario", "a.toml"], "--record must be one of test, got tset"),
+        (
+            ["hinge.fit.toml", "--record", "tset", "--write-scenario", "a.toml"],
+            "--record must be one of test, got tset",
+        ),
         (["hinge.fit.toml", "--workers", "-1"], "--workers must be zero or more, got -1"),
         (["hinge.fit.toml", "--out", "a.txt"], "a.txt: the output's name must end in .nc; try a.nc"),
         (["hing.fit.toml"], "'hing.fit.toml' is unknown"),
         (["hinge.fit.toml", "--set", "los=huber"], "los is unknown; did you mean loss?"),
     ],
-)  # fmt: skip
+)
 def test_refusals_are_one_line_before_any_run(cli, hinge, options, words):
     said = cli("fit", *options)
     assert said.code == 2 and said.out == ""
