@@ -81,6 +81,13 @@ def test_filter_is_butterworths_at_its_corner(order):
         np.testing.assert_allclose(found[settled], wanted[settled], atol=6e-4)
 
 
+def test_filter_is_at_rest_under_its_first_input():
+    """As the reading of an accelerometer that has felt its weight since it was switched on."""
+    np.testing.assert_allclose(
+        filtered_points(np.full(50, 9.81), 1e-4, 100.0, 4), 9.81, rtol=1e-12
+    )  # round-off
+
+
 def test_filtered_accelerometer_keeps_the_impulse_of_blows():
     """What a reading comes to over time is the change of velocity, though no sample may lie in a blow."""
     scenario = load_scenario("impact_pair").with_overrides({"clearance.bore.geometry": "closed-form"})
