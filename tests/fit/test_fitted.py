@@ -1,4 +1,4 @@
-"""What a fit finds: closed forms, another code's records, other valleys, its bands, its end after an interruption."""
+"""What a fit finds: closed forms, another code's records, other valleys, bands, its end after a break."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,10 @@ def test_covariance_is_that_of_the_linear_theory(write):
     time = np.linspace(0.0, 1.0, 201)
     sides = []
     for i, step in enumerate((1e-4 * STIFFNESS, 1e-4 * DAMPING)):
-        ends = [closed_form(time, *(np.array([STIFFNESS, DAMPING]) + sign * step * np.eye(2)[i])) for sign in (1, -1)]
+        ends = [
+            closed_form(time, *(np.array([STIFFNESS, DAMPING]) + sign * step * np.eye(2)[i]))
+            for sign in (1, -1)
+        ]
         sides.append((ends[0] - ends[1]) / (2.0 * step) / 1e-4)
     slopes = np.column_stack(sides)
     # Differences of steps of 1e-4 err by the square of that times third derivatives, some 1e-6 in all.
@@ -89,7 +92,7 @@ def test_a_robust_loss_is_not_moved_by_a_few_wild_rows(write):
 
 
 def test_many_starts_find_the_lowest_of_many_valleys(write):
-    valleys = 'difference_step = 1e-5\n[starts]\ncount = 16\nkeep = 3'
+    valleys = "difference_step = 1e-5\n[starts]\ncount = 16\nkeep = 3"
     far = {"parameters.stiffness.start": "3 N*m/rad"}
     write(more=valleys)
     folder = write(more=valleys).folder
@@ -113,6 +116,25 @@ def test_play_stiffness_restitution_friction_of_another_codes_joint(tmp_path, se
     assert np.all(np.abs(found.values - truth) < 4.0 * found.bands.sd)
     # The mean of 900 squares of normal numbers is 1 to sqrt(2 / 900); 4 sigma of that.
     assert found.bands.chi2 / found.bands.freedoms == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / 900.0))
+
+
+def test_pieces_find_what_one_run_does_not(write):
+    """From a spring a quarter as stiff the phase is off by turns; over a quarter of a second it is not."""
+    time, far = np.linspace(0.0, 1.0, 101), 'parameters.stiffness.start="10 N*m/rad"'
+    columns = {"angle": closed_form(time)}
+    folder = write(time, columns).folder
+    single = run_fit(load_fit(folder / "fit.fit.toml", [far]))
+    write(time, columns, record='pieces = { length = "0.25 s" }')
+    pieces = run_fit(load_fit(folder / "fit.fit.toml", [far]))
+    assert abs(single.values[0] - STIFFNESS) > 10.0
+    # As for the closed form: a run in pieces is one run.
+    assert pieces.values[0] == pytest.approx(STIFFNESS, rel=1e-6)
+    assert pieces.states.shape == (6,)  # three starts that are free, each of an angle and its rate
+    # Pieces that are held together a hundred times as well as rows are known tell as much as one run, but for
+    # the square of that.
+    held = run_fit(write(time, columns, record='pieces = { length = "0.5 s", weight = 1e6 }'))
+    whole = run_fit(write(time, columns))
+    assert held.bands.sd[0] == pytest.approx(whole.bands.sd[0], rel=1e-3)
 
 
 # --- on the disk ---
@@ -166,6 +188,8 @@ def test_lmfit_reports_what_was_found(write):
     parameters = found.result().params
     assert parameters["damping"].value == found.values[1]
     assert parameters["damping"].stderr == found.bands.sd[1]
-    assert "C(stiffness, damping)" in found.report() or abs(found.bands.covariance[0, 1]) < 0.1 * np.prod(found.bands.sd)
+    assert "C(stiffness, damping)" in found.report() or abs(found.bands.covariance[0, 1]) < 0.1 * np.prod(
+        found.bands.sd
+    )
     residuals = found.minimizer().userfcn(parameters)
     np.testing.assert_array_equal(residuals, found.residuals)
