@@ -8,4 +8,6 @@ _SPEC = importlib.util.spec_from_file_location("fit_coverage", _FILE)
 _COVERAGE = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(_COVERAGE)
 
-FIT, TIMES, TRUTH, write_record = (getattr(_COVERAGE, name) for name in ("FIT", "TIMES", "TRUTH", "write_record"))
+FIT, TIMES, TRUTH, write_record = (
+    getattr(_COVERAGE, name) for name in ("FIT", "TIMES", "TRUTH", "write_record")
+)

@@ -35,7 +35,10 @@ def test_covariance_is_that_of_the_linear_theory(write):
     time = np.linspace(0.0, 1.0, 201)
     sides = []
     for i, step in enumerate((1e-4 * STIFFNESS, 1e-4 * DAMPING)):
-        ends = [closed_form(time, *(np.array([STIFFNESS, DAMPING]) + sign * step * np.eye(2)[i])) for sign in (1, -1)]
+        ends = [
+            closed_form(time, *(np.array([STIFFNESS, DAMPING]) + sign * step * np.eye(2)[i]))
+            for sign in (1, -1)
+        ]
         sides.append((ends[0] - ends[1]) / (2.0 * step) / 1e-4)
     slopes = np.column_stack(sides)
     # Differences of steps of 1e-4 err by the square of that times third derivatives, some 1e-6 in all.
@@ -89,7 +92,7 @@ def test_a_robust_loss_is_not_moved_by_a_few_wild_rows(write):
 
 
 def test_many_starts_find_the_lowest_of_many_valleys(write):
-    valleys = 'difference_step = 1e-5\n[starts]\ncount = 16\nkeep = 3'
+    valleys = "difference_step = 1e-5\n[starts]\ncount = 16\nkeep = 3"
     far = {"parameters.stiffness.start": "3 N*m/rad"}
     write(more=valleys)
     folder = write(more=valleys).folder
@@ -166,6 +169,8 @@ def test_lmfit_reports_what_was_found(write):
     parameters = found.result().params
     assert parameters["damping"].value == found.values[1]
     assert parameters["damping"].stderr == found.bands.sd[1]
-    assert "C(stiffness, damping)" in found.report() or abs(found.bands.covariance[0, 1]) < 0.1 * np.prod(found.bands.sd)
+    assert "C(stiffness, damping)" in found.report() or abs(found.bands.covariance[0, 1]) < 0.1 * np.prod(
+        found.bands.sd
+    )
     residuals = found.minimizer().userfcn(parameters)
     np.testing.assert_array_equal(residuals, found.residuals)
