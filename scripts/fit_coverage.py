@@ -90,7 +90,9 @@ def fitted(folder: Path, clean: tuple[np.ndarray, np.ndarray, np.ndarray], seed:
 
 def main() -> None:
     """Print how many bands hold."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args()
@@ -101,7 +103,10 @@ def main() -> None:
             fit = fitted(Path(name), clean, asked.seed + k)
             held += (fit.bands.low <= truth) & (truth <= fit.bands.high)
             ratios.append(fit.bands.chi2 / fit.bands.freedoms)
-            print(f"{k + 1}: {fit.runs} runs, chi2 / freedoms {ratios[-1]:.3f}, held so far {held.tolist()}", flush=True)
+            print(
+                f"{k + 1}: {fit.runs} runs, chi2 / freedoms {ratios[-1]:.3f}, held so far {held.tolist()}",
+                flush=True,
+            )
     for name, count in zip(TRUTH, held, strict=True):
         print(f"{name}: {count} of {asked.count} bands of 95 % hold the number")
     print(f"chi2 over degrees of freedom: {np.mean(ratios):.4f} on average")

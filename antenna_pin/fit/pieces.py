@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.dynamics import System
 from antenna_pin.nonlinear import Chart, Flow
 from antenna_pin.nonlinear.frames import way_between
 from antenna_pin.scenario import Scenario
@@ -64,27 +65,37 @@ def cut(scenario: Scenario, length: float, until: float, place: str) -> Cut:
     return Cut(tuple(instants), tuple(origins))
 
 
-@functools.lru_cache(maxsize=256)
-def _state(origin: str) -> State:
-    return State.from_json(origin)
+@functools.lru_cache(maxsize=4)
+def _system(begun: str) -> System:
+    return build_system(Scenario.model_validate_json(begun))
 
 
-def ways_of(scenario: Scenario, origin: str) -> int:
-    """Return in how many coordinates a piece's start is told: its ways and as many rates."""
-    return 2 * Chart(build_system(scenario), _state(origin)).ways
+@functools.lru_cache(maxsize=1024)
+def _chart(begun: str, origin: str) -> Chart:
+    """Return the coordinates about an origin; their units are those of the start values, and stay."""
+    return Chart(_system(begun), State.from_json(origin))
 
 
-def piece_start(scenario: Scenario, origin: str, z: Array) -> State:
-    """Return the state at coordinates z about an origin, (ways,), in the run's error scales."""
-    chart = Chart(build_system(scenario), _state(origin))
+def ways_of(begun: str, origin: str) -> int:
+    """Return in how many coordinates a piece's start is told: its ways and as many rates.
+
+    Args:
+        begun: The scenario with the start values, as JSON.
+        origin: A state of it, as text.
+    """
+    return 2 * _chart(begun, origin).ways
+
+
+def piece_start(begun: str, origin: str, z: Array, system: System) -> State:
+    """Return the state at coordinates z about an origin, (ways,), in error scales, of a system."""
+    chart = _chart(begun, origin)
     whole = np.zeros(chart.size)
     whole[: len(z)] = z
-    return chart.state(whole)
+    return chart.state(whole, system)
 
 
-def from_origin(scenario: Scenario, origin: str, q: Array, v: Array) -> Array:
-    """Return the way from an origin to a configuration and velocity, (2 nv,), in the run's error scales."""
-    system, state = build_system(scenario), _state(origin)
-    units = Chart(system, state).units
-    way = way_between(system, state.q, q) / units.way
-    return np.concatenate([way, (v - state.v) / units.rate])
+def from_origin(begun: str, origin: str, q: Array, v: Array) -> Array:
+    """Return the way from an origin to a configuration and velocity, (2 nv,), in error scales."""
+    chart = _chart(begun, origin)
+    way = way_between(chart.system, chart.origin.q, q) / chart.units.way
+    return np.concatenate([way, (v - chart.origin.v) / chart.units.rate])

@@ -135,6 +135,9 @@ class FitParameterSpec(Spec):
         texts = (self.start, *(self.between or ()))
         read = [any_quantity(text) or (0.0, "") for text in texts]
         unit = next((unit for _, unit in read if unit not in ("", "1")), "")
+        written = str(self.start).strip().partition(" ")[2].strip()
+        if unit and any_quantity(f"1 {written}") == (1.0, unit):
+            unit = written  # as its author knows it: N/m**1.5, not kg/m**0.5/s**2
         low, high = (read[1][0], read[2][0]) if self.between is not None else (-float("inf"), float("inf"))
         return read[0][0], low, high, unit
 

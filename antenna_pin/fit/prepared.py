@@ -119,9 +119,10 @@ def prepared(plan: FitPlan) -> Prepared:
                 time=found.time,
                 pieces=pieces,
                 origins=origins,
+                begun=begun.model_dump_json() if pieces else "",
             )
         )
-        ways.append(tuple(ways_of(begun, origin) for origin in origins))
+        ways.append(tuple(ways_of(rigs[-1].begun, origin) for origin in origins))
         joints.append(2 * data.sizes["coordinate"] * len(origins))
     return Prepared(place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints))
 

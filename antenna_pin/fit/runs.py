@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.pieces import from_origin, piece_start
@@ -48,6 +49,7 @@ class Rig:
         time: Of the rows, by the file's clock [s].
         pieces: Instants at which pieces begin and the last one ends [s]; () of a whole run.
         origins: State about which each piece's start is told, but the first's, as text.
+        begun: The scenario whose states these are, with the start values, as JSON; "" of a whole run.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Rig:
     time: Array
     pieces: tuple[float, ...] = ()
     origins: tuple[str, ...] = ()
+    begun: str = ""
 
 
 class Asked(NamedTuple):
@@ -109,7 +112,13 @@ def scenario_with(rig: Rig, values: tuple[float, ...]) -> Scenario:
     return base.with_overrides(found) if found else base
 
 
-def run_at(scenario: Scenario, times: Array, until: float, start: State | None = None) -> Trajectory:
+def run_at(
+    scenario: Scenario,
+    times: Array,
+    until: float,
+    start: State | None = None,
+    system: System | None = None,
+) -> Trajectory:
     """Return a run that is sampled at times, rising [s], and goes on until an instant [s].
 
     Args:
@@ -117,8 +126,9 @@ def run_at(scenario: Scenario, times: Array, until: float, start: State | None =
         times: Of its samples.
         until: Its end [s].
         start: From where; the scenario's start if left out.
+        system: The scenario's; made if left out.
     """
-    system = build_system(scenario)
+    system = system or build_system(scenario)
     begin = 0.0 if start is None else start.reached
     within = times[(times >= begin) & (times <= until)]
     settings = dataclasses.replace(
@@ -162,31 +172,36 @@ def make(rig: Rig, asked: Asked) -> Readings:
 
 def _made(rig: Rig, asked: Asked) -> Readings:
     scenario = scenario_with(rig, asked.values)
+    system = build_system(scenario)
     rows, start, end = rig.time + asked.shift, None, scenario.duration
     if rig.pieces:
         begin, end = rig.pieces[asked.piece : asked.piece + 2]
         last = asked.piece == len(rig.pieces) - 2
         rows = rows[(rows >= begin) & ((rows <= end) if last else (rows < end))]
         if asked.piece > 0:
-            start = piece_start(scenario, rig.origins[asked.piece - 1], np.array(asked.start))
+            start = piece_start(rig.begun, rig.origins[asked.piece - 1], np.array(asked.start), system)
     else:
         end = min(end, float(rows[-1])) if rows[-1] > 0.0 else end
     wanted = [instants(column, rows) for column in rig.columns.values()]
-    run = run_at(scenario, np.unique(np.concatenate(wanted)), end, start)
+    run = run_at(scenario, np.unique(np.concatenate(wanted)), end, start, system)
     if run.outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt
     if float(run.data.attrs["end_time"]) < rows[-1] - 1e-12:
         return _nothing(run.message)
+    seen: dict[bytes, xr.Dataset] = {}  # of columns without filters the same, which takes longer than the run
+    for times in wanted:
+        if times.tobytes() not in seen:
+            seen[times.tobytes()] = at_instants(run.data, times)
     columns = tuple(
-        reading(at_instants(run.data, times), column, rig.read_in[name], rows)
+        reading(seen[times.tobytes()], column, rig.read_in[name], rows)
         for (name, column), times in zip(rig.columns.items(), wanted, strict=True)
     )
     lead = joint = np.zeros(0)
     if start is not None:
-        lead = from_origin(scenario, rig.origins[asked.piece - 1], start.q, start.v)
+        lead = from_origin(rig.begun, rig.origins[asked.piece - 1], start.q, start.v)
     if rig.pieces and asked.piece < len(rig.pieces) - 2:
         q, v = (run.data[name].values[-1] for name in "qv")
-        joint = from_origin(scenario, rig.origins[asked.piece], q, v)
+        joint = from_origin(rig.begun, rig.origins[asked.piece], q, v)
     return Readings(columns, lead, joint)
 
 

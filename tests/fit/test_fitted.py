@@ -118,6 +118,24 @@ def test_play_stiffness_restitution_friction_of_another_codes_joint(tmp_path, se
     assert found.bands.chi2 / found.bands.freedoms == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / 900.0))
 
 
+def test_pieces_find_what_one_run_does_not(write):
+    """From a spring a quarter as stiff the phase is off by turns; over a quarter of a second it is not."""
+    time, far = np.linspace(0.0, 1.0, 101), 'parameters.stiffness.start="10 N*m/rad"'
+    columns = {"angle": closed_form(time)}
+    folder = write(time, columns).folder
+    single = run_fit(load_fit(folder / "fit.fit.toml", [far]))
+    write(time, columns, record='pieces = { length = "0.25 s", weight = 1e6 }')
+    pieces = run_fit(load_fit(folder / "fit.fit.toml", [far]))
+    assert abs(single.values[0] - STIFFNESS) > 10.0
+    # As for the closed form: a run in pieces is one run.
+    assert pieces.values[0] == pytest.approx(STIFFNESS, rel=1e-6)
+    assert pieces.states.shape == (6,)  # three starts that are free, each of an angle and its rate
+    # Pieces that are held together a hundred times as well as rows are known tell as much as one run, but for
+    # the square of that.
+    whole = run_fit(write(time, columns))
+    assert pieces.bands.sd[0] == pytest.approx(whole.bands.sd[0], rel=1e-3)
+
+
 # --- on the disk ---
 
 
