@@ -1,4 +1,4 @@
-"""``antenna-pin fit --identify`` and ``--next``, and figures of datasets: what they print, save and refuse."""
+"""``antenna-pin fit --identify`` and ``--next``, figures of datasets: what they print, save, refuse."""
 
 from pathlib import Path
 
