@@ -2,10 +2,10 @@
 
     python scripts/fit_coverage.py [--count 100] [--seed 0]
 
-A bar hangs from a hinge with play. What its sensors read is made by equations and an integrator that are none of
-the package's (tests/reference/planar_joint.py), noise is added, and play, stiffness, restitution and friction are
-fitted, each time from another noise. Of bands of 95 % some 95 of 100 hold the number that the record was made with;
-of so many draws between 90 and 99 are what chance leaves (binomial, 98 %).
+A bar hangs from a hinge with play. What its sensors read is made by equations and an integrator that are none
+of the package's (tests/reference/planar_joint.py), noise is added, play, stiffness, restitution, friction are
+fitted, each time from another noise. Of bands of 95 % some 95 of 100 hold the number that the record was
+made with; of so many draws between 90 and 99 are what chance leaves (binomial, 98 %).
 """
 
 from __future__ import annotations
@@ -35,9 +35,13 @@ case = "planar"
 duration = "0.061 s"
 integrator.engine = "compiled"
 clearance.hinge.geometry = "closed-form"
-clearance.hinge.normal = { replace = true, law = "lankarani-nikravesh", stiffness = 1e10, restitution = 0.7 }
-clearance.hinge.friction = { replace = true, law = "tanh", coefficient_of_friction = 0.1, transition_speed = "10 mm/s" }
 initial.joints.hinge.journal_velocity = ["150 mm/s", "0 m/s", "0 m/s"]
+clearance.hinge.normal = { replace = true, law = "lankarani-nikravesh", stiffness = 1e10, restitution = 0.7 }
+[set.clearance.hinge.friction]
+replace = true
+law = "tanh"
+coefficient_of_friction = 0.1
+transition_speed = "10 mm/s"
 [parameters.play]
 key = "clearance.hinge.radial_clearance"
 start = "0.101 mm"

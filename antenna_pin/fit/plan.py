@@ -31,7 +31,7 @@ __all__ = [
 #: Of a record's own numbers: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")
 
-Jacobian = Literal["differences", "variational"]
+Jacobian = Literal["differences"]
 
 
 def place_in_record(key: str) -> tuple[str, str, str] | None:
@@ -199,7 +199,7 @@ class FitPlan(RunsFile):
         loss: How a residual counts, as SciPy's ``least_squares`` has it: ``linear`` by its square, the others
             less where it is large.
         loss_scale: Where it begins to be large, in standard deviations [-].
-        jacobian: Derivatives by central ``differences`` of runs, or by the ``variational`` equation.
+        jacobian: Whence derivatives come: central ``differences`` of runs.
         difference_step: Of those, over a parameter's scale: its start's size, or the bounds' distance [-].
         tolerance: Relative change of the sum, and of parameters, below which the search has ended [-].
         most: Evaluations by steps of a search after which it is given up [-].

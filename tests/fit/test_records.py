@@ -81,7 +81,7 @@ def swapped(time):
                 "time": np.delete(TIME, slice(50, 60)),
                 "columns": {"angle": closed_form(np.delete(TIME, slice(50, 60)))},
             },
-            'must have no gaps, got none between 0.245 s and 0.3 s in rows 0.005 s apart; give a window, or gaps = "skip"',
+            "must have no gaps, got none between 0.245 s and 0.3 s in rows 0.005 s apart; give a window, or",
         ),
         ({"time": times(swapped)}, "time must rise from row to row, got 0.1 s after 0.105 s in row 22"),
         (

@@ -1,4 +1,4 @@
-"""A bar that hangs from a hinge with play and keeps its plane, by equations of its own and SciPy's integrator.
+"""A bar that hangs from a hinge with play and keeps its plane, by equations of its own and SciPy's steps.
 
 Of the package nothing is used: Newton's and Euler's laws for one body with three freedoms, the contact of a
 circle in a circle, Lankarani and Nikravesh's force, friction by tanh; SciPy finds the onsets and releases.
@@ -11,9 +11,10 @@ from scipy.integrate import solve_ivp
 MASS, INERTIA, LENGTH = 1.872, 0.0251004, 0.2  # about the mass centre, which is LENGTH below the journal
 GRAVITY, BEARING_RADIUS, TRANSITION, DAMPING = 9.80665, 0.01, 1e-2, 1.2
 EXPONENT = 1.5
+FIRST_ANGLE = np.radians(10.0)
 
 
-def record(play, stiffness, restitution, friction, times, velocity=(0.15, 0.0), angle=np.radians(10.0)):
+def record(play, stiffness, restitution, friction, times, velocity=(0.15, 0.0), angle=FIRST_ANGLE):
     """Return what sensors read at times: journal (n, 2) [m], force on it (n, 2) [N], angle (n,) [rad].
 
     It starts in the bore's middle, with a velocity of the journal [m/s].
