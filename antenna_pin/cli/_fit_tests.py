@@ -33,7 +33,7 @@ def _begun(
 ) -> tuple[Problem, np.ndarray, float]:
     """Return a fit's problem, values to look at, and the variance of a weighted residual."""
     from antenna_pin.fit import Problem, open_fit
-    from antenna_pin.fit.certain import values_in
+    from antenna_pin.fit.certainty import values_in
     from antenna_pin.fit.laboratory import Laboratory
 
     known = None if at is None else open_fit(at)
@@ -67,7 +67,7 @@ def identify(
     quiet: bool,
 ) -> None:
     """Say what a fit's records can tell of its parameters, before it is made."""
-    from antenna_pin.fit.certain import tells
+    from antenna_pin.fit.certainty import tells
     from antenna_pin.fit.tell_tables import identifiability_table
 
     problem, values, factor = _begun(plan, at, executor, tell)
@@ -114,8 +114,8 @@ def next_test(
 ) -> None:
     """Say which of some experiments tells most, added to a fit's records."""
     from antenna_pin.errors import UnknownNameError
-    from antenna_pin.fit.certain import sizes_of, slopes_at
-    from antenna_pin.fit.design import design, planned
+    from antenna_pin.fit.certainty import sizes_of, slopes_at
+    from antenna_pin.fit.designs import design, planned
     from antenna_pin.fit.experiments import Trial, load_experiments
     from antenna_pin.fit.laboratory import Laboratory
     from antenna_pin.fit.searched import doubt_of

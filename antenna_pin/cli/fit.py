@@ -83,7 +83,7 @@ def fit(
     on with the same command.
     """
     from antenna_pin.fit import load_fit, run_fit
-    from antenna_pin.fit.certain import certain
+    from antenna_pin.fit.certainty import certain
     from antenna_pin.sweep import Cluster, Here
     from antenna_pin.trajectory import save_table
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.fit.losses import Loss, cost
-from antenna_pin.fit.sure import Residuals, Sure
+from antenna_pin.fit.sureness import Residuals, Sure
 
 __all__ = ["CurveBands", "along_jacobian", "by_sampling", "draws"]
 

@@ -1,7 +1,7 @@
 """What a fit knows of its parameters where its search has ended, in SI units.
 
-The rules are :func:`antenna_pin.fit.sure.sure`'s, in the coordinates of the search: intervals of logarithms
-are those of logarithms, so not even about the value.
+The rules are :func:`antenna_pin.fit.sureness.sure`'s, in the coordinates of the search: intervals of
+logarithms are those of logarithms, so not even about the value.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.searched import doubt_of, names_of, natural
-from antenna_pin.fit.sure import sure
+from antenna_pin.fit.sureness import sure
 from antenna_pin.fit.unknowns import Unknowns
 
 __all__ = ["Bands", "bands_of"]

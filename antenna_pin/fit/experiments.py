@@ -22,7 +22,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.files import absence
 from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.design import Criterion
+from antenna_pin.fit.designs import Criterion
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.plan import FitParameterSpec, FitPlan, RecordSpec, place_in_record
 from antenna_pin.fit.problem import Problem

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.rank import DOUBT, Rank, rank_of
-from antenna_pin.fit.sure import Residuals, student
+from antenna_pin.fit.sureness import Residuals, student
 from antenna_pin.readable import number
 
 __all__ = ["Identifiable", "identifiable", "said_of_direction"]
@@ -68,6 +69,7 @@ class Identifiable:
         return tuple(name for name, one in zip(self.names, wide, strict=True) if one)
 
 
+@takes()
 def identifiable(
     problem: Residuals, values: Array | None = None, *, level: float = 0.95, doubt: float = DOUBT
 ) -> Identifiable:

@@ -15,8 +15,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.fit.bands import CurveBands
-from antenna_pin.fit.profile import Profile
-from antenna_pin.fit.sure import Sure
+from antenna_pin.fit.profiled import Profile
+from antenna_pin.fit.sureness import Sure
 from antenna_pin.fit.unknowns import Unknowns
 
 __all__ = [
@@ -64,7 +64,7 @@ class Fitted(Protocol):
 
 
 class Searched:
-    """Residuals over what is searched for; :class:`antenna_pin.fit.sure.Residuals` of it.
+    """Residuals over what is searched for; :class:`antenna_pin.fit.sureness.Residuals` of it.
 
     Args:
         problem: The fit's problem.

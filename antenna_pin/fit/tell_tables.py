@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.arguments import takes
-from antenna_pin.fit.design import Design, Plan
+from antenna_pin.fit.designs import Design, Plan
 from antenna_pin.fit.identifiable import Identifiable
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import open_table, table_attributes

@@ -40,6 +40,7 @@ _ALONG = {
 }
 
 
+@takes()
 def curves_of_fit(fit: xr.Dataset) -> list[str]:
     """Return the names of a fit's curves, ``record: column``, in order."""
     parts = zip(fit["record"].values, fit["column"].values, strict=True)

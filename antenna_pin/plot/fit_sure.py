@@ -84,6 +84,7 @@ def _signed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "\N{MINUS SIGN}")
 
 
+@takes()
 def correlations(fit: xr.Dataset) -> np.ndarray:
     """Return the correlations of the parameters of a fit, (p, p) [-]; NaN of one that has none."""
     covariance = np.asarray(fit["covariance"].values, dtype=float)

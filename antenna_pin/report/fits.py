@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.fit.sure import persistence
+from antenna_pin.fit.sureness import persistence
 from antenna_pin.plot import correlations, table_figures
 from antenna_pin.readable import number, prefixed, readable
 from antenna_pin.report._findings import Finding, Judged

@@ -6,7 +6,7 @@ from known_curves import decay, line, oscillator
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.bands import along_jacobian, by_sampling, draws
-from antenna_pin.fit.sure import sure
+from antenna_pin.fit.sureness import sure
 
 
 def _line(times):

@@ -20,7 +20,7 @@ TIMES = np.linspace(0.0, 1.0, 11)
 
 
 def fit(columns=("tip",), profile=True, covariance=((4.0, 1.98), (1.98, 1.0))):
-    """Return a fit of two parameters to curves of eleven rows each, off by one standard deviation all along."""
+    """Return a fit of two parameters to curves of eleven rows each, off by one standard deviation."""
     count = len(columns) * TIMES.size
     model = np.tile(2e-4 * np.cos(TIMES), len(columns))
     rows = {
@@ -72,7 +72,7 @@ def _said(figure):
 def test_a_record_stands_against_the_model_and_its_residuals_in_standard_deviations():
     figure = figure_fit(fit())
     above, below = figure.axes
-    assert above.get_ylabel() == "reading [mm]" and above.get_title() == "$\\bf{(a)}$ swing: tip"
+    assert above.get_ylabel() == "reading [mm]" and above.get_title(loc="left") == "$\\bf{(a)}$ swing: tip"
     drawn = {line.get_label(): line.get_ydata() for line in above.get_lines()}
     assert drawn["fitted model"] == pytest.approx(0.2 * np.cos(TIMES), rel=1e-12)
     assert drawn["measured"] == pytest.approx(0.2 * np.cos(TIMES) - 0.01, rel=1e-12)
@@ -158,7 +158,7 @@ def test_experiments_stand_in_order_with_what_is_known_before():
         line.get_xdata()[0] for line in one.get_lines() if line.get_marker() == "o" and len(line.get_xdata())
     ]
     assert dots == pytest.approx([10.0, 20.0])
-    assert one.get_title() == "play (wanted)"
+    assert one.get_title(loc="left") == "play (wanted)"
     assert any(list(line.get_xdata()) == [40.0, 40.0] for line in one.get_lines())
     assert [line.get_marker() for line in other.get_lines()].count(">") == 1
     assert "in order of c of play" in _said(figure)

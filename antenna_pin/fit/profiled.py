@@ -24,10 +24,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.fit.losses import Loss, cost
 from antenna_pin.fit.rank import DOUBT
-from antenna_pin.fit.sure import Residuals, Sure
+from antenna_pin.fit.sureness import Residuals, Sure
 
 __all__ = ["FAR", "End", "Profile", "profiles"]
 
@@ -76,6 +77,7 @@ class Profile:
     better: Array | None
 
 
+@takes()
 def profiles(
     problem: Residuals,
     found: Sure,

@@ -14,10 +14,10 @@ from antenna_pin.fit.bands import CurveBands, along_jacobian, by_sampling
 from antenna_pin.fit.experiments import without
 from antenna_pin.fit.identifiable import Identifiable, identifiable
 from antenna_pin.fit.problem import Problem
-from antenna_pin.fit.profile import Profile, profiles
+from antenna_pin.fit.profiled import Profile, profiles
 from antenna_pin.fit.result import Fit
 from antenna_pin.fit.searched import Searched, band_columns, doubt_of, profile_columns
-from antenna_pin.fit.sure import Sure, sure
+from antenna_pin.fit.sureness import Sure, sure
 
 __all__ = ["certain", "profiles_of", "sizes_of", "slopes_at", "tells", "values_in"]
 
@@ -38,6 +38,7 @@ def _sure(found: Fit) -> tuple[Searched, Sure]:
     return searched, known
 
 
+@takes()
 def profiles_of(
     found: Fit, names: Sequence[str] | None = None, progress: Callable[[str, float], None] | None = None
 ) -> tuple[Profile, ...]:
@@ -145,6 +146,7 @@ def slopes_at(problem: Problem, values: Array) -> Array:
     return without(slopes, np.arange(p, len(whole)))[:, :p]
 
 
+@takes()
 def tells(problem: Problem, values: Array | None = None, factor: float = 1.0) -> Identifiable:
     """Return what a fit's records can tell of its parameters; nothing is fitted.
 

@@ -6,8 +6,8 @@ from known_curves import Curve, decay, line, oscillator
 from scipy.optimize import brentq
 
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.fit.profile import profiles
-from antenna_pin.fit.sure import sure
+from antenna_pin.fit.profiled import profiles
+from antenna_pin.fit.sureness import sure
 
 
 def test_of_a_linear_model_the_profile_is_a_parabola(times):

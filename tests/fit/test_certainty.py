@@ -5,8 +5,8 @@ import pytest
 
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.fit import Problem, run_fit
-from antenna_pin.fit.certain import certain, sizes_of, slopes_at, tells, values_in
-from antenna_pin.fit.design import design
+from antenna_pin.fit.certainty import certain, sizes_of, slopes_at, tells, values_in
+from antenna_pin.fit.designs import design
 from antenna_pin.fit.experiments import Trial, load_experiments, without
 from antenna_pin.fit.tell_tables import (
     experiments_table,

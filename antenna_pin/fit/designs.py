@@ -31,9 +31,10 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.rank import DOUBT, rank_of
-from antenna_pin.fit.sure import student
+from antenna_pin.fit.sureness import student
 
 __all__ = ["CRITERIA", "Criterion", "Design", "Plan", "design", "planned"]
 
@@ -95,6 +96,7 @@ class Plan:
     gap: float
 
 
+@takes()
 def design(
     jacobians: Mapping[str, Array],
     names: Sequence[str],
@@ -193,6 +195,7 @@ def _worth(
     return error, worth
 
 
+@takes()
 def planned(
     jacobians: Mapping[str, Array],
     names: Sequence[str],
