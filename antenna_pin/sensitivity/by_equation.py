@@ -127,7 +127,7 @@ class ByEquation:
             columns.append(WEIGHTS[0] @ (ahead - behind) / _START)
         ways = np.column_stack(columns)
         ways[self._parts[-3]] = np.eye(len(self._parameters))
-        return lift.down @ ways
+        return np.asarray(lift.down @ ways)
 
     def _apart(self, k: int, s: float) -> Array:
         """Return the displacement of a neighbour's first state, without that of the parameter itself."""
