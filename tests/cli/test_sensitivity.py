@@ -17,7 +17,9 @@ def test_an_impact_that_is_faster(cli):
     rows = {row["result"]: row for row in said["results"]}
     for name, power in (("max peak_force", 1.2), ("sum impulse", 1.0), ("sum dissipated", 2.0)):
         # Differences of runs at 1e-12, of second order with steps of 1e-4.
-        assert rows[name][f"per 1 % of {SPEED}"] == pytest.approx(0.01 * power * rows[name]["value"], rel=1e-6)
+        assert rows[name][f"per 1 % of {SPEED}"] == pytest.approx(
+            0.01 * power * rows[name]["value"], rel=1e-6
+        )
 
 
 def test_the_table_and_the_file(cli, tmp_path):
@@ -29,9 +31,7 @@ def test_the_table_and_the_file(cli, tmp_path):
     lines = cli(*PAIR, SPEED, "--most", "2").out.splitlines()
     assert lines[0] == f"(1) {SPEED} = 0.1 m/s"
     shown = [line.strip() for line in lines[4:] if line.strip()]
-    assert len(shown) == 2 and all(
-        line.startswith(name) for line, name in zip(shown, names[:2], strict=True)
-    )
+    assert len(shown) == 2 and all(line.startswith(name) for line, name in zip(shown, names[:2], strict=True))
 
 
 @pytest.mark.parametrize(
