@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS, roughness
-from antenna_pin.dynamics import System, Workspace
+from antenna_pin.dynamics import System
 from antenna_pin.engine import Slopes, Tangents
-from antenna_pin.integrate import method_named
-from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at, parts_of
-from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
 from antenna_pin.nonlinear.lifts import Lifts
-from antenna_pin.nonlinear.numbers import InPlace, Numbers
+from antenna_pin.nonlinear.near import Function, Near
+from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.settings import RunSettings
-from antenna_pin.simulation.scales import scale_vector
-from antenna_pin.simulation.stretches import stepper_of
 
-__all__ = ["Field", "Function"]
+__all__ = ["Field"]
 
 Array = NDArray[np.float64]
-Function = Callable[[float, Array], Array]
 
 # Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
 # are finer, to be small beside the kinks of laws; less so in closed loops, where a clearance turns links by a
@@ -59,32 +54,21 @@ class Field:
 
     def __init__(self, system: System, settings: RunSettings, numbers: Numbers | None = None) -> None:
         """Allocate once."""
-        if numbers is not None:
-            system = numbers.own_system()
-        self.system = system
-        self.workspace = Workspace(system)
-        self.units, self.kept = Units.of(system), Kept(system)
+        self._near = near = Near(system, settings, numbers)
+        self.system, self.workspace, self._stepper = near.system, near.workspace, near.stepper
+        self.kept = near.kept
+        self.bristles, self.parts, self.numbers = near.bristles, near.parts, near.numbers
+        self.units = Units.of(near.system)
         self._kept_units = self.kept.units(self.units.way, self.units.rate)
-        scales = scale_vector(system, settings.scales)
-        self._stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
-        self.bristles = np.asarray(system.bristle_x, dtype=int)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
-        self._tangents = (
-            Tangents(system, self._stepper, np.concatenate(self.units), WEIGHTS)
-            if Tangents.takes(system)
-            else None
-        )
-        self._y = np.zeros(system.manifold.size)
-        self._memory = self.workspace.memory.copy()
-        #: Parts of a displacement, and its size.
-        count = 0 if numbers is None else numbers.count
-        self.parts = parts_of(system, len(self.kept), count)
-        #: The system's numbers, if parameters displace them.
-        self.numbers = None if numbers is None else InPlace(numbers, self.workspace, self._stepper)
+        tree = Tangents.takes(near.system)
+        units = np.concatenate(self.units)
+        self._tangents = Tangents(near.system, self._stepper, units, WEIGHTS) if tree else None
+        #: Size of a displacement.
         self.displacement = self.parts[-1].stop
         self._coarse = self._coarseness()
         self._opened: tuple[int, Array] | None = None
-        self._measured = any(joint.backend != "closed-form" for joint in system.clearances)
+        self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
         self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds, self._gaps)
         self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
@@ -92,7 +76,7 @@ class Field:
 
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
-        return self._stepper.rates(time, y)
+        return self._near.rates(time, y)
 
     def flow(self, time: float, y: Array) -> Array:
         """Return the displacement per second that the system itself makes, (displacement,)."""
@@ -151,7 +135,7 @@ class Field:
         out = np.zeros((len(WEIGHTS), len(function(time, y)), ways.shape[1]))
         used = self._steps(y, ways, of_forces) if steps is None else steps
         for k, (way, step) in enumerate(zip(ways.T, used, strict=True)):
-            out[:, :, k] = self._over(function, time, y, way, float(step))
+            out[:, :, k] = self._near.over(function, time, y, way, float(step))
         return out[0], out[1]
 
     def slopes(
@@ -218,31 +202,10 @@ class Field:
         )
         for k in np.flatnonzero(kept.any(axis=0) | displaced.any(axis=0)).tolist():
             if alone[k]:
-                found[:, :, k] = self._over_numbers(time, y, displaced[:, k], float(steps[k]))
+                found[:, :, k] = self._near.over_numbers(time, y, displaced[:, k], float(steps[k]))
                 continue
-            found[:, :, k] = self._over(self.rates, time, y, ways[:, k], float(steps[k]))
+            found[:, :, k] = self._near.over(self.rates, time, y, ways[:, k], float(steps[k]))
         return found
-
-    def _over_numbers(self, time: float, y: Array, way: Array, step: float) -> Array:
-        """Return derivatives of the rates over the system's numbers, as :meth:`_over`."""
-        assert self.numbers is not None
-        found = []
-        for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
-            back = self.numbers.displace(point * step * way)
-            try:
-                found.append(self.rates(time, y).copy())
-            finally:
-                back()
-        values = np.array(found)
-        return np.asarray(WEIGHTS @ (values[:3] - values[3:]) / step)
-
-    def _over(self, function: Function, time: float, y: Array, way: Array, step: float) -> Array:
-        """Return the derivative of a function along a displacement, of sixth and fourth order, (2, ...)."""
-        ahead, behind = (
-            np.array([self._at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
-            for side in (1, -1)
-        )
-        return np.asarray(WEIGHTS @ (ahead - behind) / step)
 
     def _weighed(self, rates: Array) -> Array:
         """Return derivatives of velocities and bristles in units, from (nv + nx, k)."""
@@ -255,9 +218,10 @@ class Field:
     def look_at(self, time: float, y: Array, way: Array) -> None:
         """Find the round-off of rates near a state, along a way."""
         step = _MINUTE * float(self._steps(y, way[:, None], True)[0])
-        near = self._weighed(np.array([self._at(self.rates, time, y, k * step * way) for k in _BESIDE]).T)
-        least = _ROUND_OFF * float(np.abs(near).max(initial=0.0))
-        self.round_off = max(float(roughness(near.T).max(initial=0.0)), least)
+        found = [self._near.at(self.rates, time, y, k * step * way) for k in _BESIDE]
+        beside = self._weighed(np.array(found).T)
+        least = _ROUND_OFF * float(np.abs(beside).max(initial=0.0))
+        self.round_off = max(float(roughness(beside.T).max(initial=0.0)), least)
 
     def along_way(self, time: float, y: Array, way: Array) -> tuple[Array, float]:
         """Return the derivative of the rates along one displacement, in units, and its round-off.
@@ -313,28 +277,6 @@ class Field:
         found = self.along(function, time, y, flow[:, None] / size, of_forces=of_forces)[0]
         return np.asarray(found[:, 0] * size)
 
-    def _at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
-        """Return a function's value at a neighbour."""
-        nq, nv = self.system.model.nq, self.system.model.nv
-        way, rate, bristles, speeds, masses, numbers, own, clock = (displacement[one] for one in self.parts)
-        memory, kept, program = self.workspace.memory, self._memory, self.workspace.program
-        back = self.numbers.displace(numbers) if self.numbers is not None and numbers.any() else None
-        words = program[self.kept.words]
-        self._y[:] = y
-        self.workspace.retract(self._y, way)
-        self._y[nq : nq + nv] += rate
-        self._y[nq + nv + self.bristles] += bristles
-        kept[:] = memory
-        memory["approach_speed"] *= np.exp(speeds)
-        memory["effective_mass"] *= np.exp(masses)
-        program[self.kept.words] += own
-        try:
-            return np.array(function(time + float(clock[0]), self._y))
-        finally:
-            memory[:], program[self.kept.words] = kept, words
-            if back is not None:
-                back()
-
     # --- coordinates ----------------------------------------------------------------------------------------
 
     def lift(self, frame: Frame, time: float, y: Array) -> Lift:
@@ -349,21 +291,10 @@ class Field:
         """Return the derivatives of how fast constraints are violated along displacements, (rows, k)."""
         steps = self._steps(y, ways, False)
         found = np.array(self._slopes.speeds(time, y, ways, steps)[0])
+        speeds = self._near.violated("every_speed")
         for k in np.flatnonzero(ways[self.parts[-3]].any(axis=0)).tolist():
-            found[:, k] = self._over(self._violated("every_speed"), time, y, ways[:, k], float(steps[k]))[0]
+            found[:, k] = self._near.over(speeds, time, y, ways[:, k], float(steps[k]))[0]
         return found
-
-    def _violated(self, name: str) -> Function:
-        """Return residuals of constraints as a function of the state, by their name there."""
-        constraints = self.workspace.constraints
-
-        def function(time: float, y: Array) -> Array:
-            assert constraints is not None
-            self.workspace.prepare_motions(time, y)
-            constraints.residuals(time, y, self.workspace.program)
-            return np.asarray(getattr(constraints, name))
-
-        return function
 
     def _of_numbers(self) -> Array:
         """Return the displacements of parameters alone, (displacement, parameters)."""
@@ -372,15 +303,18 @@ class Field:
     def _gaps(self, time: float, y: Array) -> Array:
         """Return the derivatives of how far constraints are violated over parameters, (rows, parameters)."""
         ways = self._of_numbers()
-        return self.along(self._violated("every_gap"), time, y, ways)[0]
+        return self.along(self._near.violated("every_gap"), time, y, ways)[0]
 
     def _opening(self, y: Array, c: int) -> Array:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""
         ways = self._of_numbers()
         if ways.shape[1] == 0:
             return np.zeros(0)
+
+        def gap(_: float, state: Array) -> Array:
+            return np.array([self.workspace.along_normal(state, c)[1]])
+
         if self._opened is None or self._opened[0] != c:  # it hardly changes while a contact lasts
-            gap: Function = lambda _, state: np.array([self.workspace.along_normal(state, c)[1]])  # noqa: E731
             self._opened = c, self.along(gap, 0.0, y, ways)[0][0]
         return self._opened[1]
 

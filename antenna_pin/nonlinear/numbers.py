@@ -58,15 +58,15 @@ class Numbers:
         for k, (build, name) in enumerate(zip(built, names, strict=True)):
             ahead, behind = ([build(side * j * _STEP) for j in (1, 2, 3)] for side in (1, -1))
             tables = [[_arrays(one) for one in side] for side in (ahead, behind)]
-            for key, one in here.items():
-                ahead_of, behind_of = (_alike(key, one, side, name) for side in tables)
+            for key, array in here.items():
+                ahead_of, behind_of = (_alike(key, array, side, name) for side in tables)
                 self.slopes[key][k] = _slope(ahead_of, behind_of, name)
             elements = [[_of_elements(one) for one in side] for side in (ahead, behind)]
             own: dict[str, dict[str, float]] = {}
             for place, values in _of_elements(system).items():
                 for key in values:
-                    sides = [np.array([[one[place][key]] for one in side]) for side in elements]
-                    change = float(_slope(*sides, name)[0])
+                    one, other = (np.array([[there[place][key]] for there in side]) for side in elements)
+                    change = float(_slope(one, other, name)[0])
                     if change != 0.0:
                         own.setdefault(place, {})[key] = change
             self.of_elements.append(own)
@@ -198,7 +198,7 @@ def _of_elements(system: System) -> dict[str, dict[str, float]]:
     return {
         one.place: {
             field.name: float(value)
-            for field in dataclasses.fields(one.element)  # type: ignore[arg-type]
+            for field in dataclasses.fields(one.element)
             if isinstance(value := getattr(one.element, field.name), float) and math.isfinite(value)
         }
         for one in acting_in(system)

@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.nonlinear.field import Field, Function
+from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import MEMORIES, Frame, way_between
+from antenna_pin.nonlinear.near import Function
 from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.records import CONTACT, MEMORY
 from antenna_pin.simulation import Jump, Moment, Set, Time

@@ -46,7 +46,8 @@ def number_of(scenario: Scenario, key: str, place: str) -> Number:
         ScenarioError: What stands there is no number.
     """
     name, index = _parted(key)
-    below, unit = _tables(scenario), ""
+    unit = ""
+    below: Any = _tables(scenario)
     spec: Any = scenario
     for part in name.split("."):
         if not isinstance(below, Mapping) or part not in below:

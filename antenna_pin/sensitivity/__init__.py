@@ -2,9 +2,9 @@
 
 from antenna_pin._lazy import only_public
 from antenna_pin.sensitivity.found import Sensitivities
-from antenna_pin.sensitivity.made import sensitivities
+from antenna_pin.sensitivity.made import Method, sensitivities
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 
-__all__ = ["GrazeError", "Parameter", "Sensitivities", "SensitivityError", "sensitivities"]
+__all__ = ["GrazeError", "Method", "Parameter", "Sensitivities", "SensitivityError", "sensitivities"]
 
 only_public(__name__)

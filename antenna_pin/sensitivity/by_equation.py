@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.differences import WEIGHTS
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear import Flow
 from antenna_pin.nonlinear.chart import Chart
@@ -127,7 +127,7 @@ class ByEquation:
             columns.append(WEIGHTS[0] @ (ahead - behind) / _START)
         ways = np.column_stack(columns)
         ways[self._parts[-3]] = np.eye(len(self._parameters))
-        return lift.down @ ways
+        return np.asarray(lift.down @ ways)
 
     def _apart(self, k: int, s: float) -> Array:
         """Return the displacement of a neighbour's first state, without that of the parameter itself."""
@@ -253,10 +253,10 @@ class ByEquation:
         way, rate, bristles, speeds, masses, _, kept, _ = self._parts
         states, memories, programs = chunk.states.copy(), chunk.memories.copy(), []
         at = nq + nv + np.asarray(system.bristle_x, dtype=int)
-        field = self._made(k, s).system
+        there, workspace = self._made(k, s).system, Workspace(system)
         for i, y in enumerate(states):
             move = s * displaced.ways[i, :, k]
-            y[:nq] = _retracted(system, y[:nq], move[way])
+            workspace.retract(y, move[way])
             y[nq : nq + nv] += move[rate]
             y[at] += move[bristles]
             memories[i]["approach_speed"] *= np.exp(move[speeds])
@@ -264,7 +264,7 @@ class ByEquation:
             program = chunk.programs[i] + s * displaced.words[i, k]
             program[self._kept.words] += move[kept]
             programs.append(program)
-            field.turn_on(y)
+            there.turn_on(y)
         return Chunk(chunk.times, states, memories, programs)
 
     def _integrated(self, displaced: Displaced) -> set[str]:
@@ -290,10 +290,3 @@ def _most(sizes: Array) -> Array:
         return sizes
     most = sizes.max(axis=tuple(range(1, sizes.ndim)), keepdims=True, initial=0.0)
     return np.broadcast_to(most, sizes.shape)
-
-
-def _retracted(system: System, q: Array, step: Array) -> Array:
-    """Return a configuration moved by a step in the coordinates of velocities."""
-    import pinocchio as pin
-
-    return np.asarray(pin.integrate(system.model, q, step))

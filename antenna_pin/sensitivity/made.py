@@ -21,7 +21,7 @@ from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import settings_of
 from antenna_pin.state import State
 
-__all__ = ["sensitivities"]
+__all__ = ["Method", "sensitivities"]
 
 # Of runs that are differentiated, where no settings are given.
 _RTOL = 1e-12
@@ -30,6 +30,7 @@ _RTOL = 1e-12
 _APART, _SAME = 1e-4, 1e-9
 
 Method = Literal["runs", "quick-runs", "equation"]
+"""How results are differentiated."""
 
 
 @takes(duration="s")
@@ -129,8 +130,8 @@ def _held_against(
             if float(np.nanmax(off, initial=-math.inf)) > _APART * size:
                 raise SensitivityError(
                     f"sensitivities: over {one.key} the equation and runs contradict about {name}, by "
-                    f"{float(np.nanmax(off)) / size:.2g} of its size: what that key changes is not all carried; "
-                    "take method = 'runs'"
+                    f"{float(np.nanmax(off)) / size:.2g} of its size: what that key changes is not all "
+                    "carried; take method = 'runs'"
                 )
     return found
 

@@ -1,0 +1,112 @@
+"""A system's rates, and other functions of its state, in neighbours of a state: displaced ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.differences import WEIGHTS
+from antenna_pin.dynamics import System, Workspace
+from antenna_pin.integrate import method_named
+from antenna_pin.nonlinear.frames import parts_of
+from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.numbers import InPlace, Numbers
+from antenna_pin.settings import RunSettings
+from antenna_pin.simulation.scales import scale_vector
+from antenna_pin.simulation.stretches import stepper_of
+
+__all__ = ["Function", "Near"]
+
+Array = NDArray[np.float64]
+Function = Callable[[float, Array], Array]
+
+
+class Near:
+    """Evaluates functions of time and state at displaced states.
+
+    Args:
+        system: The system.
+        settings: Of the run whose engine evaluates its rates.
+        numbers: Parameters of the system that displacements have, too; none if left out.
+
+    Attributes:
+        system: The system; of a copy of its own if parameters displace it.
+        workspace: Its contact memory and program are those of the moment.
+        stepper: Whose rates they are.
+        kept: What elements keep.
+        bristles: Where these stand in x, (bristles,).
+        parts: Of a displacement.
+        numbers: The system's numbers, if parameters displace them.
+    """
+
+    def __init__(self, system: System, settings: RunSettings, numbers: Numbers | None = None) -> None:
+        """Allocate once."""
+        self.system = system = system if numbers is None else numbers.own_system()
+        self.workspace, self.kept = Workspace(system), Kept(system)
+        scales = scale_vector(system, settings.scales)
+        self.stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
+        self.bristles = np.asarray(system.bristle_x, dtype=int)
+        self.parts = parts_of(system, len(self.kept), 0 if numbers is None else numbers.count)
+        self.numbers = None if numbers is None else InPlace(numbers, self.workspace, self.stepper)
+        self._y, self._memory = np.zeros(system.manifold.size), self.workspace.memory.copy()
+
+    def rates(self, time: float, y: Array) -> Array:
+        """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
+        return self.stepper.rates(time, y)
+
+    def at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
+        """Return a function's value at a neighbour."""
+        nq, nv = self.system.model.nq, self.system.model.nv
+        way, rate, bristles, speeds, masses, numbers, own, clock = (displacement[one] for one in self.parts)
+        memory, kept, program = self.workspace.memory, self._memory, self.workspace.program
+        back = self.numbers.displace(numbers) if self.numbers is not None and numbers.any() else None
+        words = program[self.kept.words]
+        self._y[:] = y
+        self.workspace.retract(self._y, way)
+        self._y[nq : nq + nv] += rate
+        self._y[nq + nv + self.bristles] += bristles
+        kept[:] = memory
+        memory["approach_speed"] *= np.exp(speeds)
+        memory["effective_mass"] *= np.exp(masses)
+        program[self.kept.words] += own
+        try:
+            return np.array(function(time + float(clock[0]), self._y))
+        finally:
+            memory[:], program[self.kept.words] = kept, words
+            if back is not None:
+                back()
+
+    def over(self, function: Function, time: float, y: Array, way: Array, step: float) -> Array:
+        """Return the derivative of a function along a displacement, of sixth and fourth order, (2, ...)."""
+        ahead, behind = (
+            np.array([self.at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
+            for side in (1, -1)
+        )
+        return np.asarray(WEIGHTS @ (ahead - behind) / step)
+
+    def over_numbers(self, time: float, y: Array, way: Array, step: float) -> Array:
+        """Return derivatives of the rates over the system's numbers, as :meth:`over`."""
+        assert self.numbers is not None
+        found = []
+        for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
+            back = self.numbers.displace(point * step * way)
+            try:
+                found.append(self.rates(time, y).copy())
+            finally:
+                back()
+        values = np.array(found)
+        return np.asarray(WEIGHTS @ (values[:3] - values[3:]) / step)
+
+    def violated(self, name: str) -> Function:
+        """Return residuals of constraints as a function of the state, by their name there."""
+        constraints = self.workspace.constraints
+
+        def function(time: float, y: Array) -> Array:
+            assert constraints is not None
+            self.workspace.prepare_motions(time, y)
+            constraints.residuals(time, y, self.workspace.program)
+            return np.asarray(getattr(constraints, name))
+
+        return function
