@@ -2,7 +2,6 @@
 
 from importlib.metadata import version as version_of
 
-
 project = "antenna_pin"
 author = "antenna_pin developers"
 copyright = "antenna_pin developers"  # noqa: A001 - Sphinx' name
@@ -26,8 +25,8 @@ myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 4
 # A formula in dollars is one wherever it stands; a shell's prompt stands in a block.
 myst_dmath_double_inline = True
-# Reference tables hold headings below their page's, at the level that GitHub gives them; and a rule of a parameter
-# ("positive"), which stands in its annotation, may be the name of something.
+# Reference tables hold headings below their page's, at the level that GitHub gives them; and a rule of a
+# parameter ("positive"), which stands in its annotation, may be the name of something.
 suppress_warnings = ["myst.header", "ref.python"]
 
 # --- notebooks: run by the build, and kept until they change ---
@@ -97,4 +96,3 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-

@@ -19,7 +19,9 @@ __all__ = ["lay_out"]
 
 _FILES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE")
 _FOLDERS = ("docs", "models", "antenna_pin")
-_INDEX = '<!doctype html><title>antenna_pin</title><meta http-equiv="refresh" content="0; url=docs/index.html">\n'
+_INDEX = (
+    '<!doctype html><title>antenna_pin</title><meta http-equiv="refresh" content="0; url=docs/index.html">\n'
+)
 
 
 def lay_out(source: Path) -> None:
@@ -73,5 +75,3 @@ def _bring_over(new: Path, old: Path) -> None:
             there.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(new / name, there)
             os.utime(there)
-
-

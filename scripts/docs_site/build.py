@@ -1,7 +1,7 @@
 """Lay out the source of the site, build it, and check what was built; ``scripts/docs`` calls it.
 
-The source is laid out under ``build/docs/source`` as the checkout is, so that links between pages are those that hold
-on GitHub; generated pages are added there. Nothing is written into the checkout.
+The source is laid out under ``build/docs/source`` as the checkout is, so that links between pages are those that
+hold on GitHub; generated pages are added there. Nothing is written into the checkout.
 """
 
 from __future__ import annotations
@@ -36,7 +36,17 @@ def build(built: Path = BUILT, *, anew: bool = False) -> Path:
     if anew:
         shutil.rmtree(site, ignore_errors=True)
         shutil.rmtree(kept, ignore_errors=True)
-    options = ["-W", "--keep-going", "-q", "-j", "2", "-d", str(kept), "-D", f"nb_execution_cache_path={built}/cells"]
+    options = [
+        "-W",
+        "--keep-going",
+        "-q",
+        "-j",
+        "2",
+        "-d",
+        str(kept),
+        "-D",
+        f"nb_execution_cache_path={built}/cells",
+    ]
     command = [sys.executable, "-m", "sphinx", "-b", "html", "-c", str(source / "docs")]
     if subprocess.run([*command, *options, str(source), str(site)], check=False).returncode:
         raise SystemExit("docs: not built; the warnings above say why")
