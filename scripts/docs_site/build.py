@@ -1,7 +1,7 @@
 """Lay out the source of the site, build it, and check what was built; ``scripts/docs`` calls it.
 
-The source is laid out under ``build/docs/source`` as the checkout is, so that links between pages are those that
-hold on GitHub; generated pages are added there. Nothing is written into the checkout.
+The source is laid out under ``build/docs/source`` as the checkout is, so that links between pages are those
+that hold on GitHub; generated pages are added there. Nothing is written into the checkout.
 """
 
 from __future__ import annotations
