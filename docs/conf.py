@@ -1,6 +1,9 @@
 """How Sphinx makes the site: ``scripts/docs`` lays out its source and builds it without network."""
 
+import dataclasses
+import inspect
 from importlib.metadata import version as version_of
+from typing import Any
 
 project = "antenna_pin"
 author = "antenna_pin developers"
@@ -96,3 +99,23 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
+
+
+def signature_of_fields(
+    app: Any, what: str, name: str, thing: Any, options: Any, said: str | None, returns: str | None
+) -> tuple[str, None] | None:
+    """Return what a dataclass is made of, where it refuses in its ``__new__``, which takes anything."""
+    if what != "class" or not dataclasses.is_dataclass(thing) or "parameters" not in (said or ""):
+        return None
+    words = [one.name for one in dataclasses.fields(thing) if one.init]
+    taken = inspect.signature(thing.__init__).parameters.values()
+    optional = {one.name for one in taken if one.default is not one.empty}
+    return (
+        f"(*, {', '.join(f'{word}=...' if word in optional else word for word in words)})" if words else "()",
+        None,
+    )
+
+
+def setup(app: Any) -> None:
+    """Take part in what autodoc writes."""
+    app.connect("autodoc-process-signature", signature_of_fields)

@@ -85,14 +85,19 @@ def pythons() -> list[str]:
     found = []
     for minor in range(11, NEWEST + 1):
         name = f"python3.{minor}"
-        if shutil.which(name) and not subprocess.run([name, "-c", ""], capture_output=True, check=False).returncode:
+        if (
+            shutil.which(name)
+            and not subprocess.run([name, "-c", ""], capture_output=True, check=False).returncode
+        ):
             found.append(name)
     return found
 
 
 def told(*command: str | Path, cwd: Path | None = None) -> str:
     """Run a command and return what it prints; it ends this program where it fails."""
-    done = subprocess.run([str(word) for word in command], cwd=cwd, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [str(word) for word in command], cwd=cwd, capture_output=True, text=True, check=False
+    )
     if done.returncode:
         said = (done.stderr or done.stdout).strip().splitlines()[-12:]
         raise SystemExit("\n".join([f"failed: {' '.join(map(str, command))}", *said]))
@@ -110,7 +115,9 @@ def wheel_in(folder: Path) -> Path:
     """Return the only wheel of a folder that has its source archive beside it."""
     wheels, archives = sorted(folder.glob("*.whl")), sorted(folder.glob("*.tar.gz"))
     if len(wheels) != 1 or len(archives) != 1:
-        raise SystemExit(f"{folder}: must hold one wheel and one source archive, has {len(wheels) + len(archives)} files")
+        raise SystemExit(
+            f"{folder}: must hold one wheel and one source archive, has {len(wheels) + len(archives)} files"
+        )
     return wheels[0]
 
 
@@ -120,7 +127,16 @@ def tried(python: str, wheel: Path, folder: Path) -> str:
     there = folder / "env" / "bin"
     told(there / "python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel)
     version = told(there / "antenna-pin", "--version", cwd=folder).strip()
-    told(there / "antenna-pin", "run", "impact_pair", "--out", "run.nc", "--no-progress", "--no-summary", cwd=folder)
+    told(
+        there / "antenna-pin",
+        "run",
+        "impact_pair",
+        "--out",
+        "run.nc",
+        "--no-progress",
+        "--no-summary",
+        cwd=folder,
+    )
     read = "from antenna_pin import Trajectory; print(Trajectory.load('run.nc').outcome.name)"
     return f"{version}, run {told(there / 'python', '-c', read, cwd=folder).strip()}"
 

@@ -15,7 +15,12 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 TREE = re.compile(r"^```\{toctree\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
 #: Pages that are made while the site is built.
-MADE = {"docs/reference/commands", "docs/reference/python/index", "docs/reference/models", "docs/gallery/index"}
+MADE = {
+    "docs/reference/commands",
+    "docs/reference/python/index",
+    "docs/reference/models",
+    "docs/gallery/index",
+}
 
 
 def site_module(monkeypatch, name):
@@ -70,7 +75,9 @@ def test_every_public_name_has_one_entry(monkeypatch):
 
     pages = site_module(monkeypatch, "name_pages")
     made = pages.name_pages()
-    entered = re.findall(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", "\n".join(made.values()), re.MULTILINE)
+    entered = re.findall(
+        r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", "\n".join(made.values()), re.MULTILINE
+    )
     assert len(entered) == len(set(entered))
     for room, module in pages.public_rooms().items():
         for name in module.__all__:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import enum
 import importlib
 import inspect
@@ -53,6 +54,8 @@ def entry(room: str, name: str, value: Any) -> str:
     place = f"antenna_pin.{room}.{name}"
     if inspect.isclass(value) and get_origin(value) is None:
         more = "   :undoc-members:\n" if issubclass(value, enum.Enum) else ""
+        if dataclasses.is_dataclass(value):  # its docstring says what its fields are
+            more += f"   :exclude-members: {', '.join(one.name for one in dataclasses.fields(value))}\n"
         return f".. autoclass:: {place}\n{more}"
     if is_described(value):
         return f".. autofunction:: {place}\n"
