@@ -64,7 +64,7 @@ add_module_names = False
 sphinx_gallery_conf = {
     "examples_dirs": ["scripts/examples"],
     "gallery_dirs": ["docs/gallery"],
-    "filename_pattern": r"/(three_lines|four_bar|slew|events|own_loop|shaken_mass|lower_level|section)\.py",
+    "filename_pattern": r"/(three_lines|four_bar|slew|shaken_mass|section)\.py",
     "download_all_examples": False,
     "show_memory": False,
     "show_signature": False,

@@ -9,8 +9,8 @@ A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
 There are ``scenario``, every key of a scenario file; ``laws``, the laws of contact and friction with their
 parameters (both by ``scenario_reference.py``); ``formulas``, what the classes of laws and elements say of
 themselves (by ``formulas.py``); ``dimensions`` and ``trajectory``, what a result holds; ``figures``, what can
-be drawn of runs; ``layers``, who may import whom; and in the package, for editors, ``figure_names``, the names
-of the figures.
+be drawn of runs; ``layers``, who may import whom; and in the package, for editors, ``figure_names``, the
+names of the figures.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Whether this checkout can be released: one version everywhere, and packages that install and run.
 
-The source archive and the wheel are built, the wheel also of the archive, and each Python that is there gets an
-empty environment, into which the wheel is installed by pip with ``constraints.txt`` and in which a shipped
+The source archive is built, and of it the wheel, and each Python that is there gets an empty environment, into
+which the wheel is installed by pip with ``constraints.txt`` and in which a shipped
 scenario is run and read away from the checkout::
 
     python scripts/release_check.py                        # all Pythons from 3.11 on that are there
@@ -122,7 +122,7 @@ def wheel_in(folder: Path) -> Path:
 
 
 def tried(python: str, wheel: Path, folder: Path) -> str:
-    """Install a wheel into an empty environment of a Python and run a scenario there; return what came of it."""
+    """Install a wheel into an empty environment of a Python, run a scenario; return what came of it."""
     told(python, "-m", "venv", folder / "env")
     there = folder / "env" / "bin"
     told(there / "python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel)

@@ -118,7 +118,7 @@ def test_what_is_wrong_with_a_site_is_told(monkeypatch, tmp_path):
 def site():
     sys.path.insert(0, str(ROOT / "scripts" / "docs_site"))
     try:
-        return importlib.import_module("build").build()
+        return importlib.import_module("build_site").build()
     finally:
         sys.path.remove(str(ROOT / "scripts" / "docs_site"))
 
@@ -149,7 +149,7 @@ def test_search_finds_restitution(site, page):
     found = page.run(
         "for (let k = 0; k < 100 && !document.querySelector('#search-results li a'); k++)"
         " await new Promise((done) => setTimeout(done, 100));"
-        " return [...document.querySelectorAll('#search-results li a')].map((one) => one.getAttribute('href'));"
+        " return [...document.querySelectorAll('#search-results li a')].map((one) => one.href);"
     )
     assert any("theory/impacts" in one for one in found)
     assert any("theory/laws" in one for one in found)

@@ -46,6 +46,7 @@ class _Links(HTMLParser):
 
 def complaints(site: Path) -> list[str]:
     """Return a line for each thing that is wrong with a site."""
+    site = site.resolve()
 
     @cache
     def read(page: Path) -> _Links:
