@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Whether this checkout can be released: one version everywhere, and packages that install and run.
 
-The source archive is built, and of it the wheel, and each Python that is there gets an empty environment, into
-which the wheel is installed by pip with ``constraints.txt`` and in which a shipped
-scenario is run and read away from the checkout::
+The source archive is built, and of it the wheel, and each Python that is there gets an empty environment, in
+which the wheel is installed by pip with ``constraints.txt``, and a shipped scenario is run and read away from
+the checkout::
 
     python scripts/release_check.py                        # all Pythons from 3.11 on that are there
     python scripts/release_check.py --python python3.12    # one of them; may be given several times

@@ -162,4 +162,5 @@ def test_it_is_dark_where_that_is_preferred(site, page):
     code = "return getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3).map(Number);"
     light = page.run(code)
     page.prefer("dark")
+    page.browser.open((site / "docs" / "index.html").resolve().as_uri())
     assert sum(light) > 600 > 200 > sum(page.run(code))
