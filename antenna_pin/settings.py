@@ -46,7 +46,7 @@ def choice_for(accuracy: float) -> tuple[Method, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorScales:
-    """What counts as one unit of each kind of quantity: a step's error is held below rtol (scale + ``|value|``).
+    """What counts as one unit of each kind of quantity: a step's error is below rtol (scale + ``|value|``).
 
     A clearance of a fraction of a millimetre and a satellite of tonnes do not share a scale. At a clearance
     joint positions are measured in clearances. Scales of a free base are multiplied by ``base``; left out,

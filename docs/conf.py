@@ -1,7 +1,9 @@
 """How Sphinx makes the site: ``scripts/docs`` lays out its source and builds it without network."""
 
+import dataclasses
+import inspect
 from importlib.metadata import version as version_of
-
+from typing import Any
 
 project = "antenna_pin"
 author = "antenna_pin developers"
@@ -26,8 +28,8 @@ myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 4
 # A formula in dollars is one wherever it stands; a shell's prompt stands in a block.
 myst_dmath_double_inline = True
-# Reference tables hold headings below their page's, at the level that GitHub gives them; and a rule of a parameter
-# ("positive"), which stands in its annotation, may be the name of something.
+# Reference tables hold headings below their page's, at the level that GitHub gives them; and a rule of a
+# parameter ("positive"), which stands in its annotation, may be the name of something.
 suppress_warnings = ["myst.header", "ref.python"]
 
 # --- notebooks: run by the build, and kept until they change ---
@@ -62,7 +64,7 @@ add_module_names = False
 sphinx_gallery_conf = {
     "examples_dirs": ["scripts/examples"],
     "gallery_dirs": ["docs/gallery"],
-    "filename_pattern": "/run_",
+    "filename_pattern": r"/(three_lines|four_bar|slew|shaken_mass|section)\.py",
     "download_all_examples": False,
     "show_memory": False,
     "show_signature": False,
@@ -98,3 +100,22 @@ html_theme_options = {
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
 
+
+def signature_of_fields(
+    app: Any, what: str, name: str, thing: Any, options: Any, said: str | None, returns: str | None
+) -> tuple[str, None] | None:
+    """Return what a dataclass is made of, where it refuses in its ``__new__``, which takes anything."""
+    if what != "class" or not dataclasses.is_dataclass(thing) or "parameters" not in (said or ""):
+        return None
+    words = [one.name for one in dataclasses.fields(thing) if one.init]
+    taken = inspect.signature(thing.__init__).parameters.values()
+    optional = {one.name for one in taken if one.default is not one.empty}
+    return (
+        f"(*, {', '.join(f'{word}=...' if word in optional else word for word in words)})" if words else "()",
+        None,
+    )
+
+
+def setup(app: Any) -> None:
+    """Take part in what autodoc writes."""
+    app.connect("autodoc-process-signature", signature_of_fields)

@@ -7,9 +7,10 @@ A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
     python scripts/reference.py --write     # bring them up to date
 
 There are ``scenario``, every key of a scenario file; ``laws``, the laws of contact and friction with their
-parameters (both by ``scenario_reference.py``); ``dimensions`` and ``trajectory``, what a result holds;
-``figures``, what can be drawn of runs; ``layers``, who may import whom; and in the package, for editors,
-``figure_names``, the names of the figures.
+parameters (both by ``scenario_reference.py``); ``formulas``, what the classes of laws and elements say of
+themselves (by ``formulas.py``); ``dimensions`` and ``trajectory``, what a result holds; ``figures``, what can
+be drawn of runs; ``layers``, who may import whom; and in the package, for editors, ``figure_names``, the
+names of the figures.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
+from formulas import formulas_table
 from scenario_reference import laws_table, scenario_table
 
 from antenna_pin.plot import CATALOGUE, PAPERS
@@ -97,6 +99,7 @@ def layers_table() -> str:
 TABLES: dict[str, Callable[[], str]] = {
     "scenario": scenario_table,
     "laws": laws_table,
+    "formulas": formulas_table,
     "trajectory": trajectory_table,
     "dimensions": dimensions_table,
     "figures": figures_table,
@@ -111,7 +114,7 @@ TABLES: dict[str, Callable[[], str]] = {
 def documents() -> list[Path]:
     """Return the documents that may hold a table."""
     own = ROOT / "antenna_pin" / "_run_figures.py"
-    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), own]
+    return [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), own]
 
 
 def names_of_tables(text: str) -> list[str]:

@@ -1,12 +1,13 @@
 """The reference tables in README.md and docs/ are what the code says, and miss nothing."""
 
 import importlib
+import re
 from pathlib import Path
 from typing import get_args
 
 import pytest
 
-from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS, law_parameters
+from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, law_parameters
 from antenna_pin.elements import FAMILIES
 from antenna_pin.scenario import ClearanceSpec, Scenario
 from antenna_pin.scenario.laws import law_spec, laws, missing_parameters
@@ -47,6 +48,27 @@ def test_check_and_write_name_what_is_out_of_date(reference, monkeypatch, tmp_pa
         assert page.read_text() == f"above\n<!-- table: layers -->\n{text}\n<!-- end -->\nbelow\n"
     said = capsys.readouterr().out.splitlines()
     assert said == ["page.md: out of date; bring it up to date with --write", "page.md: written"]
+
+
+@pytest.mark.parametrize(
+    "registry", [NORMAL_LAWS, DISSIPATIONS, FRICTION_LAWS], ids=["normal", "loss", "friction"]
+)
+def test_every_law_says_its_formula_and_whose_it_is(reference, registry):
+    """A law as a whole says it by its parts."""
+    formulas = importlib.import_module("formulas")
+    for name, cls in registry.items():
+        if name in formulas.NOTHING:
+            continue
+        for part in (cls.elastic, cls.dissipation) if hasattr(cls, "elastic") else (cls,):
+            assert formulas.has_formula(part), f"{part.__name__}: no formula in its docstring"
+            assert formulas.source_of(part), f"{part.__name__}: no source (References) in its docstring"
+
+
+def test_no_markup_of_docstrings_is_left_among_the_formulas(reference):
+    """Each is drawn: dollars in pairs, no role, no directive."""
+    table = reference.TABLES["formulas"]()
+    assert not re.search(r":\w+:`|\.\. math::|``", table)
+    assert table.count("$$") % 2 == 0 and table.replace("$$", "").count("$") % 2 == 0
 
 
 def test_what_the_table_calls_required_cannot_be_left_out(reference):

@@ -185,6 +185,9 @@ class Tanh(CompiledFrictionLaw):
     Attributes:
         coefficient_of_friction: mu [-].
         transition_speed: v_t [m/s].
+
+    References:
+        Coulomb's law (1785); this smoothing is a usual one, in other codes as tanh(5 v) with v in m/s.
     """
 
     kind: ClassVar[float] = kernels.TANH

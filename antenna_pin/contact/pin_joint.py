@@ -135,6 +135,10 @@ class LiuPinJoint(_PinJoint):
 class LiuPinJointCorrected(_PinJoint):
     r"""Equation (28) with half the depth in the width of the contact: (28').
 
+    .. math:: F = \frac{\pi E^* L \delta}{2}\, \frac{1}{2 \ln(4 R_j / a) - 1}, \qquad
+              a^2 = R_i^2 - \frac14 \left(\frac{R_i^2 - R_j^2}{s} + s\right)^2, \quad
+              s = \Delta R + \frac\delta2
+
     The depth is that of the whole joint, two equal contacts in series; each is pressed in by half of it, and
     that half is what (24) makes the width from. It fits the paper's measurements better than (28).
 

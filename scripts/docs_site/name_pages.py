@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import enum
 import importlib
 import inspect
@@ -18,7 +19,7 @@ _LEFT_OUT = ("cli",)
 
 
 def public_rooms() -> dict[str, types.ModuleType]:
-    """Return the rooms that offer names, by name: packages and files whose name has no underscore in front."""
+    """Return the rooms that offer names, by name: all but those with an underscore in front."""
     rooms = {}
     for found in pkgutil.iter_modules(antenna_pin.__path__):
         if not found.name.startswith("_") and found.name not in _LEFT_OUT:
@@ -34,13 +35,17 @@ def home_of(name: str, value: Any, room: str, rooms: dict[str, types.ModuleType]
     if not is_described(value) or written[0] != "antenna_pin" or len(written) < 2:
         return room
     own = rooms.get(written[1])
-    return written[1] if own is not None and getattr(own, name, None) is value and name in own.__all__ else room
+    return (
+        written[1] if own is not None and getattr(own, name, None) is value and name in own.__all__ else room
+    )
 
 
 def is_described(value: Any) -> bool:
     """Return whether a name is of a class or a function, which have a docstring of their own."""
-    return (inspect.isclass(value) and get_origin(value) is None) or callable(getattr(value, "__wrapped__", value)) and (
-        inspect.isroutine(inspect.unwrap(value))
+    return (
+        (inspect.isclass(value) and get_origin(value) is None)
+        or callable(getattr(value, "__wrapped__", value))
+        and (inspect.isroutine(inspect.unwrap(value)))
     )
 
 
@@ -49,6 +54,8 @@ def entry(room: str, name: str, value: Any) -> str:
     place = f"antenna_pin.{room}.{name}"
     if inspect.isclass(value) and get_origin(value) is None:
         more = "   :undoc-members:\n" if issubclass(value, enum.Enum) else ""
+        if dataclasses.is_dataclass(value):  # its docstring says what its fields are
+            more += f"   :exclude-members: {', '.join(one.name for one in dataclasses.fields(value))}\n"
         return f".. autoclass:: {place}\n{more}"
     if is_described(value):
         return f".. autofunction:: {place}\n"
@@ -82,8 +89,13 @@ def name_pages() -> dict[str, str]:
         value = getattr(antenna_pin, name)
         if not inspect.ismodule(value):
             room = value.__module__.split(".")[1]
-            front.append(f"   * - :py:obj:`antenna_pin.{name} <antenna_pin.{room}.{name}>`\n     - {first_line(value)}")
-    lines = [f"   * - :doc:`antenna_pin.{room} <{room}>`\n     - {first_line(module)}" for room, module in rooms.items()]
+            front.append(
+                f"   * - :py:obj:`antenna_pin.{name} <antenna_pin.{room}.{name}>`\n     - {first_line(value)}"
+            )
+    lines = [
+        f"   * - :doc:`antenna_pin.{room} <{room}>`\n     - {first_line(module)}"
+        for room, module in rooms.items()
+    ]
     table = ".. list-table::\n   :widths: 35 65\n\n"
     pages["index"] = "\n".join(
         [

@@ -1,7 +1,7 @@
 """Lay out the source of the site, build it, and check what was built; ``scripts/docs`` calls it.
 
-The source is laid out under ``build/docs/source`` as the checkout is, so that links between pages are those that hold
-on GitHub; generated pages are added there. Nothing is written into the checkout.
+The source is laid out under ``build/docs/source`` as the checkout is, so that links between pages are those
+that hold on GitHub; generated pages are added there. Nothing is written into the checkout.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import functools
 import http.server
+import os
 import shutil
 import subprocess
 import sys
@@ -36,11 +37,31 @@ def build(built: Path = BUILT, *, anew: bool = False) -> Path:
     if anew:
         shutil.rmtree(site, ignore_errors=True)
         shutil.rmtree(kept, ignore_errors=True)
-    options = ["-W", "--keep-going", "-q", "-j", "2", "-d", str(kept), "-D", f"nb_execution_cache_path={built}/cells"]
+    options = [
+        "-W",
+        "--keep-going",
+        "-q",
+        "-j",
+        "2",
+        "-d",
+        str(kept),
+        "-D",
+        f"nb_execution_cache_path={built}/cells",
+    ]
     command = [sys.executable, "-m", "sphinx", "-b", "html", "-c", str(source / "docs")]
-    if subprocess.run([*command, *options, str(source), str(site)], check=False).returncode:
+    environment = os.environ | {"IPYTHONDIR": str(quiet_kernels(built / "ipython"))}
+    done = subprocess.run([*command, *options, str(source), str(site)], env=environment, check=False)
+    if done.returncode:
         raise SystemExit("docs: not built; the warnings above say why")
     return site
+
+
+def quiet_kernels(folder: Path) -> Path:
+    """Return a folder of settings by which notebooks' kernels say nothing of how they are connected."""
+    profile = folder / "profile_default"
+    profile.mkdir(parents=True, exist_ok=True)
+    (profile / "ipython_kernel_config.py").write_text("c = get_config()\nc.IPKernelApp.log_level = 40\n")
+    return folder
 
 
 def serve(site: Path) -> None:

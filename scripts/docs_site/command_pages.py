@@ -34,18 +34,30 @@ def rows(command: Any, context: Any) -> list[str]:
         if one.param_type_name == "argument":
             names, said = (one.name or "").upper(), getattr(one, "help", "")
         else:
-            names, said = (one.get_help_record(context) or (", ".join(one.opts), ""))
+            names, said = one.get_help_record(context) or (", ".join(one.opts), "")
         lines.append(f"| `{names.replace('|', '/')}` | {cell(said)} |")
     return lines
 
 
 def commands_page() -> str:
     """Return the page, in Markdown."""
-    parts = ["# Every command and option", "", "What `--help` says; [by task](../command-line.md) with their output.", ""]
+    parts = [
+        "# Every command and option",
+        "",
+        "What `--help` says; [by task](../command-line.md) with their output.",
+        "",
+    ]
     for name, command in commands(get_command(app), "antenna-pin"):
         context = command.context_class(command, info_name=name)
         usage = " ".join([name, *command.collect_usage_pieces(context)])
-        parts += [f"## {name}", "", cell((command.help or "").split("\f")[0]), "", f"```text\n{usage}\n```", ""]
+        parts += [
+            f"## {name}",
+            "",
+            cell((command.help or "").split("\f")[0]),
+            "",
+            f"```text\n{usage}\n```",
+            "",
+        ]
         if found := rows(command, context):
             parts += ["| argument or option | meaning |", "|---|---|", *found, ""]
     return "\n".join(parts)

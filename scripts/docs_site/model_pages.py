@@ -17,5 +17,18 @@ def models_page() -> str:
     table = [f"| [`{name}`](../../models/{name}/README.md) | {title} |" for name, title in lines]
     tree = [f"{title} <../../models/{name}/README>" for name, title in lines]
     return "\n".join(
-        ["# The models", "", "| name | what it is |", "|---|---|", *table, "", "```{toctree}", ":hidden:", "", *tree, "```", ""]
+        [
+            "# The models",
+            "",
+            "| name | what it is |",
+            "|---|---|",
+            *table,
+            "",
+            "```{toctree}",
+            ":hidden:",
+            "",
+            *tree,
+            "```",
+            "",
+        ]
     )

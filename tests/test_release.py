@@ -1,0 +1,65 @@
+"""What a release says of itself is one thing in all files, and the changelog keeps its form."""
+
+import importlib
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def release(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    return importlib.import_module("release_check")
+
+
+def test_version_and_licence_are_those_of_pyproject(release):
+    assert release.metadata_faults() == []
+
+
+def test_another_version_in_one_file_is_told(release, tmp_path):
+    for name in ("pyproject.toml", "CITATION.cff", ".zenodo.json"):
+        (tmp_path / name).write_text((ROOT / name).read_text())
+    said = json.loads((tmp_path / ".zenodo.json").read_text())
+    (tmp_path / ".zenodo.json").write_text(json.dumps(said | {"version": "9.9.9"}))
+    (fault,) = release.metadata_faults(tmp_path)
+    assert fault == f".zenodo.json: version is '9.9.9', in pyproject.toml '{release.project_version()}'"
+
+
+def test_the_changelog_keeps_its_form(release):
+    assert release.changelog_faults((ROOT / "CHANGELOG.md").read_text()) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("# Changes\n", "the first line must be '# Changelog'"),
+        ("# Changelog\n## 1.0.0\n", "must be '## [Unreleased]' or '## [1.2.3] - 2026-01-31'"),
+        ("# Changelog\n## [1.0.0] - 2026-01-31\n### News\n", "'News' must be one of Added, Changed, "),
+        ("# Changelog\n## [Unreleased]\n### Added\n### Added\n", "'Added' stands there twice"),
+        ("# Changelog\n## [1.0.0] - 2026-01-31\n## [Unreleased]\n", "what is unreleased must come first"),
+        (
+            "# Changelog\n## [1.0.0] - 2026-01-31\n## [1.1.0] - 2026-02-01\n",
+            "versions must fall from top to bottom, each once",
+        ),
+    ],
+)
+def test_another_form_is_told(release, text, fault):
+    (said,) = release.changelog_faults(text)
+    assert fault in said
+
+
+def test_versions_are_ordered_by_number_not_by_letters(release):
+    text = "# Changelog\n## [0.10.0] - 2026-02-01\n### Fixed\n## [0.9.0] - 2026-01-31\n"
+    assert release.changelog_faults(text) == []
+
+
+def test_a_tag_of_another_version_is_refused():
+    command = [sys.executable, str(ROOT / "scripts" / "release_check.py"), "--no-install", "--tag", "v9.9.9"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stdout.startswith("the tag is v9.9.9, of version ")
