@@ -34,6 +34,8 @@ JOBS: tuple[Job, ...] = (
     ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5")),
     ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5", COMPILED)),
 )
+#: Of these also derivatives over a state, for orbits, exponents and sensitivities: of a tree, of a loop.
+DERIVATIVES: tuple[Job, ...] = (JOBS[0], JOBS[1])
 DURATION = 0.02  # [s]
 
 _made: Any = None  # how many kernels the processes have compiled
@@ -46,8 +48,8 @@ def begin(made: Synchronized[int]) -> None:
     warnings.simplefilter("ignore")  # of runs that are this short
 
 
-def make(job: Job) -> None:
-    """Make the run of a job, and what it does not need yet."""
+def make(job: Job, derivatives: bool = False) -> None:
+    """Make the run of a job, and what it does not need yet; or derivatives along a moment of it."""
     import numpy as np
 
     from antenna_pin import build_system, initial_state, load_scenario, simulate
@@ -62,6 +64,12 @@ def make(job: Job) -> None:
     model, case, changes = job
     with told_of_compiling(counted):
         scenario = load_scenario(model, case=case, overrides=list(changes))
+        if derivatives:
+            from antenna_pin.nonlinear import flow_of
+
+            flow, start = flow_of(scenario)
+            flow.tangent(start, 1e-5)
+            return
         simulate(scenario, duration=min(DURATION, scenario.duration))
         system = build_system(scenario)
         TreeDynamics(system.mechanism)
@@ -97,19 +105,25 @@ def main() -> None:
     """Make all runs, on as many processes as there are cores."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
-    processes = parser.parse_args().processes
+    parser.add_argument(
+        "--derivatives", action="store_true", help="also those of derivatives: of orbits and sensitivities"
+    )
+    asked = parser.parse_args()
+    processes, more = asked.processes, DERIVATIVES if asked.derivatives else ()
     began = time.perf_counter()
     context = multiprocessing.get_context("spawn")
     made: Any = context.Value("i", 0)
 
     def said(done: int) -> str:
         wall = time.perf_counter() - began
-        return f"kernels {bar(done / len(JOBS))} {made.value} compiled, {wall:.0f} s"
+        return f"kernels {bar(done / count)} {made.value} compiled, {wall:.0f} s"
 
-    with context.Pool(min(processes, len(JOBS)), begin, (made,)) as pool:
+    count = len(JOBS) + len(more)
+    with context.Pool(min(processes, count), begin, (made,)) as pool:
         running = [pool.apply_async(make, (job,)) for job in JOBS]
+        running += [pool.apply_async(make, (job, True)) for job in more]
         wait(running, said)
-    show(said(len(JOBS)), last=True)
+    show(said(count), last=True)
 
 
 if __name__ == "__main__":
