@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import Any, NamedTuple, get_args
 
+from antenna_pin.arguments import takes
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.scenario._base import Quantity, Vector
 from antenna_pin.scenario._clearance import law_tables
+from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.units import any_quantity, shown
-
-if TYPE_CHECKING:
-    from antenna_pin.scenario.scenario import Scenario
 
 __all__ = ["Number", "number_of", "with_number"]
 
@@ -33,6 +32,7 @@ class Number(NamedTuple):
     unit: str
 
 
+@takes()
 def number_of(scenario: Scenario, key: str, place: str) -> Number:
     """Return the number that stands at a key.
 
@@ -68,6 +68,7 @@ def number_of(scenario: Scenario, key: str, place: str) -> Number:
     return Number(key, read[0], read[1] or unit)
 
 
+@takes()
 def with_number(scenario: Scenario, key: str, value: float) -> Scenario:
     """Return a scenario with another number at a key, in SI units, as ``with_overrides`` would.
 
