@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, cast, get_args
 
-import numpy as np
 import typer
 
 from antenna_pin.capacity import check_count
@@ -81,6 +80,8 @@ def _parameters(found: Sensitivities) -> list[dict[str, Any]]:
 
 def _rows(found: Sensitivities) -> list[dict[str, Any]]:
     """Return a row of each number, those that change most first."""
+    import numpy as np
+
     rows = []
     for name in sorted(str(one)[2:] for one in found.data.data_vars if str(one).startswith("d_")):
         here = found.data[name]
@@ -115,6 +116,8 @@ def _row(
     found: Sensitivities, label: str, unit: str, value: float, slopes: Any, doubts: Any
 ) -> dict[str, Any]:
     """Return the row of a number."""
+    import numpy as np
+
     row: dict[str, Any] = {"result": label, "unit": unit, "value": value}
     for one, slope, doubt in zip(found.parameters, slopes.tolist(), doubts.tolist(), strict=True):
         row[f"per 1 % of {one.key}"], row[f"doubt of {one.key}"] = 0.01 * slope, 0.01 * doubt

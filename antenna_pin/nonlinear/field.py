@@ -12,7 +12,7 @@ from antenna_pin.dynamics import System
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
 from antenna_pin.nonlinear.lifts import Lifts
-from antenna_pin.nonlinear.near import Function, Near
+from antenna_pin.nonlinear.near import STEP, Function, Near
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.settings import RunSettings
 
@@ -20,15 +20,14 @@ __all__ = ["Field"]
 
 Array = NDArray[np.float64]
 
-# Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
-# are finer, to be small beside the kinks of laws; less so in closed loops, where a clearance turns links by a
-# thousandth of a unit, which must be large beside round-off. And of forces they are at most this share of a
-# contact's depth, down to a millionth of what they are else: a force that begins like depth^1.5 is smooth on
-# no other scale.
-_STEP, _IN_PLAY, _IN_LOOPS, _SHARE, _FINEST = 1e-4, 1e-6, 1e-5, 0.02, 1e-6
+# Steps of differences of forces are at most this share of a contact's depth, down to a millionth of what they
+# are else: a force that begins like depth^1.5 is smooth on no other scale.
+_SHARE, _FINEST = 0.02, 1e-6
 # Difference of the two orders over the largest derivative from which on a kink is straddled: then with steps
 # that are so much finer, as often at most. And round-off of rates, over these.
 _STRADDLES, _FINER, _OFTEN, _NOISY = 1e-8, 8.0, 8, 10.0
+# The same of what is put together from its parts, and by how much of the largest only a kink moves it.
+_SURE, _FAR = 1e-10, 1e-3
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Where rates are looked at for their round-off, in parts of a step.
 _MINUTE, _BESIDE = 1e-3, range(-6, 7)
@@ -59,14 +58,13 @@ class Field:
         self.kept = near.kept
         self.bristles, self.parts, self.numbers = near.bristles, near.parts, near.numbers
         self.units = Units.of(near.system)
-        self._kept_units = self.kept.units(self.units.way, self.units.rate)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         tree = Tangents.takes(near.system)
         units = np.concatenate(self.units)
         self._tangents = Tangents(near.system, self._stepper, units, WEIGHTS) if tree else None
         #: Size of a displacement.
         self.displacement = self.parts[-1].stop
-        self._coarse = self._coarseness()
+        self._coarse = near.coarseness(self.units)
         self._opened: tuple[int, Array] | None = None
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
@@ -90,22 +88,6 @@ class Field:
     def frame(self, y: Array) -> Frame:
         """Return the axes of coordinates in a state, with the contacts of the moment."""
         return frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
-
-    def _coarseness(self) -> Array:
-        """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
-        units, (way, rate, bristles, *_) = self.units, self.parts
-        *_, numbers, kept, _ = self.parts
-        out = np.zeros(self.displacement)
-        out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
-        out[kept] = 1.0 / (_STEP * self._kept_units)
-        steps, finer = np.full(self.system.model.nv, _STEP), _IN_LOOPS if self.system.plan else _IN_PLAY
-        for joint in self.system.clearances:
-            steps[self.system.mechanism.joint(joint.name).v] = finer
-        out[way] /= steps
-        out[rate] /= steps
-        out[bristles] /= finer
-        out[numbers] = 1.0 / _STEP
-        return out
 
     # --- derivatives ----------------------------------------------------------------------------------------
 
@@ -159,8 +141,10 @@ class Field:
         steps = self._steps(y, ways, True) if first is None else first.copy()
         found = self._differences(time, y, ways, steps, self._tangents or self._slopes)
         off, noise = self._sizes(found[0] - found[1]), _NOISY * self.round_off
-        least = np.maximum(_STRADDLES * self._sizes(found[0]).max(initial=0.0), noise / steps)
-        rough, finer = np.flatnonzero(off > least), steps.copy()
+        largest = self._sizes(found[0]).max(initial=0.0)
+        least = np.maximum(_STRADDLES * largest, noise / steps)
+        sure = least if self._tangents is None else np.full(len(steps), _SURE * largest)
+        rough, finer = np.flatnonzero(off > sure), steps.copy()
         rough = rough[~self._shallow(y, ways, steps)[rough]] if len(rough) else rough
         for _ in range(_OFTEN):
             if not len(rough):
@@ -171,6 +155,9 @@ class Field:
             # Next to a kink the two orders part the more before steps are so short that they do not at all.
             enough = np.maximum(least[rough], noise / finer[rough])
             better = (rest < off[rough]) | (rest <= enough)
+            if self._tangents is not None:  # which round-off does not blur: only a kink moves them that far
+                moved = self._sizes(again[0] - found[0][:, rough])
+                better &= (off[rough] > least[rough]) | (moved > _FAR * largest)
             taken = rough[better]
             found[:, :, taken], steps[taken], off[taken] = again[:, :, better], finer[taken], rest[better]
             # Right at a kink they agree by chance, on the middle of two derivatives.
@@ -250,7 +237,7 @@ class Field:
 
     def _steps(self, y: Array, ways: Array, of_forces: bool) -> Array:
         """Return the step of differences along displacements, (k,)."""
-        steps = 1.0 / np.maximum(1.0 / _STEP, np.abs(self._coarse[:, None] * ways).max(axis=0))
+        steps = 1.0 / np.maximum(1.0 / STEP, np.abs(self._coarse[:, None] * ways).max(axis=0))
         if not of_forces:
             return np.asarray(steps)
         finest: Array = _FINEST * steps

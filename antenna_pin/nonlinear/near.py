@@ -10,17 +10,23 @@ from numpy.typing import NDArray
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.integrate import method_named
-from antenna_pin.nonlinear.frames import parts_of
+from antenna_pin.nonlinear.frames import Units, parts_of
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.numbers import InPlace, Numbers
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.stretches import stepper_of
 
-__all__ = ["Function", "Near"]
+__all__ = ["STEP", "Function", "Near"]
 
 Array = NDArray[np.float64]
 Function = Callable[[float, Array], Array]
+
+#: Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
+#: are finer, to be small beside the kinks of laws; less so in loops, where a clearance turns links by a
+#: thousandth of a unit, which must be large beside round-off.
+STEP = 1e-4
+_IN_PLAY, _IN_LOOPS = 1e-6, 1e-5
 
 
 class Near:
@@ -55,6 +61,21 @@ class Near:
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self.stepper.rates(time, y)
+
+    def coarseness(self, units: Units) -> Array:
+        """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
+        way, rate, bristles, *_, numbers, kept, _ = self.parts
+        out = np.zeros(self.parts[-1].stop)
+        out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
+        out[kept] = 1.0 / (STEP * self.kept.units(units.way, units.rate))
+        steps, finer = np.full(self.system.model.nv, STEP), _IN_LOOPS if self.system.plan else _IN_PLAY
+        for joint in self.system.clearances:
+            steps[self.system.mechanism.joint(joint.name).v] = finer
+        out[way] /= steps
+        out[rate] /= steps
+        out[bristles] /= finer
+        out[numbers] = 1.0 / STEP
+        return out
 
     def at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
         """Return a function's value at a neighbour."""

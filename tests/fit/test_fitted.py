@@ -118,6 +118,7 @@ def test_play_stiffness_restitution_friction_of_another_codes_joint(tmp_path, se
     assert found.bands.chi2 / found.bands.freedoms == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / 900.0))
 
 
+@pytest.mark.slow
 def test_pieces_find_what_one_run_does_not(write):
     """From a spring a quarter as stiff the phase is off by turns; over a quarter of a second it is not."""
     time, far = np.linspace(0.0, 1.0, 101), 'parameters.stiffness.start="10 N*m/rad"'

@@ -30,7 +30,7 @@ def driven(oscillator, law, engine):
     return Flow(System(plain.mechanism, **parts), RunSettings(rtol=1e-11, engine=engine))
 
 
-@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+@pytest.mark.parametrize("engine", ["compiled", pytest.param("pinocchio", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("law", list(LAWS))
 def test_a_driven_mass_with_bristles_repeats_its_period_with_them(oscillator, law, engine):
     """Way, rate and bristles come back; the drive's work over a period is what friction and damper lose."""

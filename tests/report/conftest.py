@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import lxml.html
@@ -22,6 +23,7 @@ from antenna_pin import (
 )
 from antenna_pin.contact import LankaraniNikravesh
 from antenna_pin.geometry import PlanarClearance
+from antenna_pin.report import Report, report
 
 
 def run_of(case: str, duration: float = 0.1, *overrides: str) -> Trajectory:
@@ -37,6 +39,15 @@ def ideal() -> Trajectory:
 def play() -> Trajectory:
     """With play: some tens of impacts."""
     return run_of("case3")
+
+
+@pytest.fixture(scope="session")
+def whole(
+    ideal: Trajectory, play: Trajectory, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Report, Path]:
+    """The report of both with all that it has, and its file: seconds to make."""
+    made = report([ideal, play])
+    return made, made.save(tmp_path_factory.mktemp("report") / "a report.html")
 
 
 @pytest.fixture(scope="session")

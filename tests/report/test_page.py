@@ -15,9 +15,9 @@ from antenna_pin.report._runs import ideal_of, reported
 HOSTILE = "</title></script><script>window.bad = 1</script>\"'&"
 
 
-@pytest.fixture(scope="module")
-def saved(ideal, play, tmp_path_factory):
-    return report([ideal, play]).save(tmp_path_factory.mktemp("report") / "a report.html")
+@pytest.fixture
+def saved(whole):
+    return whole[1]
 
 
 def test_text_of_others_is_escaped(ideal, play, shown):

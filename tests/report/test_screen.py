@@ -11,14 +11,14 @@ import pytest
 from antenna_pin.report import report
 
 
-@pytest.fixture(scope="module")
-def made(ideal, play):
-    return report([ideal, play])
+@pytest.fixture
+def made(whole):
+    return whole[0]
 
 
-@pytest.fixture(scope="module")
-def saved(made, tmp_path_factory):
-    return made.save(tmp_path_factory.mktemp("report") / "report.html")
+@pytest.fixture
+def saved(whole):
+    return whole[1]
 
 
 @pytest.fixture
@@ -239,5 +239,6 @@ def many(play):
     return report([("one", play), ("two", play), ("three", play), ("four", play)])
 
 
+@pytest.mark.slow
 def test_a_page_of_many_runs_is_no_larger(many):
     assert len(many.html.encode()) < 5e6
