@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Sensitivities of the antenna with play to ten of its numbers, over one run of the same span and tolerance.
+
+By two runs a number (``quick-runs``) over 1 s, and by the variational equation, which is held against those,
+over its first contacts, 20 ms. Compiled, gaps in closed form, order 8(5,3) at 1e-12. After 1 s of impacts
+derivatives are those of a chaotic motion: what is measured is the time.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+
+from bench_tools import Report, scenario
+
+from antenna_pin import RunSettings, simulate
+from antenna_pin.sensitivity import sensitivities
+
+JOINT = "clearance.elevation"
+KEYS: dict[str, str | float | None] = {
+    f"{JOINT}.radial_clearance": None,
+    f"{JOINT}.axial_clearance": None,
+    f"{JOINT}.bearing_radius": None,
+    f"{JOINT}.bearing_length": None,
+    f"{JOINT}.normal.restitution": None,
+    f"{JOINT}.friction.static_speed": None,
+    "materials.steel.young": None,
+    "materials.steel.poisson": None,
+    "drives.elevation.amplitude": None,
+    "drives.azimuth.amplitude": None,
+}
+TIGHT = RunSettings(engine="compiled", method="dormand-prince-853", rtol=1e-12)
+
+
+def seconds(make: Callable[[], object]) -> float:
+    """Return the time of one call [s]."""
+    began = time.perf_counter()
+    make()
+    return time.perf_counter() - began
+
+
+def main() -> int:
+    """Measure both."""
+    report = Report("sensitivity", __doc__ or "")
+    quick = report.parse().quick
+    antenna = scenario("case3", f"{JOINT}.geometry=closed-form", "integrator.engine=compiled")
+    for method, span in (("quick-runs", 0.02 if quick else 1.0), ("equation", 2e-3 if quick else 0.02)):
+
+        def run(span: float = span) -> object:
+            return simulate(antenna, duration=span, settings=TIGHT)
+
+        def all_of_them(span: float = span, method: str = method) -> object:
+            return sensitivities(antenna, KEYS, times=[span], method=method)  # type: ignore[arg-type]
+
+        run()
+        once = min(seconds(run) for _ in range(3))
+        report.add(f"{method}: ten numbers, {span:g} s, over one run", seconds(all_of_them) / once)
+    return report.finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
