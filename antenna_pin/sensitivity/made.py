@@ -121,8 +121,14 @@ def _by_equation(
 def _held_against(
     runs: list[Slopes], found: list[Slopes], made: ByRuns, parameters: tuple[Parameter, ...]
 ) -> list[Slopes]:
-    """Return what the equation gives, or refuse it where runs contradict it."""
+    """Return what the equation gives, or refuse it where runs contradict it.
+
+    By how much the two differ is in doubt, too: next to its onset a law whose damping begins like depth^0.5
+    has no derivative, and what the equation leaves out there shows by the runs alone.
+    """
+    held = []
     for one, ours, theirs in zip(parameters, found, runs, strict=True):
+        doubts = {}
         for name, value in ours.values.items():
             size = made.sizes[name] / one.scale
             size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
@@ -133,7 +139,9 @@ def _held_against(
                     f"{float(np.nanmax(off)) / size:.2g} of its size: what that key changes is not all "
                     "carried; take method = 'runs'"
                 )
-    return found
+            doubts[name] = np.fmax(ours.doubts[name], np.abs(value - theirs.values[name]))
+        held.append(ours._replace(doubts=doubts))
+    return held
 
 
 def _sampled(
