@@ -2,8 +2,8 @@
 """Sensitivities of the antenna with play to ten of its numbers, over one run of the same span and tolerance.
 
 By two runs a number (``quick-runs``) over 50 ms, and by the variational equation, which is held against them,
-over its first contacts, 10 ms. Compiled, gaps in closed form, order 8(5,3) at 1e-12. From 73 ms on a change of
-a millionth brings other contacts: there is no derivative that a step could find, and it is refused.
+over its first contacts, 10 ms. Compiled, gaps in closed form, order 8(5,3) at 1e-12. From 73 ms on changes of
+a millionth bring other contacts: there is no derivative that a step could find, and it is refused.
 """
 
 from __future__ import annotations
