@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from bokeh.models import BasicTickFormatter, Column, ColumnDataSource, Div, HoverTool, NoOverlap
+from bokeh.models import BasicTickFormatter, Column, ColumnDataSource, Div, HoverTool
 from bokeh.plotting import figure
 
 from antenna_pin.live.explored import Curve, Curves
@@ -95,7 +95,7 @@ class Panels:
             one.title.text_font_size = "13px"
             one.axis.axis_label_text_font_style = "normal"
             one.axis.formatter = BasicTickFormatter(power_limit_low=-5, power_limit_high=6)  # 0.003, not 3e-3
-            one.xaxis.major_label_policy = NoOverlap()  # where the view is narrow
+            one.xaxis.ticker.desired_num_ticks = 4  # as many as stand side by side on a phone
             if path:
                 squared(one, self._corners)
                 one.line("x", "y", source=self._outline, color=OUTLINE, line_width=1.6)
