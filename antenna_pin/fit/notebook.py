@@ -9,16 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.errors import OutputError
-from antenna_pin.files import replacing
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.runs import Asked, Readings, Rig
-from antenna_pin.sweep.journal import Journal, read_journal
+from antenna_pin.sweep.journal import Journal, begun
 from antenna_pin.trajectory import library_versions
 
 __all__ = ["Notebook"]
 
-_SUFFIX, _ABOUT, _JOURNAL = ".parts", "fit.json", "journal"
+_SUFFIX = ".parts"
 
 
 class Notebook:
@@ -43,37 +41,9 @@ class Notebook:
 
     def open(self, plan: FitPlan, rigs: tuple[Rig, ...]) -> None:
         """Begin a fit's notebook, or go on with it."""
-        about = _about(plan, rigs)
-        text = json.dumps(about, sort_keys=True)
-        key = hashlib.sha256(text.encode()).digest()
-        path = self.folder / _ABOUT
-        try:
-            self.folder.mkdir(exist_ok=True)
-            there = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
-        except (OSError, ValueError) as error:
-            raise OutputError(f"{path}: cannot be read: {error}; remove its folder to begin anew") from error
-        if there is None:
-            if any(one.name != ".lock" for one in self.folder.iterdir()):
-                raise OutputError(
-                    f"{self.folder}: must be the unfinished part of a fit, got another folder; name another "
-                    "result"
-                )
-            with replacing(path) as partial:
-                partial.write_text(text, encoding="utf-8")
-        elif there != json.loads(text):
-            changed = ", ".join(name for name in about if there.get(name) != json.loads(text)[name])
-            raise OutputError(
-                f"{self.folder}: is the unfinished part of another fit; what differs: {changed}; name "
-                "another result, or remove that folder"
-            )
-        try:
-            old = read_journal(self.folder / _JOURNAL, key)
-        except OSError as error:
-            raise OutputError(f"{self.folder / _JOURNAL}: cannot be read: {error.strerror}") from error
-        self._entries = {_key(entry["asked"]): entry for entry in old.entries.values()}
-        self._next = max(old.entries, default=-1) + 1
-        keep = old.entries.values() if old.damaged or old.torn else None
-        self._journal = Journal(self.folder / _JOURNAL, key, keep)
+        entries, self._journal = begun(self.folder, _about(plan, rigs), "fit")
+        self._entries = {_key(entry["asked"]): entry for entry in entries.values()}
+        self._next = max(entries, default=-1) + 1
 
     def read(self, asked: Asked) -> Readings | None:
         """Return what a run came to; None if it was not made."""
@@ -109,7 +79,7 @@ class Notebook:
     def remove(self) -> None:
         """Remove the folder: the fit is done, and saved."""
         self.close()
-        for name in (_JOURNAL, _ABOUT, ".lock"):
+        for name in ("journal", "fit.json", ".lock"):
             (self.folder / name).unlink(missing_ok=True)
         self.folder.rmdir()
 

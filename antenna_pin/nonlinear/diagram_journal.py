@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from antenna_pin.errors import InvalidParameterError, OutputError
-from antenna_pin.files import replacing
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.branches import Asked, Entry
 from antenna_pin.nonlinear.surfaces import Crossing
 from antenna_pin.simulation import Angle, Force, Gap, Rate
-from antenna_pin.sweep.journal import Journal, read_journal
+from antenna_pin.sweep.journal import Journal, begun
 from antenna_pin.trajectory import library_versions
 
 __all__ = ["Parts"]
 
-_SUFFIX, _ABOUT, _JOURNAL = ".parts", "diagram.json", "journal"
+_SUFFIX = ".parts"
 
 
 class Parts:
@@ -71,35 +69,7 @@ class Parts:
 
     def _open(self, about: dict[str, Any]) -> None:
         assert self.folder is not None
-        text = json.dumps(about, sort_keys=True)
-        key = hashlib.sha256(text.encode()).digest()
-        path = self.folder / _ABOUT
-        try:
-            self.folder.mkdir(exist_ok=True)
-            there = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
-        except (OSError, ValueError) as error:
-            raise OutputError(f"{path}: cannot be read: {error}; remove its folder to begin anew") from error
-        if there is None:
-            if any(one.name != ".lock" for one in self.folder.iterdir()):
-                raise OutputError(
-                    f"{self.folder}: must be the unfinished part of a diagram, got another folder; name "
-                    "another result"
-                )
-            with replacing(path) as partial:
-                partial.write_text(text, encoding="utf-8")
-        elif there != json.loads(text):
-            changed = ", ".join(name for name in about if there.get(name) != json.loads(text)[name])
-            raise OutputError(
-                f"{self.folder}: is the unfinished part of another diagram; what differs: {changed}; name "
-                "another result, or remove that folder"
-            )
-        try:
-            old = read_journal(self.folder / _JOURNAL, key)
-        except OSError as error:
-            raise OutputError(f"{self.folder / _JOURNAL}: cannot be read: {error.strerror}") from error
-        self.entries = dict(old.entries)
-        keep = old.entries.values() if old.damaged or old.torn else None
-        self._journal = Journal(self.folder / _JOURNAL, key, keep)
+        self.entries, self._journal = begun(self.folder, about, "diagram")
 
 
 def _about(asked: Asked, values: Sequence[Any], branches: Sequence[str]) -> dict[str, Any]:

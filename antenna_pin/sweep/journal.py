@@ -12,14 +12,14 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from antenna_pin.errors import OutputError
 from antenna_pin.files import is_there, replacing
 
-__all__ = ["Journal", "ReadJournal", "read_journal", "deleted"]
+__all__ = ["Journal", "ReadJournal", "begun", "deleted", "read_journal"]
 
 _DIGEST = 24
 _SYNC_EVERY = 1.0  # [s]
@@ -165,3 +165,46 @@ class Journal:
         finally:
             os.close(self._file)
             os.close(self._lock)
+
+
+def begun(folder: Path, about: Mapping[str, Any], what: str) -> tuple[dict[int, dict[str, Any]], Journal]:
+    """Begin the journal of something unfinished in a folder of its own, or go on with it.
+
+    Args:
+        folder: The folder, made if it is not there.
+        about: What it is of, as JSON takes it: a journal of anything else is refused.
+        what: What it is a part of, a word for messages and the file that says so: "diagram".
+
+    Returns:
+        The entries that there are by their number, and the journal to add to.
+
+    Raises:
+        OutputError: The folder is of another, or cannot be written, or another process has it.
+    """
+    text = json.dumps(about, sort_keys=True)
+    key = hashlib.sha256(text.encode()).digest()
+    path, journal = folder / f"{what}.json", folder / "journal"
+    try:
+        folder.mkdir(exist_ok=True)
+        there = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{path}: cannot be read: {error}; remove its folder to begin anew") from error
+    if there is None:
+        if any(one.name != ".lock" for one in folder.iterdir()):
+            raise OutputError(
+                f"{folder}: must be the unfinished part of a {what}, got another folder; name another result"
+            )
+        with replacing(path) as partial:
+            partial.write_text(text, encoding="utf-8")
+    elif there != json.loads(text):
+        changed = ", ".join(name for name in about if there.get(name) != json.loads(text)[name])
+        raise OutputError(
+            f"{folder}: is the unfinished part of another {what}; what differs: {changed}; name another "
+            "result, or remove that folder"
+        )
+    try:
+        old = read_journal(journal, key)
+    except OSError as error:
+        raise OutputError(f"{journal}: cannot be read: {error.strerror}") from error
+    keep = old.entries.values() if old.damaged or old.torn else None
+    return dict(old.entries), Journal(journal, key, keep)
