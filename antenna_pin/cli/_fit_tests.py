@@ -118,7 +118,7 @@ def next_test(
     from antenna_pin.fit.designs import design, planned
     from antenna_pin.fit.experiments import Trial, load_experiments
     from antenna_pin.fit.laboratory import Laboratory
-    from antenna_pin.fit.searched import doubt_of
+    from antenna_pin.fit.searched import DOUBT
     from antenna_pin.fit.tell_tables import experiments_table
 
     asked = load_experiments(file)
@@ -142,7 +142,7 @@ def next_test(
         known=known,
         criterion=asked.criterion,
         wanted=asked.wanted,
-        doubt=doubt_of(plan.jacobian),
+        doubt=DOUBT,
     )
     how = None
     if asked.total and asked.criterion != "E":

@@ -16,7 +16,7 @@ from antenna_pin.fit.identifiable import Identifiable, identifiable
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.profiled import Profile, profiles
 from antenna_pin.fit.result import Fit
-from antenna_pin.fit.searched import Searched, band_columns, doubt_of, profile_columns
+from antenna_pin.fit.searched import DOUBT, Searched, band_columns, profile_columns
 from antenna_pin.fit.sureness import Sure, sure
 
 __all__ = ["certain", "profiles_of", "sizes_of", "slopes_at", "tells", "values_in"]
@@ -33,7 +33,7 @@ def _sure(found: Fit) -> tuple[Searched, Sure]:
         noise=plan.noise,
         loss=plan.loss,
         loss_scale=plan.loss_scale,
-        doubt=doubt_of(plan.jacobian),
+        doubt=DOUBT,
     )
     return searched, known
 
@@ -157,7 +157,7 @@ def tells(problem: Problem, values: Array | None = None, factor: float = 1.0) ->
     """
     at = problem.start if values is None else np.asarray(values, dtype=float)
     over = _Parameters(problem, at, factor)
-    return identifiable(over, at, doubt=doubt_of(problem.plan.jacobian))
+    return identifiable(over, at, doubt=DOUBT)
 
 
 def values_in(table: xr.Dataset, problem: Problem, label: str) -> tuple[Array, float]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.plan import FitPlan
-from antenna_pin.fit.searched import doubt_of, names_of, natural
+from antenna_pin.fit.searched import DOUBT, names_of, natural
 from antenna_pin.fit.sureness import sure
 from antenna_pin.fit.unknowns import Unknowns
 
@@ -87,7 +87,7 @@ def bands_of(plan: FitPlan, unknowns: Unknowns, whole: Array, residuals: Array, 
             noise=plan.noise,
             loss=plan.loss,
             loss_scale=plan.loss_scale,
-            doubt=doubt_of(plan.jacobian),
+            doubt=DOUBT,
         )
     except InvalidParameterError as error:  # what was found stays, whatever can be said of it
         none = np.full(p, np.nan)

@@ -8,7 +8,7 @@ logarithm lies about its value as logarithms do.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import xarray as xr
@@ -20,11 +20,11 @@ from antenna_pin.fit.sureness import Sure
 from antenna_pin.fit.unknowns import Unknowns
 
 __all__ = [
+    "DOUBT",
     "Fitted",
     "Natural",
     "Searched",
     "band_columns",
-    "doubt_of",
     "names_of",
     "natural",
     "profile_columns",
@@ -33,20 +33,16 @@ __all__ = [
 Array = NDArray[np.float64]
 Columns = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 
+#: Relative error that columns of a Jacobian are taken to have [-]: differences of runs at 1e-4 of a size lose
+#: four digits of what runs are good to.
+DOUBT = 1e-5
+
 _SIDES = ("below", "above")
 
 
 def names_of(unknowns: Unknowns) -> tuple[str, ...]:
     """Return the names of all that is unknown, (p + h,): parameters, then states."""
     return (*unknowns.names, *(f"state {k + 1}" for k in range(unknowns.states)))
-
-
-def doubt_of(jacobian: Literal["differences", "variational"]) -> float:
-    """Return the relative error that columns of a Jacobian are taken to have [-], by how they were made.
-
-    Differences of runs at 1e-4 of a size lose four digits of what runs are good to.
-    """
-    return {"differences": 1e-5, "variational": 1e-8}[jacobian]
 
 
 class Fitted(Protocol):

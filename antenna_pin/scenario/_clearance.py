@@ -25,14 +25,14 @@ from antenna_pin.scenario.laws import (
     unit_of,
 )
 
-__all__ = ["AXIAL_PLAY", "KINDS", "RADIAL_PLAY", "Clearance", "Kind", "Variant", "check_play", "law_tables"]
+__all__ = ["KINDS", "RADIAL_PLAY", "Clearance", "Kind", "Variant", "check_play", "law_tables"]
 
 Variant = Literal["free", "planar", "ideal"]
 Kind = Literal["radial", "axial"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 RADIAL_PLAY = ("radial_clearance", "journal_radius")
-AXIAL_PLAY = ("axial_clearance", "flange_distance")
+_AXIAL_PLAY = ("axial_clearance", "flange_distance")
 
 _ORDER = (
     ("radial_clearance", "smaller than", "bearing_radius"),
@@ -140,7 +140,7 @@ class Clearance(Spec):
 
     @model_validator(mode="after")
     def _check_dimensions(self) -> Self:
-        for pair in (RADIAL_PLAY, AXIAL_PLAY):
+        for pair in (RADIAL_PLAY, _AXIAL_PLAY):
             if all(getattr(self, name) is not None for name in pair):
                 refuse(f"must have exactly one of {' and '.join(pair)}, got both")
         for name, rule, other in _ORDER:
