@@ -80,6 +80,7 @@ def test_shipped_models_are_found_by_name_and_run(site, tmp_path):
     assert (tmp_path / "bai2020-case1.nc").is_file()
 
 
+@pytest.mark.slow
 def test_recordings_and_reports_are_made_from_what_is_installed(site, tmp_path):
     """Scripts of the player and templates of the report come along."""
     _, recorded, reported = run(

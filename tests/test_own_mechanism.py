@@ -108,6 +108,7 @@ def drawn(crane, tmp_path_factory):
     return out
 
 
+@pytest.mark.slow
 def test_figures_are_the_same_set_from_a_fresh_run_and_from_its_file(drawn, crane, cli, caplog):
     first = {path.name for path in drawn.glob("*.png")}
     assert {"pointing.png", "energy.png", "spectrogram-Kugel.png", "contact_forces-Kugel.png"} <= first

@@ -149,6 +149,7 @@ def test_a_refusal_is_no_failure_but_an_outcome_with_a_message(script, monkeypat
     assert not script.completed_with_contacts(row)
 
 
+@pytest.mark.slow
 def test_a_run_that_takes_too_long_is_ended_and_listed(script):
     """With no time at all every run is such a one; the next number gets a new process."""
     rows = list(script.run_numbers(SEED, [5, 6], jobs=1, wall=0.0))

@@ -60,6 +60,7 @@ def test_lengths_and_sizes(antenna):
     assert length.max() > 0.0 and force[:, 1].min() < 0.0
 
 
+@pytest.mark.slow
 def test_every_listed_name_is_one(antenna, platform):
     for run in (antenna, platform):
         listed = quantities(run)

@@ -27,6 +27,7 @@ def test_an_orbit_is_told(cli):
     assert told.out.startswith("orbit of 1.6 s, stable") and f"{found['exponents'][0]:.4g}" in told.out
 
 
+@pytest.mark.slow
 def test_a_saved_orbit_and_a_saved_branch_are_gone_on_from(cli):
     """The same orbit without a transient, from its own file; a branch's table again; its orbits by number."""
     first = json.loads(cli("orbit", *PENDULUM, "--out", "orbit.nc", "--json").out)

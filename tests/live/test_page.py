@@ -118,6 +118,7 @@ def test_a_key_moves_a_slider(shown):
     assert shown.value(PLAY) != before
 
 
+@pytest.mark.slow
 def test_a_refused_value_is_told_and_the_curves_stay(shown):
     shown.open()
     before = shown.curve("radial")
@@ -141,6 +142,7 @@ def test_save_writes_a_file_that_makes_the_curves_and_reset_undoes(shown, tmp_pa
     assert np.array_equal(shown.curve("radial"), before)
 
 
+@pytest.mark.slow
 def test_another_joint_has_other_curves(shown):
     shown.open()
     shown.page.run("Bokeh.documents[0].get_model_by_name('joint').value = 'azimuth';")

@@ -426,6 +426,7 @@ def test_with_clearance_the_ball_comes_to_rest_on_its_socket(played_run):
     assert kept["energy_error"] < 1e-9 * kept["gross_work"]
 
 
+@pytest.mark.slow
 def test_the_slip_as_printed_switches_friction_off(played_run):
     """Depth times rate of the normal stay below the law's lower speed once the ball lies on its socket."""
     law = json.loads(played_run.data.attrs["clearance_joints"])["s2"]["friction_law"]

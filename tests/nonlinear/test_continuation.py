@@ -90,6 +90,7 @@ def self_excited(t, x, v):
     return 0.15 * v - 0.2 * v**3
 
 
+@pytest.mark.slow
 def test_a_torus_is_born(oscillator):
     """Of a driven oscillator that excites itself, where its damping over a period is none: closed form.
 

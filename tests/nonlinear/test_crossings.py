@@ -41,6 +41,7 @@ def test_an_upright_pendulum_loses_its_stability(pendulum, end):
     assert all(abs(point.value - WEIGHT) > 1e-6 for point in branch.points)
 
 
+@pytest.mark.slow
 def test_a_leaning_pendulum_comes_upright(pendulum):
     """The branch without the symmetry turns back there, and is no fold: on both sides it is stable.
 
@@ -89,7 +90,7 @@ def test_two_branches_exchange_their_stability(mapped, side):
     ("x", "arc", "order"),
     [
         pytest.param(0.06, 0.18, ["flip", "fold"], marks=pytest.mark.slow),
-        (-0.16, 0.3, ["fold", "flip"]),
+        pytest.param(-0.16, 0.3, ["fold", "flip"], marks=pytest.mark.slow),
     ],
 )
 def test_a_flip_beside_a_fold(mapped, x, arc, order):

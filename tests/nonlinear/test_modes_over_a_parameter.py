@@ -46,6 +46,7 @@ def along(scenario, key, values):
     return np.array(points)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "values"),
     [

@@ -167,6 +167,7 @@ def test_a_pad_that_sticks_and_slips_on_a_drum(rubbing, phase, free):
     assert orbit.exponents[-1] == -math.inf
 
 
+@pytest.mark.slow
 def test_exponents_of_a_pad_that_sticks_and_slips(rubbing):
     """Two begin, one is lost where it sticks; along the orbit nothing grows but before it has settled."""
     flow, start, period = rubbing

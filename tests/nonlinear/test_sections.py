@@ -192,6 +192,7 @@ def between_wells(starts, times, damping=0.2, rtol=1e-6):
     return run.y.reshape(2, len(starts), -1).transpose(1, 2, 0)
 
 
+@pytest.mark.slow
 def test_the_section_of_chaos_between_two_wells(stiffening):
     """Point by point it is scipy's as long as neighbours are near, and as a set for ever.
 

@@ -41,7 +41,7 @@ def line(axes, label):
     return next(entry for entry in axes.lines if entry.get_label() == label)
 
 
-@pytest.mark.parametrize("width", ["column", "page"])
+@pytest.mark.parametrize("width", ["column", pytest.param("page", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", FIGURES)
 def test_no_two_labels_overlap_and_none_is_cut_off(name, width):
     figure = FIGURES[name](width)

@@ -15,7 +15,7 @@ def runs():
     return {case: simulate(load_scenario("bai2020", case=case), duration=0.12) for case in cases}
 
 
-@pytest.mark.parametrize("width", ["page", "column"])
+@pytest.mark.parametrize("width", [pytest.param("page", marks=pytest.mark.slow), "column"])
 def test_all_figures_of_flexible_links_can_be_read(runs, readable, width):
     allowed = {each.figure.name: each for each in allowed_figures(runs.values())}
     assert "deflection" in allowed

@@ -295,7 +295,7 @@ def test_momentum_of_a_fixed_base_is_not_drawn(runs, made_run):
 MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
 
 
-@pytest.mark.parametrize("width", ["column", "page"])
+@pytest.mark.parametrize("width", ["column", pytest.param("page", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", MADE_UP)
 def test_no_two_labels_overlap_and_none_is_cut_off(runs, stillborn, readable, name, width):
     figure = CATALOGUE[name].draw([*runs, stillborn], width=width)
@@ -317,6 +317,7 @@ def test_no_window_system_is_touched():
 # --- files ---
 
 
+@pytest.mark.slow
 def test_the_whole_set_is_written(runs, tmp_path):
     written = save_figures(runs, tmp_path / "new" / "folder", ("png", "svg"))
     names = [f"motion_{quantity}-elevation" for quantity in ("angle", "rate", "acceleration")]

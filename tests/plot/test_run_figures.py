@@ -450,7 +450,7 @@ FIGURES = [name for name in CATALOGUE if name not in (*MADE_UP, *SLIDES, *CLOSUR
 STANDARD = [name for name, figure in CATALOGUE.items() if figure.standard and name not in (*SLIDES, *LOOPS)]
 
 
-@pytest.mark.parametrize("width", ["column", "page"])
+@pytest.mark.parametrize("width", ["column", pytest.param("page", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", FIGURES)
 def test_no_two_labels_overlap_and_none_is_cut_off(runs, readable, name, width):
     short = runs[2][1].isel(time=slice(0, 1))

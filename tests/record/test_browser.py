@@ -145,7 +145,14 @@ def test_an_impact_between_two_pictures_is_shown(opened, clearance_run):
     assert exact == pytest.approx(now, rel=1e-6, abs=1e-9)
 
 
-@pytest.mark.parametrize("run", ["clearance_run", "planar_run", "ball_run"])
+@pytest.mark.parametrize(
+    "run",
+    [
+        "clearance_run",
+        pytest.param("planar_run", marks=pytest.mark.slow),
+        pytest.param("ball_run", marks=pytest.mark.slow),
+    ],
+)
 def test_the_joint_close_up(opened, run, request):
     page = opened(record(request.getfixturevalue(run), view="joint"))
     page.run("recording.jump(1);")
@@ -200,7 +207,7 @@ def seen(page):
 
 
 @pytest.mark.parametrize("size", [(1400, 900), (390, 780)])
-@pytest.mark.parametrize("view", ["iso", "x", "y", "z"])
+@pytest.mark.parametrize("view", ["iso", *(pytest.param(axis, marks=pytest.mark.slow) for axis in "xyz")])
 def test_all_of_the_motion_is_in_the_picture(opened, clearance_run, view, size):
     """Whatever is reached at any time lies below the heading, and fills the stage one way at least."""
     page = opened(record(clearance_run), *size)
@@ -399,6 +406,7 @@ def test_names_stand_at_their_bodies_and_joints(opened, clearance_run):
     assert page.run("return recording.labels.node.hidden;")
 
 
+@pytest.mark.slow
 def test_the_scale_bar_is_as_long_as_it_says(opened, clearance_run):
     """At the depth that the camera looks at, and in a joint close up of the play M times as long."""
     for view, kwargs in (("mechanism", {}), ("joint", {"magnify": 40.0})):
@@ -487,6 +495,7 @@ def colours(page, selector):
     return len(np.unique(page.pixels(selector).reshape(-1, 3), axis=0))
 
 
+@pytest.mark.slow
 def test_many_in_one_page(page, tmp_path, clearance_run, ideal_run):
     """They share the scripts, begin when they come into view, and never hold too many graphics contexts."""
     names = [f"r{k}" for k in range(10)]
@@ -553,6 +562,7 @@ def test_what_a_stranger_put_into_a_page_runs_nothing_and_sends_nothing(opened, 
     assert {"script-src-elem", "script-src-attr"} < set(stopped)
 
 
+@pytest.mark.slow
 def test_what_the_heading_names_can_be_hidden(opened, clearance_run, ideal_run):
     page = opened(record(clearance_run, ideal_run, body="reflector"))
     page.run("recording.seek(recording.data.poster); recording.render();")

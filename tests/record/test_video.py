@@ -70,6 +70,7 @@ def test_a_film_goes_from_the_start_to_the_end(recording):
 # --- what is in the files ---
 
 
+@pytest.mark.slow
 def test_an_mp4_decodes_to_the_pictures_planned(recording, tmp_path, browser):
     told = []
     done = save_video(recording, tmp_path / "a run.mp4", size=SMALL, progress=lambda *now: told.append(now))
@@ -105,6 +106,7 @@ def test_a_gif_has_its_pictures_for_their_times(recording, tmp_path, browser):
     assert np.abs(pictures[0].astype(int) - pictures[-1]).max() > 60
 
 
+@pytest.mark.slow
 def test_frames_are_pictures_with_a_table_of_their_times(recording, tmp_path, browser):
     done = save_frames(recording, tmp_path / "frames", fps=10.0, size=(321, 181))
     rows = (tmp_path / "frames" / "frames.csv").read_text().splitlines()
@@ -114,6 +116,7 @@ def test_frames_are_pictures_with_a_table_of_their_times(recording, tmp_path, br
     assert difference(pictures[0], pictures[1]) > 0 and difference(pictures[1], pictures[2]) > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(800, 450), SMALL])
 def test_a_film_has_a_line_of_time(recording, tmp_path, browser, size):
     """At the bottom: blue from its left end up to the time, over a picture's width as over the run."""
@@ -155,6 +158,7 @@ def test_the_camera_waits_for_the_page_s_own_script(browser, tmp_path):
         assert there.run("return document.title;") == "paused"
 
 
+@pytest.mark.slow
 def test_an_enlarged_picture_has_the_size_asked_for(recording, browser, monkeypatch):
     monkeypatch.setattr(_camera, "_VIEW", SMALL)  # larger ones take software long
     with open_camera(recording, (640, 360)) as camera:
@@ -176,6 +180,7 @@ return [camera.projectionMatrix.toArray(), camera.matrixWorldInverse.toArray()];
 """
 
 
+@pytest.mark.slow
 def test_a_mark_in_a_picture_is_where_the_trajectory_has_it(clearance_run, tmp_path, browser):
     """A ball fixed to the reflector, found by its colour, against pose and camera."""
     head, link, tail = clearance_run.data.attrs["urdf"].partition('<link name="reflector">')
@@ -201,6 +206,7 @@ def test_a_mark_in_a_picture_is_where_the_trajectory_has_it(clearance_run, tmp_p
         assert (columns.mean() + 0.5, rows.mean() + 0.5) == pytest.approx(expected, rel=0.0, abs=0.5)
 
 
+@pytest.mark.slow
 def test_an_impact_between_two_pictures_is_seen(recording, clearance_run, browser):
     """Between contacts no arrow stands; in a video the picture has those of the impacts before it."""
     data = clearance_run.data

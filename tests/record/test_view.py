@@ -37,6 +37,7 @@ def test_the_page_is_opened(result, tmp_path, page):
     assert page.errors == [] and page.requests == []
 
 
+@pytest.mark.slow
 def test_the_path_is_said(result, tmp_path):
     out = tmp_path / "joint.html"
     done = view(result, "--no-browser", "--view", "joint", "--out", out)
@@ -65,6 +66,7 @@ def test_a_browser_that_does_not_start_leaves_the_page(result, tmp_path):
     assert done.stderr == f"antenna-pin: view: a browser must start, got none; open {out} in one\n"
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_written_beside_the_page_is_in_a_temporary_folder(result, tmp_path):
     """A name of 255 characters has no longer one beside it; nor could root write that."""
     kept = tmp_path / f"{'x' * 252}.nc"

@@ -97,6 +97,7 @@ def test_figures_are_pictures_within_the_page(page, saved):
         assert width > 300 and height > 200 and caption
 
 
+@pytest.mark.slow
 def test_figures_are_large_on_a_screen_and_fill_a_phone(page, saved):
     """Up to 1.5 times as wide as they are drawn; on a phone each is moved within a box that fills it."""
     for screen, least, picture in ((1400, 1000, 1000), (1280, 900, 900), (800, 700, 700), (380, 340, 560)):

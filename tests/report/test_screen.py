@@ -182,6 +182,7 @@ def test_numbers_of_a_figure_are_those_of_the_result(opened, ideal, play):
         np.testing.assert_allclose(angle, wanted, rtol=2.0**-24 + 5e-9, atol=1e-45)
 
 
+@pytest.mark.slow
 def test_figures_and_their_numbers_are_saved_as_files(opened):
     names, texts = opened.run(
         "const names = [], blobs = [];"
@@ -202,6 +203,7 @@ def test_figures_and_their_numbers_are_saved_as_files(opened):
     assert savers == 2 * figures > 20
 
 
+@pytest.mark.slow
 def test_paper_has_all_figures_with_their_captions_and_what_is_folded_for_room(opened):
     opened.run("await AntennaPin.ready;")
     printed = opened.browser.command("Page.printToPDF", preferCSSPageSize=True, printBackground=True)

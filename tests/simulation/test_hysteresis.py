@@ -313,6 +313,7 @@ def test_a_wheel_slips_once_and_then_swings_for_ever(engine):
     assert _ledger(run) < 1e-10
 
 
+@pytest.mark.slow
 def test_slipping_springs_swing_out_to_rest_with_damping():
     """They hold what the last swing has left them: at rest nothing happens any more, and nothing creeps."""
     springs = MaxwellSlip(joint="axle", stiffness=(3.0, 6.0), slip=(0.6, 0.3))

@@ -154,6 +154,7 @@ def wheel(torque):
     )
 
 
+@pytest.mark.slow
 def test_a_run_that_chatters_ends_and_says_so():
     """A brake that jumps with the sign of the rate holds the wheel at steps of 1e-10 s and less."""
 

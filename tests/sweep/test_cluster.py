@@ -62,6 +62,7 @@ def test_a_stranger_on_this_machine_gives_no_orders(cluster):
                 reach.check_scheduler(address, security)
 
 
+@pytest.mark.slow
 def test_the_only_process_may_be_killed(write, tmp_path, monkeypatch):
     """What the runs share is lost with it, and is given to the one that takes its place."""
     study = write(PLAY)
@@ -152,6 +153,7 @@ def certificate(tmp_path):
     return made
 
 
+@pytest.mark.slow
 def test_a_scheduler_by_tls_takes_those_with_its_certificates_only(write, tmp_path, cli, certificate):
     """Started by hand as the guide says, with two workers that stand in a folder of their own."""
     study, own, other = write(PLAY), certificate("own"), certificate("other")
