@@ -27,6 +27,7 @@ __all__ = [
     "ROTATION",
     "SLIDE",
     "VECTOR",
+    "Record",
     "memory_numbers",
     "memory_records",
     "place_of",
@@ -36,15 +37,22 @@ __all__ = [
 ]
 
 
+class Record(np.void):  # type: ignore[misc]  # final in NumPy's stubs only
+    """A record whose fields are attributes, as in compiled code; ``numpy.record``, in Python, is slow."""
+
+    __getattr__ = np.void.__getitem__  # of what a record has not itself
+    __setattr__ = np.void.__setitem__
+
+
 def check_names(names: Iterable[str]) -> None:
     """Refuse names of fields that a record of NumPy's has itself: read uncompiled, they would be those.
 
     Raises:
         ValueError: Says which.
     """
-    if taken := [name for name in names if hasattr(np.record, name)]:
+    if taken := [name for name in names if hasattr(Record, name)]:
         raise ValueError(
-            f"record: no field may have the name of an attribute of numpy.record, got {', '.join(taken)}: "
+            f"record: no field may have the name of an attribute of numpy.void, got {', '.join(taken)}: "
             "without the compiler it would be that attribute; take another name"
         )
 
@@ -59,7 +67,7 @@ def layout(*fields: Any) -> np.dtype[Any]:
         ValueError: A field that NumPy's own attributes would hide.
     """
     check_names(field[0] for field in fields)
-    return np.dtype((np.record, list(fields)))
+    return np.dtype((Record, list(fields)))
 
 
 def words_of(kind: np.dtype[Any]) -> int:

@@ -66,6 +66,6 @@ def test_a_record_refuses_names_that_numpy_has():
             lambda name=name: layout(("rate", "f8"), (name, "f8")),
             lambda name=name: dissipation_record(name),
         ):
-            with pytest.raises(ValueError, match=re.escape(f"an attribute of numpy.record, got {name}:")):
+            with pytest.raises(ValueError, match=re.escape(f"an attribute of numpy.void, got {name}:")):
                 declare()
-        assert hasattr(np.record, name)
+        assert hasattr(np.void, name)

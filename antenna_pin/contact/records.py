@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin._compile import record
-from antenna_pin.records import check_names
+from antenna_pin.records import Record, check_names
 
 _ELASTIC_ROOM = 8
 _DISSIPATION_ROOM = 6
@@ -43,7 +43,7 @@ def _record(size: int, first: int, room: int, names: tuple[str, ...]) -> np.dtyp
         "offsets": [8 * (first + i) for i in range(len(names))],
         "itemsize": 8 * size,
     }
-    return np.dtype((np.record, layout))
+    return np.dtype((Record, layout))
 
 
 def elastic_record(*names: str) -> np.dtype[Any]:
