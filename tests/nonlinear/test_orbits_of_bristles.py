@@ -58,7 +58,9 @@ def test_a_driven_mass_with_bristles_repeats_its_period_with_them(oscillator, la
     assert lost > 0.1
 
 
-@pytest.mark.parametrize("law", list(LAWS))
+@pytest.mark.parametrize(
+    "law", ["dahl", "lugre", *(pytest.param(one, marks=pytest.mark.slow) for one in ("gonthier", "bouc-wen"))]
+)
 def test_multipliers_with_bristles_are_those_of_neighbouring_runs(oscillator, law):
     """Against differences of second order of the map over a period."""
     flow = driven(oscillator, law, "compiled")

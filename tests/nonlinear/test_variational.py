@@ -72,7 +72,11 @@ TORQUE = {"drives.crank": {"replace": True, "kind": "constant", "value": 5.0}}
 
 
 @pytest.mark.parametrize(
-    ("drive", "engine"), [({}, "compiled"), (TORQUE, "pinocchio")], ids=["motion", "torque"]
+    ("drive", "engine"),
+    [
+        pytest.param({}, "compiled", marks=pytest.mark.slow, id="motion"),
+        pytest.param(TORQUE, "pinocchio", id="torque"),
+    ],
 )
 def test_an_impact_in_a_closed_loop(drive, engine):
     """Coordinates are those that closures and motions leave, along axes that are others at each step."""

@@ -228,7 +228,9 @@ def test_an_impact_between_two_pictures_is_seen(recording, clearance_run, browse
 # --- how it ends ---
 
 
-@pytest.mark.parametrize("name", ["run.mp4", "run.gif", "frames"])
+@pytest.mark.parametrize(
+    "name", ["run.gif", *(pytest.param(one, marks=pytest.mark.slow) for one in ("run.mp4", "frames"))]
+)
 def test_ctrl_c_keeps_the_pictures_done(recording, tmp_path, name, browser):
     def press(done, planned):
         if done == 3:

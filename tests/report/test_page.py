@@ -66,7 +66,8 @@ def test_a_notebook_shows_it_in_a_frame(ideal):
 
 
 @pytest.mark.parametrize(
-    ("width", "height", "mobile"), [(380, 760, True), (1280, 900, False), (1400, 900, False)]
+    ("width", "height", "mobile"),
+    [(380, 760, True), (1280, 900, False), pytest.param(1400, 900, False, marks=pytest.mark.slow)],
 )
 def test_no_page_is_wider_than_its_screen(page, saved, width, height, mobile):
     page.open(saved, width, height)

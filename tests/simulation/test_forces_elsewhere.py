@@ -66,7 +66,9 @@ def test_ledgers_close_where_a_joint_has_play(engine):
     assert np.linalg.norm(run.data["total_impulse"].sel(force="jet")) == pytest.approx(5.0 * 0.02, rel=1e-2)
 
 
-@pytest.mark.parametrize("compiled", [False, True], ids=["plain", "compiled"])
+@pytest.mark.parametrize(
+    "compiled", [pytest.param(False, marks=pytest.mark.slow, id="plain"), pytest.param(True, id="compiled")]
+)
 def test_the_ledger_closes_in_a_loop(compiled):
     """A slider-crank whose closure is corrected at every step, with a spring that a function makes.
 

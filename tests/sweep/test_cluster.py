@@ -195,7 +195,7 @@ def test_a_scheduler_by_tls_takes_those_with_its_certificates_only(write, tmp_pa
     assert not (tmp_path / "no.study").exists()
 
 
-@pytest.mark.parametrize("secure", [False, True])
+@pytest.mark.parametrize("secure", [False, pytest.param(True, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("peer", ["silent", "closed", "of another kind", "nobody"])
 def test_what_is_no_scheduler_is_told_in_a_bounded_time(monkeypatch, certificate, peer, secure):
     """One that takes the connection and says nothing, that closes it, that speaks HTTP; and an empty port."""
