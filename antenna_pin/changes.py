@@ -45,9 +45,8 @@ class LinkChange:
 
     Attributes:
         mass: [kg].
-        inertia: About the centre of mass, in the axes of the URDF's inertial frame (those of the link where
-            its ``rpy`` is zero): ixx, iyy, izz and, if six are given, ixy, ixz, iyz; three numbers set the
-            products to zero [kg*m^2].
+        inertia: About the mass centre, in the axes of the URDF's inertial frame: ixx, iyy, izz, and ixy, ixz,
+            iyz if six are given [kg*m^2].
         centre_of_mass: In the link's frame [m].
         shapes: Dimensions of its shapes, by the name of the ``<visual>`` and ``<collision>`` elements.
     """

@@ -6,11 +6,11 @@ A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
     python scripts/reference.py             # are all of them up to date? (--check)
     python scripts/reference.py --write     # bring them up to date
 
-There are ``scenario``, every key of a scenario file; ``laws``, the laws of contact and friction with their
-parameters (both by ``scenario_reference.py``); ``formulas``, what the classes of laws and elements say of
-themselves (by ``formulas.py``); ``dimensions`` and ``trajectory``, what a result holds; ``figures``, what can
-be drawn of runs; ``layers``, who may import whom; and in the package, for editors, ``figure_names``, the
-names of the figures.
+There are ``scenario``, the tables of a scenario file, and ``scenario_GROUP``, their keys (by
+``scenario_tables.py``); ``formulas``, ``element_formulas`` and ``sources``, what the classes of laws and
+elements say of themselves (by ``formulas.py``); ``dimensions`` and ``trajectory``, what a result holds;
+``figures``, what can be drawn of runs; ``layers``, who may import whom; and in the package, for editors,
+``figure_names``, the names of the figures.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-from formulas import formulas_table
-from scenario_reference import laws_table, scenario_table
+from formulas import element_formulas, formulas_table, sources_table
+from scenario_tables import GROUPS, overview, page_of
 
 from antenna_pin.plot import CATALOGUE, PAPERS
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, VARIABLES
@@ -97,9 +98,11 @@ def layers_table() -> str:
 
 
 TABLES: dict[str, Callable[[], str]] = {
-    "scenario": scenario_table,
-    "laws": laws_table,
+    "scenario": overview,
+    **{f"scenario_{group}": partial(page_of, group) for group in GROUPS},
     "formulas": formulas_table,
+    "element_formulas": element_formulas,
+    "sources": sources_table,
     "trajectory": trajectory_table,
     "dimensions": dimensions_table,
     "figures": figures_table,

@@ -53,8 +53,8 @@ class BallBearing(Bearing):
         poisson: Poisson's ratio of rings and balls [-].
         ball_modulus: Of the balls, if another (ceramic) [Pa].
         ball_poisson: Poisson's ratio of the balls, if another [-].
-        arrangement: A ``single`` row that takes an axial force on the inner ring along +z, or a pair
-            ``back-to-back`` (loads spread apart towards the axis) or ``face-to-face``.
+        arrangement: ``single``, its axial force on the inner ring along +z, or a pair, ``back-to-back`` or
+            ``face-to-face``.
         spread: Distance of a pair's planes of balls [m].
         offset: Reference point, in the plane of the balls or midway between a pair's, along the joint's axis
             from the joint's origin [m].

@@ -114,8 +114,8 @@ class StiffnessBearing(Bearing):
         radial: k_r [N/m].
         axial: k_a [N/m].
         tilt: k_t [N m/rad].
-        coupling: k_c, force for a tilt, torque for a way; positive where the point at which a radial force
-            tilts nothing lies on the axis' positive side of the reference point [N/rad].
+        coupling: k_c, force for a tilt, torque for a way; positive where the point that a radial force does
+            not tilt is above the reference point [N/rad].
         offset: Reference point along the joint's axis from the joint's origin [m].
         damping_time: beta, of damping in proportion [s].
         matrix: All 25 numbers of K instead, row by row, in SI units; none if not given.
@@ -212,8 +212,8 @@ class AxialPreload(Bearing):
     Attributes:
         force: F, along the bearing's axis; negative the other way [N].
         stiffness: k [N/m].
-        given_at: Where the force is F: where the face that it presses on just ``touching``, at ``rest`` on
-            that face with no other load, or ``centred`` in the play.
+        given_at: Where the force is F: just ``touching`` the face, at ``rest`` on it with no other load, or
+            ``centred``.
         position: z_F instead [m].
     """
 

@@ -47,8 +47,7 @@ class Table(Reference):
         values: One for each [rad] ([m]).
         interpolation: ``linear``; ``cubic``, monotone between points, of continuous slope; ``smooth``, a
             spline whose second derivative is continuous.
-        periodic: Whether it comes again and again; its first and last values are the same then. A run must
-            lie within the times of one that does not.
+        periodic: Whether it repeats; its ends are the same then, and a run may go beyond them.
     """
 
     columns: ClassVar[tuple[str, str]] = ("time", "values")

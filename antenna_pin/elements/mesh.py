@@ -82,10 +82,8 @@ class Gear(Teeth):
         efficiency: Share of the power that arrives where the input drives.
         efficiency_back: Share of the power that arrives where the output drives; zero or more.
         slow_rate: Rate of the input where friction is 71 % of its limit [rad/s].
-        error_angle: Angles of the input at which the static transmission error is given, increasing; from
-            the first to the last is a period [rad].
-        error: The error e at each, the last as the first; between them a periodic spline with a continuous
-            second derivative [rad].
+        error_angle: Angles of the input, increasing, over one period of the transmission error [rad].
+        error: e at each, the last as the first, joined by a periodic spline [rad].
         on: Whether it acts from the start on; an event may switch it.
 
     References:
@@ -235,8 +233,7 @@ class Rack(Teeth):
     this is what teeth do on the pitch line.
 
     Attributes:
-        radius: Pitch radius r of the pinion: way of the rack for an angle of 1 rad; negative for the opposite
-            way [m].
+        radius: Pitch radius r of the pinion; negative for the opposite way [m].
         stiffness: Of the teeth, along the pitch line [N/m].
         damping: In contact only [N*s/m].
         play: Total play along the pitch line [m].

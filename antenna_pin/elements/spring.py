@@ -26,9 +26,8 @@ class JointSpring(Element):
         stiffness: [N*m/rad] ([N/m]).
         damping: [N*m*s/rad] ([N*s/m]).
         rest_angle: Where the spring is at rest [rad] ([m]).
-        shorter_way: Whether the deflection of a turning joint is taken the shorter way round, within half a
-            turn, rather than with all its turns; as of a magnet, it jumps from one side to the other at half
-            a turn.
+        shorter_way: Whether the deflection is taken the shorter way round, as a magnet's: it jumps at half a
+            turn.
         on: Whether it acts from the start on; an event may switch it.
     """
 

@@ -42,8 +42,7 @@ class Thruster(AtPoint):
         throttle: What it is between pulses, of the thrust [-]; what a controller commands.
         minimum_on_time: Of a pulse [s].
         minimum_impulse: Impulse bit: of a pulse at least [N*s].
-        short_pulses: Whether a pulse that is shorter than that is refused (``refuse``) or made as long
-            (``lengthen``).
+        short_pulses: What becomes of shorter pulses: ``refuse`` or ``lengthen``.
         misalignment: Error of the direction: its angle, or with a seed a standard deviation [rad].
         azimuth: Of the error [rad].
         seed: From which the error is drawn; None for the one that is given.

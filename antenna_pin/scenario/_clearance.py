@@ -54,8 +54,8 @@ class Clearance(Spec):
         radial_clearance: C_r = R_i - R_j, if not given by the journal's radius [m].
         journal_radius: R_j, if not given by the clearance [m].
         bearing_length: L_i [m].
-        axial_clearance: C_a, play at each flange when centred, below 0 for a hard preload by that depth,
-            if not given by the flanges [m]; the radial one is assumed where neither is given.
+        axial_clearance: C_a at each flange when centred, below 0 a hard preload [m]; if left out, from the
+            flanges, else the radial one.
         flange_distance: L_j = L_i + 2 C_a, between the flanges' inner faces, if not given by C_a [m].
         bearing_outer_radius: R_io [m]; 1.5 R_i is assumed where it is not given.
         flange_radius: R_f [m]; R_io is assumed where it is not given.
@@ -77,8 +77,8 @@ class Clearance(Spec):
             flanges.
         strips: Of the bore under distributed load, even [-].
         sectors: Of the loaded arc of each flange under distributed load [-].
-        flange_modulus: Of the flanges' elastic foundation under distributed load, pressure over depth
-            [N/m^3]; None for the one that gives the compression stiffness of a rigid annular punch.
+        flange_modulus: Of the flanges' foundation under distributed load [N/m^3]; None for that of a rigid
+            annular punch.
         approach_speed_floor: Least approach speed that a law sees [m/s].
         maximum_depth: A run that presses deeper ends [m]; None for a hundredth of the bearing's radius.
         journal_material: Name of a material: one of ``[materials]``, or one that is known without; steel is
