@@ -482,7 +482,8 @@ def page_of(group: str) -> str:
             lines += kinds_of(part.rows, part.said)
         else:
             lines += table(part.rows)
-    return "\n".join(lines)
+    # Links of docstrings lead from docs/, where this page's folder lies.
+    return re.sub(r"\]\((?=[\w-]+\.md)", "](../", "\n".join(lines))
 
 
 def overview() -> str:
