@@ -61,8 +61,8 @@ def dimensions_table() -> str:
 def figures_table() -> str:
     """Return the catalogue of figures, with the papers' figures that show the same."""
     lines = [
-        "| name | shows | of runs with | without `--figure` | in a report | in a paper |",
-        "|---|---|---|---|---|---|",
+        "| name | shows | of runs with | drawn | in a paper |",
+        "|---|---|---|---|---|",
     ]
     for figure in CATALOGUE.values():
         papers = [
@@ -70,9 +70,11 @@ def figures_table() -> str:
             for model, each in PAPERS.items()
             if (numbers := [str(one.number) for one in each if one.figure == figure.name])
         ]
-        marks = ["yes" if mark else "" for mark in (figure.standard, figure.reported)]
+        drawn = ", ".join(
+            place for place, mark in (("plot", figure.standard), ("report", figure.reported)) if mark
+        )
         shows = figure.title.format(joint="a joint")
-        cells = [f"`{figure.name}`", shows, figure.needed, *marks, "; ".join(papers)]
+        cells = [f"`{figure.name}`", shows, figure.needed, drawn, "; ".join(papers)]
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join([*lines, ""])
 
