@@ -78,6 +78,17 @@ def law_default(name: str, parameters: dict[str, Parameter]) -> str:
     return {"modulus": "from materials", "effective_mass": "from the contact"}.get(name, "from the joint")
 
 
+def essence(cls: type[Any]) -> str:
+    """Return what a class is and its formula, with the paragraph behind it; the rest stands in its reference."""
+    paragraphs = parts_of(cls)["said"].split("\n\n")
+    shown = [k for k, text in enumerate(paragraphs) if text.startswith(".. math::")]
+    # A formula may have lines of its own that are empty: what is indented belongs to it.
+    last = shown[-1] if shown else 0
+    while last + 1 < len(paragraphs) and paragraphs[last + 1].startswith(" "):
+        last += 1
+    return markdown("\n\n".join(paragraphs[: last + 2]))
+
+
 def parameters_line(cls: type[Any]) -> str:
     """Return what a law needs, and what it may be given, in a line."""
     parameters = law_parameters(cls)
@@ -101,7 +112,7 @@ def short_source(cls: type[Any]) -> str:
 
 def law_entry(name: str, cls: type[Any]) -> Iterator[str]:
     """Yield the lines of a law: words and formula, parameters, source."""
-    yield from (f"### `{name}`", "", markdown(parts_of(cls)["said"]), "")
+    yield from (f"### `{name}`", "", essence(cls), "")
     said = short_source(cls)
     source = f"[{said or 'Source'}](sources.md)" if source_of(cls) else ""
     yield from (f"{parameters_line(cls)} {source}".strip(), "")
@@ -130,13 +141,17 @@ def formulas_table() -> str:
             lines += law_entry(name, cls)
         if laws is DISSIPATIONS:
             lines += _whole_laws()
-    lines += ["## Parameters", "", "In bold what a file must give.", ""]
-    lines += ["| parameter | unit | meaning | of |", "|---|---|---|---|"]
+    lines += [
+        "## Parameters",
+        "",
+        "In bold the laws that need it; others have a default, or take it from the joint.",
+        "",
+    ]
     for (key, unit, meaning), names in meanings().items():
         said = ", ".join(f"**`{name}`**" if needed else f"`{name}`" for name, needed in names)
         if len(names) > _LISTED:
             said = f"**{len(names)} laws**" if names[0][1] else f"{len(names)} laws"
-        lines.append(f"| `{key}` | {unit} | {meaning} | {said} |")
+        lines.append(f"- `{key}` [{unit}]: {meaning} ({said})")
     return "\n".join([*lines, ""])
 
 
@@ -147,7 +162,7 @@ def meanings() -> dict[tuple[str, str, str], list[tuple[str, bool]]]:
         for name, cls in own_laws(laws).items():
             parameters = law_parameters(cls)
             for key, one in parameters.items():
-                unit = "-" if one.unit == "1" else str(one.unit).replace("**", "^")
+                unit = "-" if one.unit == "1" else str(one.unit).replace("**", "^").replace("*", "·")
                 needed = law_default(key, parameters) == "required"
                 found.setdefault((key, unit, str(one.doc)), []).append((name, needed))
     return found
@@ -177,8 +192,17 @@ def element_formulas() -> str:
     """Return what kinds of elements with a formula say of themselves."""
     lines: list[str] = []
     for family, kind, cls in kinds():
-        lines += [f"### `{kind}` of `[{family}]`", "", markdown(parts_of(cls)["said"]), ""]
+        lines += [f"### `{kind}` of `[{family}]`", "", essence(cls), ""]
     return "\n".join(lines)
+
+
+#: What is said of many sources, and the mark that docs/theory/sources.md explains.
+_MARKS = (
+    (r"[;.]? ?([Tt]he )?([Ff]ormula )?[Rr]ecalled, not checked( against the papers?)?", " †"),
+    (r"[;.]? ?([Tt]he )?[Ff]ormula recalled, not checked against the papers", " †"),
+    (r"; the formula as a public multibody code \(DyS\) has it, not checked against the paper", " ‡"),
+    (r"[;.]? [Nn]ot checked against the (book|paper)", " ‡"),
+)
 
 
 def sources_table() -> str:
@@ -187,10 +211,12 @@ def sources_table() -> str:
     entries += [(f"`{kind}` of `[{family}]`", cls) for family, kind, cls in kinds()]
     said: dict[str, list[str]] = {}
     for name, cls in entries:
-        if source := source_of(cls):
-            said.setdefault(markdown(source), []).append(name)
-    rows = [f"| {', '.join(names)} | {source} |" for source, names in said.items()]
-    return "\n".join(["| law | source |", "|---|---|", *rows, ""])
+        source = source_of(cls)
+        for words, mark in _MARKS:
+            source = re.sub(words, mark, source)
+        if source:
+            said.setdefault(markdown(source).rstrip("."), []).append(name)
+    return "".join(f"- {', '.join(names)}: {source}\n" for source, names in said.items())
 
 
 _GROUPS: tuple[tuple[str, str, Mapping[str, type[Any]]], ...] = (

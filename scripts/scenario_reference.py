@@ -17,14 +17,14 @@ from antenna_pin.contact import Parameter
 from antenna_pin.parameters import attribute_docs, parameters_of
 from antenna_pin.scenario import MadeSpec
 
-__all__ = ["Row", "first_line", "keys_of", "kinds_of", "said_once", "table"]
+__all__ = ["Row", "first_line", "keys_of", "kinds_of", "listed", "said_once"]
 
 
 # --- what code says of a key ---
 
 
 def docs_of(cls: type[Any]) -> dict[str, str]:
-    """Return what docstrings say of the keys of a table: its own, and those of the class that it fills."""
+    """Return what docstrings say of a table's keys: its own, and those of the class that it fills."""
     docs = attribute_docs(cls)
     if issubclass(cls, MadeSpec):
         filled = attribute_docs(cls.fills)
@@ -44,8 +44,7 @@ def plain(text: str) -> str:
         text = text.replace(python, file)
     for said, short in _SAID_ONCE:
         text = re.sub(said, short, text)
-    text = text.strip(".; ")
-    return text[:1].upper() + text[1:] if text.startswith(("if ", "left ")) else text
+    return text.strip(".; ")
 
 
 #: What docs/scenario.md says once, of all keys: that nothing follows where one is left out, files, sizes.
@@ -58,7 +57,8 @@ _NOTHING = (
 _SAID_ONCE = (
     (rf"; ({'|'.join(_NOTHING)})(?=\.|$)", ""),
     (
-        r"^Where (the |a |it )?(table|part that is a table)? ?came from, relative to the scenario's folder$",
+        r"^Where (the |a |it )?(table|part that is a table)? ?came from, "
+        r"relative to the scenario's folder\.?$",
         "CSV, in place of the numbers",
     ),
     (
@@ -67,6 +67,9 @@ _SAID_ONCE = (
     ),
     (r",? ?\((\d,|[mnp],( [mnp])?)\)(?=[,;.]|$)", ""),
     (r"(, of|,) any length( but zero)?", ""),
+    (r"^Whether ", ""),
+    (r"^Name of the ", ""),
+    (r"^`\w+` or `\w+`\.?$", ""),
 )
 
 
@@ -98,7 +101,7 @@ def kind_of(field: FieldInfo, parameter: Parameter | None = None) -> str:
 def kind_of_units(unit: str | tuple[str, ...]) -> str:
     """Return a unit, or several of which one will do, as the tables have them."""
     units = unit if isinstance(unit, tuple) else (unit,)
-    return ", ".join("-" if unit == "1" else unit.replace("**", "^") for unit in units)
+    return ", ".join("-" if unit == "1" else unit.replace("**", "^").replace("*", "·") for unit in units)
 
 
 def default_of(field: FieldInfo) -> str:
@@ -112,13 +115,15 @@ def default_of(field: FieldInfo) -> str:
         return f"{value:g}"
     if isinstance(value, (tuple, list)) and not value:
         return ""
+    if isinstance(value, tuple) and all(isinstance(one, float) for one in value):
+        return f"`[{', '.join(f'{one:g}' for one in value)}]`"
     return f"`{value if isinstance(value, str) else json.dumps(value)}`" if value != "" else ""
 
 
 # --- rows and tables ---
 
 #: What every element has, said once above all of them.
-_OF_ALL = "Whether it acts from the start on; an event may switch it"
+_OF_ALL = "it acts from the start on; an event may switch it"
 
 
 class Row(NamedTuple):
@@ -130,14 +135,19 @@ class Row(NamedTuple):
     meaning: str
 
     def line(self) -> str:
-        """Return it as a line of a table: bold what a file must give, behind it what holds if it does not."""
-        if self.default == "required":
-            return f"| **{self.key}** | {self.kind} | {self.meaning} |"
-        if re.match(r"required|the |unless|where|as ", self.default):
-            said = f"{self.meaning}; {self.default}" if self.meaning else self.default
-            return f"| {self.key} | {self.kind} | {said[:1].upper()}{said[1:]} |"
-        default = f" = {self.default}" if self.default else ""
-        return f"| {self.key}{default} | {self.kind} | {self.meaning} |"
+        """Return it as a line of a list: bold what a file must give, behind it what holds if it does not."""
+        key = f"**{self.key}**" if self.default == "required" else self.key
+        meaning = self.meaning
+        if re.match(r"required |the |where |as ", self.default):
+            said = (
+                self.default.replace("the ", "left out, the ", 1) if "name" in self.default else self.default
+            )
+            meaning = f"{meaning}; {said}" if meaning else said
+        elif self.default and self.default != "required":
+            key += f" = {self.default}"
+        said = f": {meaning}" if meaning else ""
+        told = self.kind and self.default not in ("`true`", "`false`")
+        return f"- {key}{f' [{self.kind}]' if told else ''}{said}"
 
 
 def first_line(cls: type[Any]) -> str:
@@ -178,14 +188,13 @@ def said_once(rows: list[Row]) -> list[Row]:
     return left
 
 
-def table(rows: list[Row]) -> list[str]:
-    """Return rows as a table, and what is to stand behind it."""
-    head = ["| key | unit or value | meaning |", "|---|---|---|"]
-    return [*head, *(row.line() for row in rows), ""] if rows else []
+def listed(rows: list[Row]) -> list[str]:
+    """Return rows as a list, and what is to stand behind it."""
+    return [*(row.line() for row in rows), ""] if rows else []
 
 
 def kinds_of(rows: Mapping[str, list[Row]], said: Mapping[str, str]) -> list[str]:
-    """Return tables of kinds: what all share, what some do, and what each has for itself.
+    """Return the rows of kinds as lists: what all share, what some do, and what each has for itself.
 
     Args:
         rows: Of each kind.
@@ -198,9 +207,11 @@ def kinds_of(rows: Mapping[str, list[Row]], said: Mapping[str, str]) -> list[str
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row, kinds in having.items():
         groups.setdefault(tuple(kinds), []).append(row)
-    lines = table(groups.pop(tuple(rows), []))
+    of_all = listed(groups.pop(tuple(rows), []))
+    lines = list(of_all)
     for kinds in sorted(groups, key=lambda some: (list(rows).index(some[0]), -len(some))):
         names = ", ".join(f"`{kind}`" for kind in kinds)
-        lines += [f"**{names}**", "", *table(groups[kinds])]
-    listed = [f"- `{kind}`: {words}" for kind, words in said.items()]
-    return [*listed, *([""] if listed else []), *lines]
+        lines += [f"**{names}**", "", *listed(groups[kinds])]
+    kinds_said = [f"- `{kind}`: {words}" for kind, words in said.items()]
+    shared = ["Of all:", ""] if kinds_said and of_all and groups else []
+    return [*kinds_said, *([""] if kinds_said else []), *shared, *lines]

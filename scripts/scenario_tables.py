@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, get_args
 
-from scenario_reference import Row, first_line, keys_of, kinds_of, said_once, table
+from scenario_reference import Row, first_line, keys_of, kinds_of, listed, said_once
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, MATERIALS, NORMAL_LAWS
 from antenna_pin.elements import FAMILIES
@@ -481,7 +481,7 @@ def page_of(group: str) -> str:
         if isinstance(part.rows, dict):
             lines += kinds_of(part.rows, part.said)
         else:
-            lines += table(part.rows)
+            lines += listed(part.rows)
     # Links of docstrings lead from docs/, where this page's folder lies.
     return re.sub(r"\]\((?=[\w-]+\.md)", "](../", "\n".join(lines))
 
@@ -490,16 +490,10 @@ def overview() -> str:
     """Return every table of a scenario with a line each, group by group."""
     lines = []
     for group, title in GROUPS.items():
-        lines += [
-            f"**[{title}](reference/scenario-{group}.md)**",
-            "",
-            "| table | what it says |",
-            "|---|---|",
-        ]
+        lines += [f"**[{title}](reference/scenario-{group}.md)**", ""]
         for part in _PARTS[group]():
             link = f"reference/scenario-{group}.md#{_anchor(part.title)}"
-            line = part.line.replace("](../", "](")
             title = f"`{part.title}`" if "[" in part.title else part.title
-            lines.append(f"| [{title}]({link}) | {line} |")
+            lines.append(f"- [{title}]({link}): {part.line.replace('](../', '](')}")
         lines.append("")
     return "\n".join(lines)
