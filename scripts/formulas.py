@@ -79,7 +79,7 @@ def law_default(name: str, parameters: dict[str, Parameter]) -> str:
 
 
 def essence(cls: type[Any]) -> str:
-    """Return what a class is and its formula, with the paragraph behind it; the rest stands in its reference."""
+    """Return what a class is and its formula, with the paragraph behind it."""
     paragraphs = parts_of(cls)["said"].split("\n\n")
     shown = [k for k, text in enumerate(paragraphs) if text.startswith(".. math::")]
     # A formula may have lines of its own that are empty: what is indented belongs to it.

@@ -106,9 +106,8 @@ class StiffnessBearing(Bearing):
               K = \begin{pmatrix} k_r & & & & k_c \\ & k_r & & -k_c & \\ & & k_a & & \\
               & -k_c & & k_t & \\ k_c & & & & k_t \end{pmatrix}
 
-    over q = (x, y, z, tilt about x, tilt about y), the same in all directions across the axis, or by all its
-    numbers. Damping is in proportion to the stiffness, C = beta K, or has a matrix of its own. It spins
-    freely; friction is a spring of its kind at the same joint.
+    over q = (x, y, z, tilt about x, tilt about y), or by all its numbers; C = beta K, or a matrix of its own.
+    It spins freely.
 
     Attributes:
         radial: k_r [N/m].
@@ -205,9 +204,8 @@ class AxialPreload(Bearing):
 
     .. math:: F_z = F - k (z - z_F)
 
-    on the journal, at its centre, with the reaction on the bearing: F where the journal is at z_F. It is
-    fixed at both ends, and pulls beyond F / k. The face that it presses on lifts off under an outside force
-    of F (given where the face just touches), whatever k and the stiffness of the contact.
+    on the journal, at its centre, with the reaction on the bearing. The face that it presses on lifts off
+    under an outside force of F (given where the face just touches), whatever the stiffnesses.
 
     Attributes:
         force: F, along the bearing's axis; negative the other way [N].

@@ -21,8 +21,9 @@ class BoucWen(Element):
     .. math:: \tau = -\alpha k (\phi - \phi_0) - (1 - \alpha) k D z, \quad
         D \dot z = A \dot\phi - \beta |\dot\phi| |z|^{n-1} z - \gamma \dot\phi |z|^n
 
-    z is a number; it ends at :math:`\pm (A / (\beta + \gamma))^{1/n}`. With the defaults D is the angle at
-    which it yields. Nothing depends on how fast it goes: time does not count, only the way.
+    z ends at :math:`\pm (A / (\beta + \gamma))^{1/n}`; with the defaults D is the angle at which it yields.
+    Only the way counts, not time. :math:`|\gamma| \le \beta` is asked for: others make energy in small
+    cycles.
 
     Of the energy :math:`\alpha k (\phi - \phi_0)^2 / 2 + (1 - \alpha) k D^2 z^2 / (2 A)` is stored; what is
     lost, :math:`(1 - \alpha) k D |z|^n (\beta |\dot\phi z| + \gamma \dot\phi z) / A` at a time, is never

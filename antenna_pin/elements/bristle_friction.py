@@ -137,8 +137,9 @@ class DahlFriction(BristleFriction):
     .. math:: \dot z = \dot\phi\, (1 - \sigma_0 z\, \mathrm{sgn}\, \dot\phi / T_c)^i, \qquad
         \tau = -\left(1 + \frac{\mu N}{T_c}\right) \sigma_0 z - b\, \dot\phi
 
-    A curve of torque over angle, whatever the rate: for i = 1 an exponential from torque to torque, of the
-    length :math:`T_c / \sigma_0`. It holds as a spring does, and creeps under a torque that comes and goes.
+    A curve of torque over angle, whatever the rate, of the length :math:`T_c / \sigma_0`: a spring at rest,
+    which creeps under a torque that comes and goes. N is the load of the joint as :class:`StickingFriction`
+    has it.
 
     N is the load of the joint as :class:`antenna_pin.elements.StickingFriction` has it; without a coefficient
     none counts. Under load stiffness and friction grow alike, so that bristles slip at the same angle: a

@@ -28,9 +28,9 @@ class GravityGradient(OnLinks):
 
     .. math:: F = m n^2 (3 (e \cdot c)\, e - c), \quad M = 3 n^2\, e \times I e,
 
-    the force from the differing gravity there, and the torque of that within the body. Left out is the second
-    order, the size of the whole over the radius of the orbit. Start with the mass centre of the whole near
-    the origin. Its potential hangs on time in these axes, so that its work is booked as put in.
+    the force from the differing gravity, and the torque of that within the body. Left out is the second order
+    of size over radius. Start with the mass centre of the whole near the origin; the work is booked as put
+    in.
 
     Orbit-fixed axes (``[pointing.orbit]`` has the same): z to the centre, y against the orbit's normal, x
     along the velocity.

@@ -65,9 +65,9 @@ class RandomShake(Shake):
     .. math:: a(t) = \sum_k \sqrt{2 \sigma_k^2} \cos(2 \pi k t / T + \varphi_k), \qquad
               \sigma_k^2 = \int S(f)\,df
 
-    with the integral over the width 1/T about the line k/T, as far as it lies in the band, so that the mean
-    square over a period is that of the density exactly. Displacement and velocity are the exact integrals,
-    without a constant and without drift. It repeats itself after the period T: give one as long as the run.
+    integrated over the width 1/T about the line k/T, so that the mean square over a period is the
+    density's exactly. Displacement and velocity are the exact integrals, without drift. It repeats after
+    T: give one as long as the run.
 
     Attributes:
         frequency: Of the break points, rising [Hz].

@@ -18,9 +18,8 @@ class JointSpring(Element):
 
     .. math:: \tau = -k (\phi - \phi_0) - c \dot\phi
 
-    At a clearance joint phi is the motion angle and the generalized force is its exact gradient, so the
-    spring conserves energy under tilt too. The angle counts whole turns: a spring wound by 200 degrees, or by
-    three turns, unwinds.
+    The generalized force is the exact gradient of phi, so that it conserves energy at a joint with play too,
+    under tilt. A spring wound by three turns unwinds.
 
     Attributes:
         stiffness: [N*m/rad] ([N/m]).

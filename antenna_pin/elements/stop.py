@@ -50,12 +50,9 @@ class EndStop(Limits):
               \delta = \phi - \phi_{upper} \text{ or } \phi_{lower} - \phi, \quad
               f_e = K \delta \left(\frac{\delta}{1\,\mathrm{rad}}\right)^{n - 1}
 
-    with f of the law named, of which the depth is the angle beyond the limit. Touch and release are located;
-    the rate of approach that many laws damp by is that of the present touch. What is said here is of both
-    sides; where the upper one differs ``upper_stiffness``, ``upper_law``, ... say it, of that side alone. A
-    start beyond a limit is a start pressed in, at rest with the least rate. At a joint
-    with play phi is the motion angle. The angle counts whole turns: a joint that turns without end has its
-    limits where they are said, and once.
+    with f of the law named, of which the depth is the angle beyond the limit; touch and release are located.
+    ``upper_stiffness``, ``upper_law``, ... say where the upper side differs. A start beyond a limit is a
+    start pressed in.
 
     Attributes:
         stiffness: K, torque at a depth of 1 rad over 1 rad, whatever the exponent [N*m/rad] ([N/m]).

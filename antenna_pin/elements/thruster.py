@@ -23,10 +23,9 @@ Numbers3 = tuple[float, float, float]
 class Thruster(AtPoint):
     r"""A force of one size along a direction that its link carries, on in pulses or by command.
 
-    A pulse is on from its start on, and for its duration, exactly: steps end at both edges. Outside pulses
-    the force is ``throttle`` times the thrust, which events, controllers and sessions command. With time
-    constants the force follows what it is to be, F', by :math:`\dot F = (F' - F) / \tau`, tau being one of
-    the two as it rises or falls; its impulse is the same in the end.
+    Steps end at both edges of a pulse. Outside pulses the force is ``throttle`` times the thrust, which
+    events, controllers and sessions command. With time constants it follows by
+    :math:`\dot F = (F' - F) / \tau`, with the same impulse in the end.
 
     The direction may be off by an error: by the angle ``misalignment`` towards an azimuth, which is counted
     about the direction, right-handed, from the one of the link's axes x, y, z that is most across it (the
