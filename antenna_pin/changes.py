@@ -105,7 +105,7 @@ class Rotor:
 
     Attributes:
         joint: Name of the joint, revolute or continuous, without play.
-        kind: A body geared to the joint (``exact``), or ``armature`` that the joint's rate alone feels.
+        kind: A body geared to the joint (``exact``), or ``armature`` that its rate alone feels.
         inertia: Moment of inertia about the axis [kg*m^2].
         ratio: Turns of the rotor on its carrier for one of the joint; negative the other way round.
         carrier: Which of the joint's links carries the motor; of armature the parent only.

@@ -85,14 +85,14 @@ class RunSettings:
     Attributes:
         engine: ``pinocchio``, or ``compiled``: all of a step in compiled code, where nothing happens in
             Python.
-        method: A Runge-Kutta method by name; ``radau5`` is implicit, for contact too stiff for the others.
+        method: A Runge-Kutta method; ``radau5`` is implicit, for stiff contact.
         rtol: Relative tolerance of a step of the adaptive methods [-].
         accuracy: Wanted relative error of motion, impulses and largest forces, which chooses ``method`` and
             ``rtol`` [-]; None if they are given.
         step: Fixed step of ``rk4`` [s].
         max_step: Longest step [s].
         min_step: A run whose step falls below this ends [s].
-        first_step: First trial step [s]; None to choose it: a small one that the control enlarges.
+        first_step: First trial step [s]; None to choose it.
         max_steps: Trial steps in all after which a run ends; None for no limit [-].
         max_wall_time: Wall time after which a run ends [s]; None for no limit.
         max_expected_steps: A run that at its pace would need more trial steps to its end, ends [-].

@@ -60,22 +60,18 @@ def dimensions_table() -> str:
 
 def figures_table() -> str:
     """Return the catalogue of figures, with the papers' figures that show the same."""
-    lines = [
-        "| name | shows | of runs with | drawn | in a paper |",
-        "|---|---|---|---|---|",
-    ]
+    lines = []
     for figure in CATALOGUE.values():
         papers = [
             f"`{model}` {', '.join(numbers)}"
             for model, each in PAPERS.items()
             if (numbers := [str(one.number) for one in each if one.figure == figure.name])
         ]
-        drawn = ", ".join(
-            place for place, mark in (("plot", figure.standard), ("report", figure.reported)) if mark
-        )
+        drawn = [place for place, mark in (("plot", figure.standard), ("report", figure.reported)) if mark]
         shows = figure.title.format(joint="a joint")
-        cells = [f"`{figure.name}`", shows, figure.needed, drawn, "; ".join(papers)]
-        lines.append(f"| {' | '.join(cells)} |")
+        needed = [f"needs {figure.needed}"] if figure.needed else []
+        said = [", ".join(drawn) or "by name", *papers]
+        lines.append(f"- `{figure.name}`: {'; '.join([shows, *needed])} ({'; '.join(said)})")
     return "\n".join([*lines, ""])
 
 

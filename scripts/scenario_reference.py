@@ -146,7 +146,9 @@ class Row(NamedTuple):
         elif self.default and self.default != "required":
             key += f" = {self.default}"
         said = f": {meaning}" if meaning else ""
-        told = self.kind and self.default not in ("`true`", "`false`")
+        choices = re.findall(r"`[^`]+`", self.kind)
+        explained = choices and all(choice in meaning for choice in choices)
+        told = self.kind and not explained and self.default not in ("`true`", "`false`")
         return f"- {key}{f' [{self.kind}]' if told else ''}{said}"
 
 
@@ -182,7 +184,7 @@ def said_once(rows: list[Row]) -> list[Row]:
     if len(upper) > 1:
         names = ", ".join(row.key for row in upper)
         meaning = "The same of the upper side, where it differs; a law of its own asks for its parameters"
-        left.append(Row(names, "as above", "as above", meaning))
+        left.append(Row(names, "as above", "", meaning))
     elif upper:
         left += upper
     return left

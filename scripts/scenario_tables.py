@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 from scenario_reference import Row, first_line, keys_of, kinds_of, listed, said_once
 
-from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, MATERIALS, NORMAL_LAWS
+from antenna_pin.contact import MATERIALS
 from antenna_pin.elements import FAMILIES
 from antenna_pin.scenario import (
     DRIVE_SPECS,
@@ -171,10 +171,6 @@ def _clearance_models() -> dict[str, str]:
     }
 
 
-def _names(laws: Mapping[str, Any]) -> str:
-    return ", ".join(f"`{name}`" for name in laws)
-
-
 def _coupling_rows(cls: type[Any]) -> list[Row]:
     """Return the rows of a coupling of three joints."""
     first = keys_of(cls, "carrier", required="the coupling's name")
@@ -322,12 +318,18 @@ def _play() -> list[Part]:
             "`[clearance.JOINT.radial]` and "
             "`[clearance.JOINT.axial]` change any of them for the bore or the flanges.",
             rows=[
-                Row("`law`", _names(NORMAL_LAWS), "required", ""),
+                Row(
+                    "`law`",
+                    "name of an [elastic law](../theory/laws.md#elastic-laws) or a "
+                    "[law as a whole](../theory/laws.md#laws-as-a-whole)",
+                    "required",
+                    "",
+                ),
                 Row(
                     "`dissipation`",
-                    _names(DISSIPATIONS),
+                    "name of a [dissipation](../theory/laws.md#dissipation)",
                     "`none`",
-                    "Beside an elastic law; its parameters stand in the same table",
+                    "beside an elastic law; its parameters stand in the same table",
                 ),
             ],
         ),
@@ -336,7 +338,7 @@ def _play() -> list[Part]:
             line="the law of friction",
             more="Beside `law` stand its own [parameters](../theory/laws.md#parameters). Without a table "
             "there is none.",
-            rows=[Row("`law`", _names(FRICTION_LAWS), "required", "")],
+            rows=[Row("`law`", "name of a [law of friction](../theory/laws.md#friction)", "required", "")],
         ),
     ]
 

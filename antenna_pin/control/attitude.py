@@ -52,7 +52,7 @@ class AttitudeFeedback(Controller):
         delay_periods: The same in periods [-].
         kp: K_p, about the base's axes [N*m/rad].
         kd: K_d, likewise [N*m*s/rad].
-        target: Attitude to be held, or to which it slews, as a rotation vector in the world [rad].
+        target: Attitude to be held or slewed to, a rotation vector in the world [rad].
         begin: Attitude from which it slews, likewise [rad].
         share: Of the way to the target, 1 behind it; in Python also a function of time that gives value, rate
             and acceleration [-].

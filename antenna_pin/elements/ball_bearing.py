@@ -55,8 +55,7 @@ class BallBearing(Bearing):
         arrangement: ``single``, its axial force on the inner ring along +z, or a pair, ``back-to-back`` or
             ``face-to-face``.
         spread: Distance of a pair's planes of balls [m].
-        offset: Reference point, in the plane of the balls or midway between a pair's, along the joint's axis
-            from the joint's origin [m].
+        offset: Reference point, amid the balls, along the joint's axis from its origin [m].
         damping_time: beta, of damping in proportion to the stiffness at the preload [s].
         by: ``linear`` or ``balls``.
 

@@ -35,7 +35,7 @@ class BoucWen(Element):
         yield_angle: D [rad] ([m]).
         slope: A, what z grows by at first per yield angle [-].
         beta: How fast it yields on the way out; the larger, the thicker is the loop [-].
-        gamma: How that differs on the way back, at most beta in size; above zero the loop bulges [-].
+        gamma: How that differs on the way back, at most beta in size [-].
         exponent: n; the larger, the sharper is the knee [-].
         rest_angle: Where the elastic part is at rest [rad] ([m]).
         start: z at the start of a run [-].

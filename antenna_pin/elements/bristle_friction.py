@@ -32,9 +32,9 @@ class BristleFriction(Element):
         coefficient: mu, of slipping under load; zero for friction whatever the load [-].
         radius: r, at which a turning joint slips under radial load [m].
         axial_radius: r_a, at which a turning joint slips under axial load [m].
-        bending_arm: a: a moment M presses like a force M / a; if left out moments do not press [m].
+        bending_arm: a: a moment M presses like a force M / a [m]; None for moments that do not press.
         middle: Where the bearing's middle is, from the joint's origin along its axis [m].
-        start: By how much bristles are bent at the start of a run, over T_c / sigma_0 [-].
+        start: How far bristles are bent at the start, over T_c / sigma_0 [-].
         on: Whether it acts from the start on; an event may switch it.
     """
 

@@ -40,7 +40,7 @@ class GravityGradient(OnLinks):
         mu: Gravitational parameter of the centre [m^3/s^2].
         radius: Of the orbit [m].
         normal: Of the orbit, along the orbital angular momentum, in world axes, of any length [-].
-        nadir: Direction to the centre at t = 0, in world axes, at right angles to that, of any length [-].
+        nadir: Direction to the centre at t = 0, in world axes, square to that [-].
         on: Whether it acts from the start on; an event may switch it.
     """
 

@@ -33,8 +33,7 @@ class MaxwellSlip(ModalElement):
     Attributes:
         stiffness: Of each, k, at most 8 [N*m/rad] ([N/m]).
         slip: Torque at which each slips, s [N*m] ([N]).
-        rest_angle: Where none is bent at the start, as far as none has to slip for that [rad] ([m]); None for
-            where the joint starts.
+        rest_angle: Where none is bent at the start [rad] ([m]); None for where the joint starts.
         on: Whether it acts from the start on; an event may switch it.
 
     References:

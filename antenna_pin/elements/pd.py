@@ -41,7 +41,7 @@ class PDController(Course, Drive):
         file: Where the part that is a table came from, relative to the scenario's folder; None if there is no
             such part, or it is given as numbers.
         time: Of the table, strictly increasing, at least two [s]. A run must lie within them.
-        reference: Of the table, one for each time, joined by monotone cubics of continuous slope [rad] ([m]).
+        reference: Of the table, joined by monotone cubics [rad] ([m]).
     """
 
     kernels: ClassVar[str] = "pd_kernels"

@@ -73,8 +73,7 @@ class RandomShake(Shake):
         frequency: Of the break points, rising [Hz].
         density: One-sided, of acceleration, straight between points in double logarithmic axes; also ``"0.04
             g^2/Hz"`` [m^2/s^3].
-        angular_density: Likewise of the angular acceleration, of a base that turns about an axis: that of
-            (rad/s^2)^2/Hz [rad^2/s^3].
+        angular_density: Likewise of the angular acceleration [rad^2/s^3].
         period: T, after which it repeats itself; lines are 1/T apart [s].
         seed: Of the random phases [-].
     """

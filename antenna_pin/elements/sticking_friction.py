@@ -54,8 +54,7 @@ class StickingFriction(ModalElement):
         static_coefficient: mu_s, up to which it holds under load; mu if left out [-].
         radius: r, at which a turning joint slips under radial load [m].
         axial_radius: r_a, at which a turning joint slips under axial load [m].
-        bending_arm: a: a moment M presses like a force M / a, which is half their distance if two bearings,
-            or the ends of one, take it; if left out moments do not press [m].
+        bending_arm: a: a moment M presses like a force M / a [m]; None for moments that do not press.
         middle: Where the bearing's middle is, from the joint's origin along its axis [m].
         on: Whether it acts from the start on; an event may switch it.
 

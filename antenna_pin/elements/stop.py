@@ -57,8 +57,7 @@ class EndStop(Limits):
     Attributes:
         stiffness: K, torque at a depth of 1 rad over 1 rad, whatever the exponent [N*m/rad] ([N/m]).
         exponent: n, 1 for a linear spring [-].
-        law: What dissipates: the name of a law, or ``elastic`` for none. ``exact-restitution`` delivers its
-            restitution against a body that moves freely.
+        law: What dissipates; ``exact-restitution`` delivers it against a body that moves freely.
         restitution: Of laws that ask for one, in [0, 1] [-].
         damping: Of ``kelvin-voigt`` and ``adams-impact`` [N*m*s/rad] ([N*s/m]).
         full_damping_depth: Of ``adams-impact`` [rad] ([m]).

@@ -34,17 +34,17 @@ class Thruster(AtPoint):
 
     Attributes:
         at: A link, and a point in its frame [m].
-        direction: Of the force on the link, against the jet, in the link's axes, (3,), of any length [-].
+        direction: Of the force on the link, against the jet, in the link's axes [-].
         thrust: [N].
         starts: Starts of pulses, increasing [s].
         durations: Of the pulses, one for each, or one for all [s].
-        throttle: What it is between pulses, of the thrust [-]; what a controller commands.
+        throttle: Share of the thrust between pulses, which a controller commands [-].
         minimum_on_time: Of a pulse [s].
         minimum_impulse: Impulse bit: of a pulse at least [N*s].
         short_pulses: What becomes of shorter pulses: ``refuse`` or ``lengthen``.
-        misalignment: Error of the direction: its angle, or with a seed a standard deviation [rad].
+        misalignment: Angle of the direction's error, or with a seed its standard deviation [rad].
         azimuth: Of the error [rad].
-        seed: From which the error is drawn; None for the one that is given.
+        seed: From which the error is drawn [-]; None for the one that is given.
         rise_time: Time constant as the force rises [s]; zero for none, at once.
         fall_time: Time constant as it falls [s].
     """

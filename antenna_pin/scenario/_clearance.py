@@ -66,23 +66,23 @@ class Clearance(Spec):
         slider_length: Along the axis [m].
         corner_radius: Of the rounding of the slider's edges [m]; None for none.
         roll: Of a guide's section about the axis [rad]; None for none.
-        guide_length: Along the axis [m]; None for a guide that is longer than the slider's way.
-        key_width: Of a key on a round slider, which keeps it from turning [m]; None for none.
+        guide_length: Along the axis [m]; None for one longer than the slider's way.
+        key_width: Of a key that keeps a round slider from turning [m]; None for none.
         keyway_width: Above the key's [m].
         key_reach: From the axis to where the key's flanks bear [m].
         offset: Bearing centre along the joint's axis from the joint's origin [m].
         bearing_on: Which of the joint's links has the bearing; the other has the journal.
         geometry: What measures the gaps: coal's distance queries or the closed form.
-        load: How contact is spread: one force per contact, or over strips of the bore and sectors of the
-            flanges.
+        load: One force per contact (``point``), or strips of the bore and sectors of the flanges
+            (``distributed``).
         strips: Of the bore under distributed load, even [-].
         sectors: Of the loaded arc of each flange under distributed load [-].
         flange_modulus: Of the flanges' foundation under distributed load [N/m^3]; None for that of a rigid
             annular punch.
         approach_speed_floor: Least approach speed that a law sees [m/s].
         maximum_depth: A run that presses deeper ends [m]; None for a hundredth of the bearing's radius.
-        journal_material: Name of a material: one of ``[materials]``, or one that is known without; steel is
-            assumed of both parts where neither they nor a law are given.
+        journal_material: Name of a material; steel is assumed of both parts where neither they nor a law are
+            given.
         bearing_material: Likewise.
         normal: Normal law of both kinds of contact; where no law is given lankarani-nikravesh with a
             restitution of 0.9 is assumed.

@@ -21,7 +21,7 @@ class PlaceSpec(Spec):
 
     Attributes:
         link: Name of the link, or ``world``.
-        frame: In its place a frame of the URDF, by the name of its link or of a joint: its origin.
+        frame: Or a frame of the URDF, by its link or joint: its origin.
         point: In the link's frame [m]; None for a frame's origin.
     """
 

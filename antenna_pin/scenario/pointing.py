@@ -35,7 +35,7 @@ class OrbitSpec(Spec):
         period: Of one revolution [s].
         rate: Of the turn about the normal [rad/s].
         normal: Orbit's normal, along the orbital angular momentum, in world axes, any length [-].
-        nadir: Direction to the Earth's centre at t = 0, in world axes, perpendicular to it, any length [-].
+        nadir: Direction to the Earth's centre at t = 0, in world axes, square to it [-].
     """
 
     altitude: PositiveLength | None = None
