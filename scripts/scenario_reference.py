@@ -215,5 +215,5 @@ def kinds_of(rows: Mapping[str, list[Row]], said: Mapping[str, str]) -> list[str
         names = ", ".join(f"`{kind}`" for kind in kinds)
         lines += [f"**{names}**", "", *listed(groups[kinds])]
     kinds_said = [f"- `{kind}`: {words}" for kind, words in said.items()]
-    shared = ["Of all:", ""] if kinds_said and of_all and groups else []
+    shared = ["Of all:" if groups else "Keys:", ""] if kinds_said and of_all else []
     return [*kinds_said, *([""] if kinds_said else []), *shared, *lines]
