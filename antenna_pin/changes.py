@@ -45,9 +45,8 @@ class LinkChange:
 
     Attributes:
         mass: [kg].
-        inertia: About the centre of mass, in the axes of the URDF's inertial frame (those of the link where
-            its ``rpy`` is zero): ixx, iyy, izz and, if six are given, ixy, ixz, iyz; three numbers set the
-            products to zero [kg*m^2].
+        inertia: About the mass centre, in the axes of the URDF's inertial frame: ixx, iyy, izz, and ixy, ixz,
+            iyz if six are given [kg*m^2].
         centre_of_mass: In the link's frame [m].
         shapes: Dimensions of its shapes, by the name of the ``<visual>`` and ``<collision>`` elements.
     """
@@ -106,7 +105,7 @@ class Rotor:
 
     Attributes:
         joint: Name of the joint, revolute or continuous, without play.
-        kind: A body geared to the joint (``exact``), or ``armature`` that the joint's rate alone feels.
+        kind: A body geared to the joint (``exact``), or ``armature`` that its rate alone feels.
         inertia: Moment of inertia about the axis [kg*m^2].
         ratio: Turns of the rotor on its carrier for one of the joint; negative the other way round.
         carrier: Which of the joint's links carries the motor; of armature the parent only.

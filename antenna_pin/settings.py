@@ -57,9 +57,8 @@ class ErrorScales:
         angle: [rad].
         velocity: [m/s].
         angular_velocity: [rad/s].
-        clearance: Position scale of a joint with play, in multiples of its own clearance; the tilt's scale is
-            that over half the bearing's length [-]. A joint on ball bearings counts as one of 0.1 mm and a
-            half length of 10 mm.
+        clearance: Position scale of a joint with play, in plays [-]; of the tilt, that over half the
+            bearing's length. On ball bearings the play counts as 0.1 mm, the half length as 10 mm.
         clearance_velocity: Velocity scale of a joint with play; over half the length for the tilt's rate
             [m/s].
         base: Factor on the scales of a free base [-]; None for the mass of the other bodies over the whole
@@ -84,21 +83,19 @@ class RunSettings:
     """How a run is integrated and sampled.
 
     Attributes:
-        engine: What makes the steps: ``pinocchio``, or ``compiled``, all of a step in compiled code, the
-            tree's dynamics included, for systems in which nothing happens in Python.
-        method: A Runge-Kutta method by name; ``radau5`` is implicit, for contact too stiff for the others.
+        engine: ``pinocchio``, or ``compiled``: all of a step in compiled code, where nothing happens in
+            Python.
+        method: A Runge-Kutta method; ``radau5`` is implicit, for stiff contact.
         rtol: Relative tolerance of a step of the adaptive methods [-].
-        accuracy: Wanted relative error of a run, of motion, impulses and largest forces, which chooses
-            ``method`` and ``rtol`` in their place; None if they are given [-].
+        accuracy: Wanted relative error of motion, impulses and largest forces, which chooses ``method`` and
+            ``rtol`` [-]; None if they are given.
         step: Fixed step of ``rk4`` [s].
         max_step: Longest step [s].
         min_step: A run whose step falls below this ends [s].
-        first_step: First trial step [s]; None to choose it: a small one that the control enlarges.
+        first_step: First trial step [s]; None to choose it.
         max_steps: Trial steps in all after which a run ends; None for no limit [-].
-        max_wall_time: Wall time after which a run ends, counted anew where it is gone on with [s]; None for
-            no limit.
-        max_expected_steps: A run that at its present pace would need more trial steps than this to its end
-            makes no way, and ends [-].
+        max_wall_time: Wall time after which a run ends [s]; None for no limit.
+        max_expected_steps: A run that at its pace would need more trial steps to its end, ends [-].
         scales: What the tolerance is relative to.
         output_rate: Samples per time, beside those at events [Hz].
         output_times: Samples at these times beside those, ascending [s].

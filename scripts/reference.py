@@ -6,11 +6,11 @@ A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
     python scripts/reference.py             # are all of them up to date? (--check)
     python scripts/reference.py --write     # bring them up to date
 
-There are ``scenario``, every key of a scenario file; ``laws``, the laws of contact and friction with their
-parameters (both by ``scenario_reference.py``); ``formulas``, what the classes of laws and elements say of
-themselves (by ``formulas.py``); ``dimensions`` and ``trajectory``, what a result holds; ``figures``, what can
-be drawn of runs; ``layers``, who may import whom; and in the package, for editors, ``figure_names``, the
-names of the figures.
+There are ``scenario``, the tables of a scenario file, and ``scenario_GROUP``, their keys (by
+``scenario_tables.py``); ``formulas``, ``element_formulas`` and ``sources``, what the classes of laws and
+elements say of themselves (by ``formulas.py``); ``dimensions`` and ``trajectory``, what a result holds;
+``figures``, what can be drawn of runs; ``layers``, who may import whom; and in the package, for editors,
+``figure_names``, the names of the figures.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-from formulas import formulas_table
-from scenario_reference import laws_table, scenario_table
+from formulas import element_formulas, formulas_table, sources_table
+from scenario_tables import GROUPS, overview, page_of
 
 from antenna_pin.plot import CATALOGUE, PAPERS
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, VARIABLES
@@ -59,20 +60,18 @@ def dimensions_table() -> str:
 
 def figures_table() -> str:
     """Return the catalogue of figures, with the papers' figures that show the same."""
-    lines = [
-        "| name | shows | of runs with | without `--figure` | in a report | in a paper |",
-        "|---|---|---|---|---|---|",
-    ]
+    lines = []
     for figure in CATALOGUE.values():
         papers = [
             f"`{model}` {', '.join(numbers)}"
             for model, each in PAPERS.items()
             if (numbers := [str(one.number) for one in each if one.figure == figure.name])
         ]
-        marks = ["yes" if mark else "" for mark in (figure.standard, figure.reported)]
+        drawn = [place for place, mark in (("plot", figure.standard), ("report", figure.reported)) if mark]
         shows = figure.title.format(joint="a joint")
-        cells = [f"`{figure.name}`", shows, figure.needed, *marks, "; ".join(papers)]
-        lines.append(f"| {' | '.join(cells)} |")
+        needed = [f"needs {figure.needed}"] if figure.needed else []
+        said = [", ".join(drawn) or "by name", *papers]
+        lines.append(f"- `{figure.name}`: {'; '.join([shows, *needed])} ({'; '.join(said)})")
     return "\n".join([*lines, ""])
 
 
@@ -97,9 +96,11 @@ def layers_table() -> str:
 
 
 TABLES: dict[str, Callable[[], str]] = {
-    "scenario": scenario_table,
-    "laws": laws_table,
+    "scenario": overview,
+    **{f"scenario_{group}": partial(page_of, group) for group in GROUPS},
     "formulas": formulas_table,
+    "element_formulas": element_formulas,
+    "sources": sources_table,
     "trajectory": trajectory_table,
     "dimensions": dimensions_table,
     "figures": figures_table,

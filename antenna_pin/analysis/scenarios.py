@@ -14,7 +14,7 @@ G is the gap at both ends of the bore with the journal centred: it bounds the me
 other place, since the distance to the rim of a convex section, the bore seen along the journal, is concave. A
 is the gap at both flanges with the journal centred, :math:`A \pm u` if it is moved by u; rho is the radius of
 the edge that counts, the smaller of bearing and flange, and where that is the flange's
-:math:`A = \tfrac{L_j}{2} \cos\theta - \tfrac{L_i}{2} - \rho \sin\theta`. docs/contact-scenarios.md has the
+:math:`A = \tfrac{L_j}{2} \cos\theta - \tfrac{L_i}{2} - \rho \sin\theta`. docs/theory/scenarios.md has the
 derivation.
 """
 

@@ -56,10 +56,9 @@ class BaiZhaoElastic(LineLaw):
     .. math:: F = L K_n \delta^n, \qquad K_n = \frac{\pi E^*}{8}
               \sqrt{\frac{2 \delta\, [3 \Delta R + 2 \delta]^2}{(\Delta R + \delta)^3}}
 
-    K_n is exactly the tangent stiffness dF/d delta per length of :class:`LiuFoundation`, used here as a
-    secant: with n = 1, which the units ask for, the force is 1.5 times Liu's at small depth. With n = 3/2,
-    as the paper's framework suggests, the units do not agree; the numbers are those of SI, and a length of
-    1 m gives :math:`K_n \delta^{3/2}` itself.
+    K_n is the tangent stiffness dF/d delta per length of :class:`LiuFoundation`, used as a secant: with n =
+    1, which the units ask for, the force is 1.5 times Liu's at small depth. With n = 3/2, as the paper
+    suggests, the units do not agree; numbers are SI.
 
     Attributes:
         exponent: n, 1 or 1.5 [-].
@@ -101,13 +100,10 @@ class Persson(LineLaw):
     .. math:: \frac{2 E^* \Delta R}{f} = \frac{2 - \ln(1 + b^2) - 2 b^4}{\pi b^2 (1 + b^2)}, \qquad
               b = \tan\frac\varepsilon2 = \sqrt{\frac{\delta}{2 \Delta R + \delta}}
 
-    The load over the arc is the exact plane solution for a frictionless disc, loaded at its centre, in a hole
-    of an infinite plate of the same material (2 E* is then :math:`E / (1 - \nu^2)` of either body); for two
-    materials it is an approximation. In the plane the depth has no absolute value (it depends on
-    where the bodies are held), so that it is taken from the overlap, as in Liu's law. The arc cannot pass
-    :math:`2\varepsilon = 169` degrees: the load grows beyond bounds, at 10.1 times the play;
-    ``depth_limit`` lies 1 % of :math:`b^2` before it, and beyond that it refuses. Linear at small depth:
-    :math:`f = \tfrac\pi2 E^* \delta`, and smooth through zero.
+    The load over the arc is the exact plane solution for a frictionless disc in a hole of an infinite plate
+    of the same material; for two materials it is an approximation, and the depth is the overlap, as in Liu's
+    law. The arc cannot pass :math:`2\varepsilon = 169` degrees, at 10.1 times the play; ``depth_limit`` lies
+    1 % of :math:`b^2` before it. Linear at small depth: :math:`f = \tfrac\pi2 E^* \delta`.
 
     References:
         Persson (1964), On the stress distribution of cylindrical elastic bodies in contact, dissertation,
@@ -140,8 +136,8 @@ class Pereira(LineLaw):
     .. math:: Y = \begin{cases} 1.51\, [\ln(1000\, \Delta R)]^{-0.151} & 0.005 \le \Delta R \le 0.34954 \\
               0.0151\, \Delta R + 1.151 & 0.34954 < \Delta R \le 10 \end{cases}
 
-    Fitted for a play of 5 um to 10 mm: outside it is refused. Their law has the damping of Lankarani and
-    Nikravesh; here it is chosen apart. Unlike the laws that it is fitted to it is explicit.
+    Fitted for a play of 5 um to 10 mm: outside it is refused. Explicit, unlike the laws that it is fitted to.
+    Their damping, Lankarani and Nikravesh's, is chosen apart here.
 
     References:
         Pereira, Ramalho and Ambrosio (2015), Multibody Syst. Dyn. 35, 277-298. Recalled, not checked against

@@ -143,9 +143,8 @@ class Johnson(LogarithmicLaw):
     .. math:: \delta = \frac{f}{\pi E^*} \left[\ln\frac{4 \pi E^* \Delta R}{f} - 1\right]
 
     The sum of each body's compression between the contact and its own axis,
-    :math:`f (1 - \nu^2) / (\pi E)\, [2 \ln(4 R / a) - 1]`, with the half-width
-    :math:`a^2 = 4 f R_i R_j / (\pi E^* \Delta R)`: the radii drop out for a pair of one material. Turns over
-    at :math:`\delta = 4 e^{-2} \Delta R = 0.541\, \Delta R`.
+    :math:`f (1 - \nu^2) / (\pi E)\, [2 \ln(4 R / a) - 1]`, :math:`a^2 = 4 f R_i R_j / (\pi E^* \Delta R)`:
+    for one material the radii drop out. Turns over at :math:`\delta = 4 e^{-2} \Delta R = 0.541\, \Delta R`.
 
     References:
         Johnson (1985), Contact Mechanics, sections 4.2 and 5.6.
@@ -162,10 +161,9 @@ class Radzimovsky(LogarithmicLaw):
     .. math:: \delta = \frac{f}{\pi E^*} \left[\frac23 + \ln\frac{4 R_i}{b} + \ln\frac{4 R_j}{b}\right],
               \qquad b = k \sqrt{\frac{f R_i R_j}{E^* \Delta R}}
 
-    with the full width b of the contact. The literature on clearance joints prints k = 1.60 with radii. That
-    factor belongs to diameters; with radii Hertz's full width is :math:`k = 4 / \sqrt\pi = 2.257`, the
-    default. As printed, the bracket is :math:`2 \ln(2.257 / 1.60) = 0.69` larger: in a bore of 10 mm
-    radius with a play of 0.2 mm the depth comes out 5 to 11 % higher at 0.2 to 200 N/mm.
+    with the full width b of the contact, for which Hertz has :math:`k = 4 / \sqrt\pi = 2.257`, the default.
+    The literature on clearance joints prints 1.60, which belongs to diameters: in a bore of 10 mm radius with
+    a play of 0.2 mm the depth comes out 5 to 11 % higher at 0.2 to 200 N/mm.
 
     Attributes:
         width_factor: k [-].
@@ -200,9 +198,9 @@ class Goldsmith(LogarithmicLaw):
               \left[\ln\frac{L^3}{F R (\sigma_i + \sigma_j)} + 1\right], \qquad
               \sigma = \frac{1 - \nu^2}{\pi E}, \quad R = \frac{R_i R_j}{\Delta R}
 
-    The power of L is printed as m, with m = 1 in places; only m = 3 is consistent in its units. With the
-    internal radius R it is Dubowsky and Freudenstein's law. The length of the contact takes the place of the
-    distance over which the depth is measured, so that a long bearing is softer per length than a short one.
+    The power of L is printed as m; only m = 3 is consistent in its units. With the internal radius R it is
+    Dubowsky and Freudenstein's law. The length takes the place of the distance over which the depth is
+    measured, so that a long bearing is softer per length.
 
     References:
         Goldsmith (1960), Impact; the form after Machado et al. (2012), Mech. Mach. Theory 53, 99-121. Not

@@ -150,11 +150,10 @@ class TsujiDamping(_OfRestitution):
     .. math:: f = \max\left(0,\; K \delta^{3/2} + \alpha \sqrt{m K}\, \delta^{1/4} \dot\delta\right), \qquad
               \alpha = \sqrt5\, \zeta, \quad \zeta = \frac{-\ln c_r}{\sqrt{\pi^2 + \ln^2 c_r}}
 
-    With other elastic laws :math:`K \delta^{1/2}` is the secant stiffness :math:`f_e / \delta`, and with a
-    power law of exponent n :math:`\alpha = \sqrt{2 (n + 1)}\, \zeta`, for which the restitution is exact:
-    for n = 1 it is a Kelvin-Voigt contact. :math:`c_r` is what the contact would deliver that pulls to the
-    end; cut off, it delivers :math:`\exp[-\zeta (\pi - 2 \arcsin\zeta) / \sqrt{1 - \zeta^2}]`: asked 0.9,
-    0.902, asked 0.5, 0.55.
+    With other elastic laws :math:`K \delta^{1/2}` is the secant stiffness :math:`f_e / \delta`, and of a
+    power law :math:`\alpha = \sqrt{2 (n + 1)}\, \zeta`. Cut off where it would pull it delivers
+    :math:`\exp[-\zeta (\pi - 2 \arcsin\zeta) / \sqrt{1 - \zeta^2}]`: asked 0.9, 0.902, asked 0.5, 0.55.
+    Beside a law that is linear at small depth it jumps at the onset.
 
     Beside an elastic law that is linear at small depth, or nearly, as the laws with a logarithm are, the
     force jumps at the onset as that of a Kelvin-Voigt contact does.
@@ -186,9 +185,8 @@ class JankowskiDamping(_OfRestitution):
         \xi = \frac{9 \sqrt5}{2}\, \frac{1 - c_r^2}{c_r [c_r (9 \pi - 16) + 16]}
 
     Continuous, with a kink where the approach ends. With other elastic laws :math:`K \sqrt\delta` is the
-    secant stiffness :math:`f_e / \delta`. With a power law it delivers
-    :math:`\exp(-\zeta \arccos\zeta / \sqrt{1 - \zeta^2})`, :math:`\zeta = 2 \xi / \sqrt{2 (n + 1)}`: with
-    n = 3/2 asked 0.9, 0.900, asked 0.5, 0.495.
+    secant stiffness. With a power law it delivers :math:`\exp(-\zeta \arccos\zeta / \sqrt{1 - \zeta^2})`,
+    :math:`\zeta = 2 \xi / \sqrt{2 (n + 1)}`: with n = 3/2 asked 0.9, 0.900, asked 0.5, 0.495.
 
     Beside an elastic law that is linear at small depth, or nearly, as the laws with a logarithm are, the
     force jumps at the onset as that of a Kelvin-Voigt contact does.

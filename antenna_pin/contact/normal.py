@@ -265,10 +265,9 @@ class Hertz(ElasticLaw):
 
     .. math:: f = K \delta^n
 
-    Holds for elastic bodies whose contact patch is small against their radii. With n = 3/2 it is the contact
-    of two spheres; for a journal in a bore it is used with the internal radius
-    :math:`R_i R_j / (R_i - R_j)` (see :mod:`antenna_pin.contact.stiffness`). Delivers a restitution of 1.
-    With n in 1..3/2 it is, too, what Lankarani and Nikravesh propose for cylinders.
+    Holds for a patch that is small against the radii. With n = 3/2 it is the contact of two spheres; in a
+    bore it is used with the internal radius :math:`R_i R_j / (R_i - R_j)`. With n in 1..3/2 it is what
+    Lankarani and Nikravesh propose for cylinders.
 
     Attributes:
         stiffness: K [N/m^n].

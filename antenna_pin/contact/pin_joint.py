@@ -117,10 +117,9 @@ class LiuPinJoint(_PinJoint):
     .. math:: F = \frac{\pi E L \delta}{4 (1 - \nu^2)}\, \frac{1}{2 \ln(4 R_j / a) - 1}, \qquad
               a^2 = R_i^2 - \frac14 \left(\frac{R_i^2 - R_j^2}{\delta + \Delta R} + \delta + \Delta R\right)^2
 
-    Written here with :math:`E / (1 - \nu^2) = 2 E^*`, for a pair of one material. The prefactor (26), (27)
-    belongs to a depth that is the sum of two contacts in series (pin-clevis and pin-tang), the width (24) to
-    that of one: the text mixes them (see :class:`LiuPinJointCorrected`). Here the depth given is put into
-    both. For radii large against the play the law depends on play and depth only.
+    With :math:`E / (1 - \nu^2) = 2 E^*`, for a pair of one material. The text mixes a prefactor (26), (27) of
+    two contacts in series with a width (24) of one; here the depth given is put into both
+    (:class:`LiuPinJointCorrected` mends it).
 
     References:
         Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equations (24), (28).
@@ -139,8 +138,8 @@ class LiuPinJointCorrected(_PinJoint):
               a^2 = R_i^2 - \frac14 \left(\frac{R_i^2 - R_j^2}{s} + s\right)^2, \quad
               s = \Delta R + \frac\delta2
 
-    The depth is that of the whole joint, two equal contacts in series; each is pressed in by half of it, and
-    that half is what (24) makes the width from. It fits the paper's measurements better than (28).
+    The depth is that of two equal contacts in series, each pressed in by half of it, which is what (24) makes
+    the width from. It fits the paper's measurements better than (28).
 
     References:
         Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348; the correction is this

@@ -33,10 +33,9 @@ class VelocityBased(CompiledFrictionLaw):
         \mu_d + (\mu_s - \mu_d)\, x^2 (3 - 2x) & v_s \le |v| < v_d \\
         \mu_d & v_d \le |v| \end{cases}
 
-    continuous with its slope. Near rest it is viscous, with slope :math:`1.5 \mu_s / v_s`: it has no
-    stiction. Equation (14) of the paper has the argument of the second branch reversed, so that friction
-    jumps at both ends and rises in between; and (13) applies the sign of the slip a second time. Both are put
-    right here.
+    continuous with its slope. Near rest it is viscous, with slope :math:`1.5 \mu_s / v_s`. Put right are the
+    paper's (14), whose second branch has its argument reversed, and (13), which applies the sign of the slip
+    twice.
 
     Attributes:
         static: mu_s, reached at ``static_speed`` [-].

@@ -52,13 +52,13 @@ class AttitudeFeedback(Controller):
         delay_periods: The same in periods [-].
         kp: K_p, about the base's axes [N*m/rad].
         kd: K_d, likewise [N*m*s/rad].
-        target: Attitude to be held, or to which it slews, as a rotation vector in the world [rad].
+        target: Attitude to be held or slewed to, a rotation vector in the world [rad].
         begin: Attitude from which it slews, likewise [rad].
-        share: Of the way from there to the target, 1 behind it; in Python also a function of time that gives
-            value, rate and acceleration, such as a slew's from 0 to 1 [-].
+        share: Of the way to the target, 1 behind it; in Python also a function of time that gives value, rate
+            and acceleration [-].
         inertia: J, about the base's axes: of all that turns with it [kg*m^2].
-        axes: Of the wheels, in base axes, in their order, one after the other, three numbers each [-]; those
-            of their joints at the start, if not given.
+        axes: Of the wheels, base axes, three numbers each [-]; if left out, those of their joints at the
+            start.
         limit: Largest torque of a wheel [N*m]; none if not given.
     """
 

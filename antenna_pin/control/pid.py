@@ -68,12 +68,11 @@ class Pid(Controller):
 
     Attributes:
         acts_on: What it commands: a drive's name.
-        period: h, from one instant to the next [s].
+        period: From one instant to the next, h [s].
         phase: The first instant [s].
-        delay: From an instant until its command is written [s].
+        delay: From an instant until its commands are written [s].
         delay_periods: The same in periods [-].
-        measures: What it measures, as ``angle hinge``; if not given, the angle of the
-            joint that it acts on.
+        measures: What it measures, as ``angle hinge``; if not given, the angle of the joint that it acts on.
         kp: K_p, command per measured unit, in SI units.
         ki: K_i, command per measured unit and second.
         kd: K_d, command per measured unit a second.
@@ -84,9 +83,9 @@ class Pid(Controller):
         tracking_time: T_t [s].
         lower: Least command; none if not given.
         upper: Largest command; none if not given.
-        slew: Largest change of the command a second; none if not given.
-        reference: r, a number, in a file also text with a unit of what is measured; in Python also a function
-            of time that gives value, rate and acceleration.
+        slew: Largest change of the command a second [-]; None for no limit.
+        reference: r, in the unit of what is measured; in Python also a function of time that gives value,
+            rate and acceleration.
         feedforward: f: a constant part of the command.
         feedforward_rate: Part of the command per rate of the reference.
         feedforward_acceleration: Part of the command per acceleration of the reference.

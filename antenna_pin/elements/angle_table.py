@@ -33,8 +33,8 @@ class TableSpring(Element):
         interpolation: ``cubic`` or ``linear``.
         angle: Strictly increasing, at least two [rad] ([m]).
         torque: On the child, one for each angle [N*m] ([N]).
-        outside: Beyond the table ``hold`` has its last torque, ``extend`` that with its slope there;
-            ``refuse`` ends the run there.
+        outside: Beyond the table: ``hold`` its last torque, ``extend`` its slope, or ``refuse``: the run
+            ends.
         on: Whether it acts from the start on; an event may switch it.
     """
 

@@ -33,9 +33,8 @@ class BallBearing(Bearing):
 
     .. math:: Q = K \delta^{3/2}, \quad \delta = s - A, \quad K^{-2/3} = K_i^{-2/3} + K_o^{-2/3}
 
-    with Hertz's point contacts K_i, K_o. The inner ring is rigid, its groove's centres move with place and
-    tilt to first order; energy is the sum of 2/5 K delta^(5/2). Balls stand at fixed, even azimuths, the
-    first on the bearing's x axis; centrifugal force, gyroscopic torque of balls and friction are left out.
+    with Hertz's point contacts K_i, K_o. The inner ring is rigid; balls stand at fixed, even azimuths. Left
+    out are centrifugal force, gyroscopic torque of balls and friction.
 
     The preload is an axial force: of a pair that of each row on the other, of a single row one that an
     outside force of that size balances, which counts as part of it. ``linear`` takes the stiffness at the
@@ -53,11 +52,10 @@ class BallBearing(Bearing):
         poisson: Poisson's ratio of rings and balls [-].
         ball_modulus: Of the balls, if another (ceramic) [Pa].
         ball_poisson: Poisson's ratio of the balls, if another [-].
-        arrangement: A ``single`` row that takes an axial force on the inner ring along +z, or a pair
-            ``back-to-back`` (loads spread apart towards the axis) or ``face-to-face``.
+        arrangement: ``single``, its axial force on the inner ring along +z, or a pair, ``back-to-back`` or
+            ``face-to-face``.
         spread: Distance of a pair's planes of balls [m].
-        offset: Reference point, in the plane of the balls or midway between a pair's, along the joint's axis
-            from the joint's origin [m].
+        offset: Reference point, amid the balls, along the joint's axis from its origin [m].
         damping_time: beta, of damping in proportion to the stiffness at the preload [s].
         by: ``linear`` or ``balls``.
 

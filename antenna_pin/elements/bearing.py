@@ -106,16 +106,15 @@ class StiffnessBearing(Bearing):
               K = \begin{pmatrix} k_r & & & & k_c \\ & k_r & & -k_c & \\ & & k_a & & \\
               & -k_c & & k_t & \\ k_c & & & & k_t \end{pmatrix}
 
-    over q = (x, y, z, tilt about x, tilt about y), the same in all directions across the axis, or by all its
-    numbers. Damping is in proportion to the stiffness, C = beta K, or has a matrix of its own. It spins
-    freely; friction is a spring of its kind at the same joint.
+    over q = (x, y, z, tilt about x, tilt about y), or by all its numbers; C = beta K, or a matrix of its own.
+    It spins freely.
 
     Attributes:
         radial: k_r [N/m].
         axial: k_a [N/m].
         tilt: k_t [N m/rad].
-        coupling: k_c, force for a tilt, torque for a way; positive where the point at which a radial force
-            tilts nothing lies on the axis' positive side of the reference point [N/rad].
+        coupling: k_c, force for a tilt, torque for a way; positive where the point that a radial force does
+            not tilt is above the reference point [N/rad].
         offset: Reference point along the joint's axis from the joint's origin [m].
         damping_time: beta, of damping in proportion [s].
         matrix: All 25 numbers of K instead, row by row, in SI units; none if not given.
@@ -205,15 +204,14 @@ class AxialPreload(Bearing):
 
     .. math:: F_z = F - k (z - z_F)
 
-    on the journal, at its centre, with the reaction on the bearing: F where the journal is at z_F. It is
-    fixed at both ends, and pulls beyond F / k. The face that it presses on lifts off under an outside force
-    of F (given where the face just touches), whatever k and the stiffness of the contact.
+    on the journal, at its centre, with the reaction on the bearing. The face that it presses on lifts off
+    under an outside force of F (given where the face just touches), whatever the stiffnesses.
 
     Attributes:
         force: F, along the bearing's axis; negative the other way [N].
         stiffness: k [N/m].
-        given_at: Where the force is F: where the face that it presses on just ``touching``, at ``rest`` on
-            that face with no other load, or ``centred`` in the play.
+        given_at: Where the force is F: just ``touching`` the face, at ``rest`` on it with no other load, or
+            ``centred``.
         position: z_F instead [m].
     """
 

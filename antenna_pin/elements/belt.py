@@ -85,9 +85,8 @@ class Belt(Strands):
     r"""An open (or crossed) belt that does not slip: two strands, each of which pulls or is slack.
 
     With the way :math:`u = r_\text{in} \phi_\text{in} - r_\text{out} \phi_\text{out}` that the input is ahead
-    the strand behind it is longer by u and the other one shorter. A taut strand pulls by its pretension and
-    :math:`k u`, and a damping force :math:`c \dot u` of at most as much. What it pulls on the bearings of the
-    pulleys is left to these: it is inside the mechanism, and does no work.
+    the strand behind it is longer by u, the other one shorter. A taut strand pulls by its pretension,
+    :math:`k u`, and a damping force of at most as much.
     """
 
     springs: ClassVar[int] = TWO

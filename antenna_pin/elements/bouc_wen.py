@@ -21,8 +21,9 @@ class BoucWen(Element):
     .. math:: \tau = -\alpha k (\phi - \phi_0) - (1 - \alpha) k D z, \quad
         D \dot z = A \dot\phi - \beta |\dot\phi| |z|^{n-1} z - \gamma \dot\phi |z|^n
 
-    z is a number; it ends at :math:`\pm (A / (\beta + \gamma))^{1/n}`. With the defaults D is the angle at
-    which it yields. Nothing depends on how fast it goes: time does not count, only the way.
+    z ends at :math:`\pm (A / (\beta + \gamma))^{1/n}`; with the defaults D is the angle at which it yields.
+    Only the way counts, not time. :math:`|\gamma| \le \beta` is asked for: others make energy in small
+    cycles.
 
     Of the energy :math:`\alpha k (\phi - \phi_0)^2 / 2 + (1 - \alpha) k D^2 z^2 / (2 A)` is stored; what is
     lost, :math:`(1 - \alpha) k D |z|^n (\beta |\dot\phi z| + \gamma \dot\phi z) / A` at a time, is never
@@ -34,7 +35,7 @@ class BoucWen(Element):
         yield_angle: D [rad] ([m]).
         slope: A, what z grows by at first per yield angle [-].
         beta: How fast it yields on the way out; the larger, the thicker is the loop [-].
-        gamma: How that differs on the way back, at most beta in size; above zero the loop bulges [-].
+        gamma: How that differs on the way back, at most beta in size [-].
         exponent: n; the larger, the sharper is the knee [-].
         rest_angle: Where the elastic part is at rest [rad] ([m]).
         start: z at the start of a run [-].

@@ -32,9 +32,9 @@ class BristleFriction(Element):
         coefficient: mu, of slipping under load; zero for friction whatever the load [-].
         radius: r, at which a turning joint slips under radial load [m].
         axial_radius: r_a, at which a turning joint slips under axial load [m].
-        bending_arm: a: a moment M presses like a force M / a; if left out moments do not press [m].
+        bending_arm: a: a moment M presses like a force M / a [m]; None for moments that do not press.
         middle: Where the bearing's middle is, from the joint's origin along its axis [m].
-        start: By how much bristles are bent at the start of a run, over T_c / sigma_0 [-].
+        start: How far bristles are bent at the start, over T_c / sigma_0 [-].
         on: Whether it acts from the start on; an event may switch it.
     """
 
@@ -137,8 +137,9 @@ class DahlFriction(BristleFriction):
     .. math:: \dot z = \dot\phi\, (1 - \sigma_0 z\, \mathrm{sgn}\, \dot\phi / T_c)^i, \qquad
         \tau = -\left(1 + \frac{\mu N}{T_c}\right) \sigma_0 z - b\, \dot\phi
 
-    A curve of torque over angle, whatever the rate: for i = 1 an exponential from torque to torque, of the
-    length :math:`T_c / \sigma_0`. It holds as a spring does, and creeps under a torque that comes and goes.
+    A curve of torque over angle, whatever the rate, of the length :math:`T_c / \sigma_0`: a spring at rest,
+    which creeps under a torque that comes and goes. N is the load of the joint as :class:`StickingFriction`
+    has it.
 
     N is the load of the joint as :class:`antenna_pin.elements.StickingFriction` has it; without a coefficient
     none counts. Under load stiffness and friction grow alike, so that bristles slip at the same angle: a

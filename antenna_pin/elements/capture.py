@@ -24,11 +24,11 @@ class Capture(ModalElement):
 
     Attributes:
         angle: Where it holds, in the middle of the window [rad] ([m]).
-        width: The window from its middle to either end [rad] ([m]); zero to try it where it passes the angle.
+        width: The window from its middle to either end; zero for the angle alone [rad] ([m]).
         greatest_rate: Up to which it captures [rad/s] ([m/s]); None for any rate.
-        greatest_energy: Up to which it captures, of the joint's own motion: half the reduced inertia of what
-            is on both sides times the rate squared, what a lock would take [J]; None for any energy.
-        direction: The way that the joint must go, or be at rest, to be captured.
+        greatest_energy: Up to which it captures, of half the reduced inertia at the joint times the rate
+            squared [J]; None for any energy.
+        direction: The way that the joint must go to be captured, or be at rest.
         holding_torque: At which it lets go [N*m] ([N]); None if never.
         switches_off: What is switched off as it captures, such as ``springs.deployment``.
         on: Whether it is armed from the start on; an event may switch it: off, it lets go.

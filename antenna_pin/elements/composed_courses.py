@@ -45,10 +45,9 @@ class Table(Reference):
         file: Where it came from, relative to the scenario's folder; None if it is given as numbers.
         time: Strictly increasing, at least two [s].
         values: One for each [rad] ([m]).
-        interpolation: ``linear``; ``cubic``, monotone between points, of continuous slope; ``smooth``, a
-            spline whose second derivative is continuous.
-        periodic: Whether it comes again and again; its first and last values are the same then. A run must
-            lie within the times of one that does not.
+        interpolation: ``linear``; ``cubic``, monotone between points; ``smooth``, of continuous second
+            derivative.
+        periodic: Whether it repeats; its ends are the same then, and a run may go beyond them.
     """
 
     columns: ClassVar[tuple[str, str]] = ("time", "values")

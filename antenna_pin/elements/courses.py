@@ -157,7 +157,7 @@ class Chirp(Reference):
         first: Frequency it begins with, f_0 [Hz].
         last: Frequency it ends with, f_1 [Hz].
         duration: How long it takes, T [s].
-        spacing: How the frequency grows: by equal steps, or by equal factors (octaves a minute).
+        spacing: By equal steps, or by equal factors (octaves a minute).
         start: When it begins [s].
         phase: Of the sine at its begin [rad].
     """

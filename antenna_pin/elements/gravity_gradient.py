@@ -28,9 +28,9 @@ class GravityGradient(OnLinks):
 
     .. math:: F = m n^2 (3 (e \cdot c)\, e - c), \quad M = 3 n^2\, e \times I e,
 
-    the force from the differing gravity there, and the torque of that within the body. Left out is the second
-    order, the size of the whole over the radius of the orbit. Start with the mass centre of the whole near
-    the origin. Its potential hangs on time in these axes, so that its work is booked as put in.
+    the force from the differing gravity, and the torque of that within the body. Left out is the second order
+    of size over radius. Start with the mass centre of the whole near the origin; the work is booked as put
+    in.
 
     Orbit-fixed axes (``[pointing.orbit]`` has the same): z to the centre, y against the orbit's normal, x
     along the velocity.
@@ -40,7 +40,7 @@ class GravityGradient(OnLinks):
         mu: Gravitational parameter of the centre [m^3/s^2].
         radius: Of the orbit [m].
         normal: Of the orbit, along the orbital angular momentum, in world axes, of any length [-].
-        nadir: Direction to the centre at t = 0, in world axes, at right angles to that, of any length [-].
+        nadir: Direction to the centre at t = 0, in world axes, square to that [-].
         on: Whether it acts from the start on; an event may switch it.
     """
 

@@ -24,9 +24,8 @@ class HarnessSpring(TableSpring):
 
     .. math:: \tau = M(\phi) - H(\phi) z, \quad \delta \dot z = \dot\phi - |\dot\phi| z
 
-    so that z comes to 1 on the way up and to -1 on the way down: it changes by :math:`1 - e^{-1}` of what is
-    left for each reversal angle. At rest the torque stays where it is, anywhere between the two: it does not
-    creep.
+    so that z comes to 1 on the way up, to -1 on the way down, by :math:`1 - e^{-1}` of what is left for each
+    reversal angle. At rest it does not creep.
 
     Stored is the integral of M and :math:`H \delta z^2 / 2`; the rest of what is put in is lost,
     :math:`H |\dot\phi| z^2 - H' \dot\phi \delta z^2 / 2` at a time, the loop's area in a cycle.

@@ -17,11 +17,9 @@ class JointFriction(Element):
 
     .. math:: \tau = -c\, \dot\phi - T \frac{\dot\phi}{\sqrt{\dot\phi^2 + \omega_r^2}}
 
-    Coulomb's jump at rest is rounded off as that of :class:`antenna_pin.contact.Coulomb`: smooth, with
-    :math:`T` approached as :math:`1 - \omega_r^2 / (2 \dot\phi^2)`. Near rest friction is viscous, with
-    :math:`T / \omega_r`: it does not stick, and a joint under a static load L below T creeps, at
-    :math:`\omega_r L / \sqrt{T^2 - L^2}`. A joint of moment of inertia I comes to rest within some
-    :math:`I \omega_r / T`; explicit methods need steps of that size then, ``radau5`` does not.
+    Smooth and viscous near rest: it does not stick. Under a static load L below T it creeps, at
+    :math:`\omega_r L / \sqrt{T^2 - L^2}`; a moment of inertia I comes to rest within some
+    :math:`I \omega_r / T`, which explicit steps must resolve.
 
     At a clearance joint phi is the motion angle, as for springs; it acts beside the friction of the contacts.
 

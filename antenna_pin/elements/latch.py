@@ -22,10 +22,8 @@ class Latch(Capture):
     .. math:: \tau = -k\, e - c\, \dot\phi, \qquad
               e = \operatorname{sign}(\phi - \phi_l) \max(|\phi - \phi_l| - \tfrac12 p,\, 0)
 
-    with its own play p, inside of which nothing acts, and whose flanks do not pull. It captures as long as
-    the joint is in the window: where the joint comes in, after a rebound, where it slows down to the greatest
-    rate, or turns to the right way. Coming in too fast, or the wrong way, is refused, and an event like
-    capture and letting go.
+    with its own play p. It captures where the joint comes into the window, slows down to the greatest rate
+    there or turns to the right way; coming in too fast, or the wrong way, is refused, which is an event too.
 
     It lets go where an event puts it off (``latches.NAME.on``), and where its torque comes to the holding
     torque; it captures again once the joint has left the window. A start in the window, slow enough, is a

@@ -22,8 +22,7 @@ class Limits(ModalElement):
     """Base of the end stops: a joint is free between them, or on one of its sides.
 
     Attributes:
-        lower: Where the joint stops on its way down [rad] ([m]); None for no stop there. A scenario that
-            names neither limit takes those of the URDF.
+        lower: Where the joint stops on its way down [rad] ([m]); with neither limit, those of the URDF.
         upper: Where the joint stops on its way up [rad] ([m]); None for no stop there.
     """
 

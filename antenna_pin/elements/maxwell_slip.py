@@ -23,10 +23,9 @@ class MaxwellSlip(ModalElement):
 
     .. math:: \tau = -\sum_i k_i z_i, \quad z_i = \phi - a_i \text{ within } \pm s_i / k_i
 
-    An anchor :math:`a_i` stays where it is until its spring has its slip torque, and is dragged along from
-    there on until the joint turns back. Nothing depends on how fast it goes, and nothing creeps: at rest the
-    torque stays as it is. Where springs slip, and where the joint turns back then, steps end; the torque is
-    exact between.
+    An anchor :math:`a_i` stays where it is until its spring has its slip torque, and is dragged along until
+    the joint turns back. Only the way counts; at rest nothing creeps. Steps end where springs slip and turn
+    back; the torque is exact between.
 
     Stored is :math:`\sum k_i z_i^2 / 2`; lost is what slip torques do on the way that anchors are dragged,
     in a cycle of amplitude X :math:`\sum 4 s_i (X - s_i / k_i)` of those that slip.
@@ -34,8 +33,7 @@ class MaxwellSlip(ModalElement):
     Attributes:
         stiffness: Of each, k, at most 8 [N*m/rad] ([N/m]).
         slip: Torque at which each slips, s [N*m] ([N]).
-        rest_angle: Where none is bent at the start, as far as none has to slip for that [rad] ([m]); None for
-            where the joint starts.
+        rest_angle: Where none is bent at the start [rad] ([m]); None for where the joint starts.
         on: Whether it acts from the start on; an event may switch it.
 
     References:

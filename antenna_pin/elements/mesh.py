@@ -57,15 +57,13 @@ class Teeth(Flanks):
 class Gear(Teeth):
     r"""A pair of gears, or a whole gearbox, between two joints: elastic, with play, errors and friction.
 
-    Without play and deflection input = ratio * output + const, where an angle is that of a joint's child on
-    its parent, with all its turns; a negative ratio turns the output the other way. With the deflection,
-    measured on the output side (on the input side ``side`` = input: times the ratio)
+    With a deflection measured on the output side (times the ratio on the input's)
 
     .. math:: x = \phi_\text{in} / r - \phi_\text{out} - x_0 - e(\phi_\text{in})
 
     nothing acts for :math:`|x| < b/2`, b the total play; beyond, by the excess s, :math:`k s` and a damping
-    torque :math:`c \dot s` that is at most as large as :math:`k s`, so that flanks never pull and torque does
-    not jump. Without play the mesh is a linear spring and damper.
+    torque :math:`c \dot s` that is at most as large, so that flanks never pull. Angles are those of a joint's
+    child on its parent, with all turns.
 
     The input gets the torque's part by the derivative of x over its angle, with its reaction on its own
     parent, the output likewise: with axes in parallel on one housing this takes both. Friction acts on the
@@ -82,10 +80,8 @@ class Gear(Teeth):
         efficiency: Share of the power that arrives where the input drives.
         efficiency_back: Share of the power that arrives where the output drives; zero or more.
         slow_rate: Rate of the input where friction is 71 % of its limit [rad/s].
-        error_angle: Angles of the input at which the static transmission error is given, increasing; from
-            the first to the last is a period [rad].
-        error: The error e at each, the last as the first; between them a periodic spline with a continuous
-            second derivative [rad].
+        error_angle: Angles of the input, increasing, over one period of the transmission error [rad].
+        error: e at each, the last as the first, joined by a periodic spline [rad].
         on: Whether it acts from the start on; an event may switch it.
 
     References:
@@ -230,13 +226,11 @@ class Rack(Teeth):
     r"""A pinion and a rack, with play: from a joint that turns to one that slides.
 
     The deflection is a way along the pitch line, :math:`r \phi_\text{in} - s_\text{out} - x_0`; beyond half
-    the play its force is that of :class:`Gear`, with a way for the angle. The pinion gets r times the force,
-    with its reaction on its own parent, the rack the force along its axis, likewise: with both on one housing
-    this is what teeth do on the pitch line.
+    the play its force is that of :class:`Gear`. The pinion gets r times the force, the rack the force along
+    its axis, each with its reaction on its own parent.
 
     Attributes:
-        radius: Pitch radius r of the pinion: way of the rack for an angle of 1 rad; negative for the opposite
-            way [m].
+        radius: Pitch radius r of the pinion; negative for the opposite way [m].
         stiffness: Of the teeth, along the pitch line [N/m].
         damping: In contact only [N*s/m].
         play: Total play along the pitch line [m].

@@ -22,11 +22,10 @@ class Motor(Drive):
 
     .. math:: \tau = n (K_t i - T_c \sin(c n \phi + \psi)), \quad L \dot i = U - R i - K_e n \dot\phi
 
-    Without an inductance the current follows at once. Its rotor's inertia is that of a ``[rotors]`` table.
-    The driver puts on the voltage that is commanded, within its limit; a current beyond its own limit it does
-    not drive: U lies within :math:`K_e n \dot\phi \pm R i_{max}`, so that the current never comes to more.
-    Where the current is commanded, it is the voltage which this takes, :math:`R i + K_e n \dot\phi`, that is
-    limited. Where a limit begins to hold there is a kink; steps end there.
+    Without an inductance the current follows at once. The driver puts on the voltage that is commanded,
+    within its limit, and none that would bring the current beyond its own: U lies within
+    :math:`K_e n \dot\phi \pm R i_{max}`. A current that is commanded takes the voltage
+    :math:`R i + K_e n \dot\phi`, which is limited.
 
     Its work is that on the joint, without the cogging, whose energy is stored,
     :math:`-(T_c / c) \cos(c n \phi + \psi)`. What it takes from its supply, :math:`\int U i`, and the heat

@@ -29,8 +29,7 @@ class OutsideForce(AtPoint):
               c(t) = 1, \ \sin(2 \pi f t + \varphi), \ \text{of a table, or of a reference}
 
     In the world's axes a direction stays, in the link's it turns with the link; the point goes with the link
-    in both. Courses of several directions are several forces. Drag and the pressure of the sun are forces at
-    the centre of pressure; a disturbance torque has no force.
+    in both.
 
     Attributes:
         at: A link, and a point in its frame [m].

@@ -24,9 +24,8 @@ class PDController(Course, Drive):
 
     .. math:: \phi_r = \phi_0 + \omega t + A \sin(2 \pi f t + \varphi) + \text{table}(t) + \text{reference}(t)
 
-    with the reference's exact derivative. At a joint with play phi is the motion angle. Angles count whole
-    turns. Where the torque reaches its limit or leaves it, it has a kink; steps end there. It may measure
-    another joint than the one that it drives: the angle behind a gear.
+    Angles count whole turns; at a joint with play phi is the motion angle. Where the torque meets its limit
+    steps end. It may measure another joint than the one that it drives: the angle behind a gear.
 
     Attributes:
         measures: The joint whose angle phi it measures; None for the one that it drives.
@@ -42,7 +41,7 @@ class PDController(Course, Drive):
         file: Where the part that is a table came from, relative to the scenario's folder; None if there is no
             such part, or it is given as numbers.
         time: Of the table, strictly increasing, at least two [s]. A run must lie within them.
-        reference: Of the table, one for each time, joined by monotone cubics of continuous slope [rad] ([m]).
+        reference: Of the table, joined by monotone cubics [rad] ([m]).
     """
 
     kernels: ClassVar[str] = "pd_kernels"

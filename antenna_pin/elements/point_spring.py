@@ -20,10 +20,9 @@ class PointSpring(BetweenPoints):
 
     .. math:: F = k (l - l_0) + c \dot l
 
-    With no free length that is the force k d along the way d between the points, smooth through zero.
-    Where the points coincide there is no line: the direction is that in which they move apart, the limit of
-    passing straight through. A damper's force is continuous there, that of a spring with a free length jumps
-    to the other side; where nothing moves, none acts.
+    Without free length the force is k times the way, smooth through zero. Where the points coincide the
+    direction is that in which they move apart: a damper's force is continuous there, that of a spring with a
+    free length jumps to the other side.
 
     Attributes:
         first: A link, or ``world``, and a point in its frame [m].

@@ -57,8 +57,7 @@ class PrescribedMotion(Course, Motion):
         file: Where the part that is a table came from, relative to the scenario's folder; None if there is no
             such part, or it is given as numbers.
         time: Of the table, strictly increasing, at least two [s]. A run must lie within them.
-        positions: Of the table, one for each time, joined by cubics whose second derivative is continuous
-            [rad] ([m]).
+        positions: Of the table, joined by cubics of continuous second derivative [rad] ([m]).
     """
 
     kernels: ClassVar[str] = "motion_kernels"

@@ -65,16 +65,15 @@ class RandomShake(Shake):
     .. math:: a(t) = \sum_k \sqrt{2 \sigma_k^2} \cos(2 \pi k t / T + \varphi_k), \qquad
               \sigma_k^2 = \int S(f)\,df
 
-    with the integral over the width 1/T about the line k/T, as far as it lies in the band, so that the mean
-    square over a period is that of the density exactly. Displacement and velocity are the exact integrals,
-    without a constant and without drift. It repeats itself after the period T: give one as long as the run.
+    integrated over the width 1/T about the line k/T, so that the mean square over a period is the
+    density's exactly. Displacement and velocity are the exact integrals, without drift. It repeats after
+    T: give one as long as the run.
 
     Attributes:
         frequency: Of the break points, rising [Hz].
-        density: One-sided power spectral density of acceleration there, straight between them in double
-            logarithmic axes; ``"0.04 g^2/Hz"`` is understood. The unit is that of (m/s^2)^2/Hz [m^2/s^3].
-        angular_density: Likewise of the angular acceleration, of a base that turns about an axis: that of
-            (rad/s^2)^2/Hz [rad^2/s^3].
+        density: One-sided, of acceleration, straight between points in double logarithmic axes; also ``"0.04
+            g^2/Hz"`` [m^2/s^3].
+        angular_density: Likewise of the angular acceleration [rad^2/s^3].
         period: T, after which it repeats itself; lines are 1/T apart [s].
         seed: Of the random phases [-].
     """

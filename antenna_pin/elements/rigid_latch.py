@@ -18,9 +18,9 @@ class RigidLatch(Capture):
 
     .. math:: \Delta E = \tfrac12 I_r\, \dot\phi^2
 
-    is lost, with the reduced inertia I_r of what is on both sides of the joint: the lock is an impulse at the
-    joint on both its sides, and all momentum is kept. When it captures and lets go is as for
-    :class:`antenna_pin.elements.Latch`; its torque is that of the row that holds the joint.
+    is lost, with the reduced inertia I_r of what is on both sides of the joint: an impulse that keeps all
+    momentum. When it captures and lets go is as for :class:`Latch`; its torque is that of the row that holds
+    the joint.
 
     Attributes:
         held_at: Where it holds the joint [rad] ([m]).

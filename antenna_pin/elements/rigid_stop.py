@@ -26,12 +26,9 @@ class RigidStop(Limits):
 
     .. math:: \dot\phi^+ = -e\, \dot\phi^-
 
-    The blow is an impulse at the joint on both its sides, so that all momentum is kept, and what
-    is held elsewhere is kept held; what it takes of the energy is its loss. A joint that comes slower than
-    the rest rate comes to rest on the stop, so that ever smaller jumps end: a row holds it there, by a torque
-    that pushes only. It leaves where that would have to pull. A start on a limit, at
-    rest or on its way in, is a start at rest on it; one beyond a limit is refused. The angle counts whole
-    turns.
+    The blow is an impulse at the joint on both its sides: momentum is kept, and so is what is held elsewhere;
+    what it takes of the energy is its loss. A joint slower than the rest rate comes to rest on the stop, held
+    by a row that pushes only. A start beyond a limit is refused.
 
     Attributes:
         restitution: e, in [0, 1] [-].

@@ -174,9 +174,8 @@ class SineShake(_Swept):
 
     .. math:: x = D \sin(2 \pi f t + \varphi)
 
-    Amplitudes of velocity and acceleration stand for D by :math:`V / \omega` and :math:`A / \omega^2`; of
-    several the least D counts. It starts in motion, at the displacement and velocity of t = 0, unless it
-    fades in.
+    Amplitudes of velocity and acceleration stand for D by :math:`V / \omega` and :math:`A / \omega^2`; the
+    least D counts. It starts in motion unless it fades in.
 
     Attributes:
         displacement: Amplitude [rad] ([m]).
@@ -218,12 +217,10 @@ class SineShake(_Swept):
 class SweepShake(_Swept):
     r"""The base swings as a sine whose frequency is swept, up or down, and back if wanted.
 
-    The displacement is :math:`D(\omega) \sin \varphi(t)` with :math:`\dot\varphi = \omega`, velocity and
-    acceleration its exact derivatives. Amplitudes of velocity and acceleration stand for D by
-    :math:`V / \omega` and :math:`A / \omega^2`; of several the least D counts, which makes a profile. Where
-    one amplitude takes over from another, and where the sweep ends, the displacement passes zero, so that
-    velocity has no jump: between these frequencies the sweep takes a whole number of half periods, for which
-    its rate is rounded. After its end it stays at the last frequency.
+    The displacement is :math:`D(\omega) \sin \varphi(t)` with :math:`\dot\varphi = \omega`, D as of a sine,
+    and exact derivatives. Where one amplitude takes over from another, and at the end, the displacement
+    passes zero, so that velocity has no jump: its rate is rounded to a whole number of half periods. Then it
+    stays at the last frequency.
 
     Attributes:
         displacement: Amplitude [rad] ([m]).
@@ -233,7 +230,7 @@ class SweepShake(_Swept):
         end_frequency: To which it is swept; below the first of a sweep down [Hz].
         octaves_per_minute: Rate of a logarithmic sweep [-].
         hertz_per_second: Rate of a linear sweep, in place of the former [-].
-        dwell: How long it stays at the end frequency before it goes back, rounded up to half periods [s].
+        dwell: How long it stays at the end frequency before it goes back, in whole half periods [s].
         back: Whether it goes back to the first frequency.
     """
 

@@ -18,17 +18,15 @@ class JointSpring(Element):
 
     .. math:: \tau = -k (\phi - \phi_0) - c \dot\phi
 
-    At a clearance joint phi is the motion angle and the generalized force is its exact gradient, so the
-    spring conserves energy under tilt too. The angle counts whole turns: a spring wound by 200 degrees, or by
-    three turns, unwinds.
+    The generalized force is the exact gradient of phi, so that it conserves energy at a joint with play too,
+    under tilt. A spring wound by three turns unwinds.
 
     Attributes:
         stiffness: [N*m/rad] ([N/m]).
         damping: [N*m*s/rad] ([N*s/m]).
         rest_angle: Where the spring is at rest [rad] ([m]).
-        shorter_way: Whether the deflection of a turning joint is taken the shorter way round, within half a
-            turn, rather than with all its turns; as of a magnet, it jumps from one side to the other at half
-            a turn.
+        shorter_way: Whether the deflection is taken the shorter way round, as a magnet's: it jumps at half a
+            turn.
         on: Whether it acts from the start on; an event may switch it.
     """
 

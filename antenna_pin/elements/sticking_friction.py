@@ -32,10 +32,9 @@ class StickingFriction(ModalElement):
         \tau = -\mathrm{sign}(\dot\phi)\, (T_c + (T_s - T_c)\, g) - b\, \dot\phi, \qquad
         g = e^{-(|\dot\phi| / \omega_s)^n}
 
-    and while it sticks it is held by a constraint, with whatever torque that takes up to :math:`T_s`: it
-    does not creep. It sticks where its rate passes zero and no more than :math:`T_s` is needed to hold it; it
-    slips where more is. Without a Stribeck rate g is zero as soon as it slips. Joints that come to rest
-    together, or that let go of one another, are decided together.
+    and while it sticks it is held by a constraint, up to :math:`T_s`. It sticks where its rate passes zero
+    and no more than that is needed; without a Stribeck rate g is zero as soon as it slips. Joints that rest
+    together are decided together.
 
     Under load :math:`T_c = T_{c0} + \mu N` and :math:`T_s = T_{s0} + \mu_s N`, with N of the force F and the
     moment M that the joint carries now, in the middle of its bearing, friction included:
@@ -55,8 +54,7 @@ class StickingFriction(ModalElement):
         static_coefficient: mu_s, up to which it holds under load; mu if left out [-].
         radius: r, at which a turning joint slips under radial load [m].
         axial_radius: r_a, at which a turning joint slips under axial load [m].
-        bending_arm: a: a moment M presses like a force M / a, which is half their distance if two bearings,
-            or the ends of one, take it; if left out moments do not press [m].
+        bending_arm: a: a moment M presses like a force M / a [m]; None for moments that do not press.
         middle: Where the bearing's middle is, from the joint's origin along its axis [m].
         on: Whether it acts from the start on; an event may switch it.
 

@@ -50,18 +50,14 @@ class EndStop(Limits):
               \delta = \phi - \phi_{upper} \text{ or } \phi_{lower} - \phi, \quad
               f_e = K \delta \left(\frac{\delta}{1\,\mathrm{rad}}\right)^{n - 1}
 
-    with f of the law named, of which the depth is the angle beyond the limit. Touch and release are located;
-    the rate of approach that many laws damp by is that of the present touch. What is said here is of both
-    sides; where the upper one differs ``upper_stiffness``, ``upper_law``, ... say it, of that side alone. A
-    start beyond a limit is a start pressed in, at rest with the least rate. At a joint
-    with play phi is the motion angle. The angle counts whole turns: a joint that turns without end has its
-    limits where they are said, and once.
+    with f of the law named, of which the depth is the angle beyond the limit; touch and release are located.
+    ``upper_stiffness``, ``upper_law``, ... say where the upper side differs. A start beyond a limit is a
+    start pressed in.
 
     Attributes:
         stiffness: K, torque at a depth of 1 rad over 1 rad, whatever the exponent [N*m/rad] ([N/m]).
         exponent: n, 1 for a linear spring [-].
-        law: What dissipates: the name of a law, or ``elastic`` for none. ``exact-restitution`` delivers its
-            restitution against a body that moves freely.
+        law: What dissipates; ``exact-restitution`` delivers it against a body that moves freely.
         restitution: Of laws that ask for one, in [0, 1] [-].
         damping: Of ``kelvin-voigt`` and ``adams-impact`` [N*m*s/rad] ([N*s/m]).
         full_damping_depth: Of ``adams-impact`` [rad] ([m]).

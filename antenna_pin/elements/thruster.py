@@ -23,10 +23,9 @@ Numbers3 = tuple[float, float, float]
 class Thruster(AtPoint):
     r"""A force of one size along a direction that its link carries, on in pulses or by command.
 
-    A pulse is on from its start on, and for its duration, exactly: steps end at both edges. Outside pulses
-    the force is ``throttle`` times the thrust, which events, controllers and sessions command. With time
-    constants the force follows what it is to be, F', by :math:`\dot F = (F' - F) / \tau`, tau being one of
-    the two as it rises or falls; its impulse is the same in the end.
+    Steps end at both edges of a pulse. Outside pulses the force is ``throttle`` times the thrust, which
+    events, controllers and sessions command. With time constants it follows by
+    :math:`\dot F = (F' - F) / \tau`, with the same impulse in the end.
 
     The direction may be off by an error: by the angle ``misalignment`` towards an azimuth, which is counted
     about the direction, right-handed, from the one of the link's axes x, y, z that is most across it (the
@@ -35,18 +34,17 @@ class Thruster(AtPoint):
 
     Attributes:
         at: A link, and a point in its frame [m].
-        direction: Of the force on the link, against the jet, in the link's axes, (3,), of any length [-].
+        direction: Of the force on the link, against the jet, in the link's axes [-].
         thrust: [N].
         starts: Starts of pulses, increasing [s].
         durations: Of the pulses, one for each, or one for all [s].
-        throttle: What it is between pulses, of the thrust [-]; what a controller commands.
+        throttle: Share of the thrust between pulses, which a controller commands [-].
         minimum_on_time: Of a pulse [s].
         minimum_impulse: Impulse bit: of a pulse at least [N*s].
-        short_pulses: Whether a pulse that is shorter than that is refused (``refuse``) or made as long
-            (``lengthen``).
-        misalignment: Error of the direction: its angle, or with a seed a standard deviation [rad].
+        short_pulses: What becomes of shorter pulses: ``refuse`` or ``lengthen``.
+        misalignment: Angle of the direction's error, or with a seed its standard deviation [rad].
         azimuth: Of the error [rad].
-        seed: From which the error is drawn; None for the one that is given.
+        seed: From which the error is drawn [-]; None for the one that is given.
         rise_time: Time constant as the force rises [s]; zero for none, at once.
         fall_time: Time constant as it falls [s].
     """

@@ -40,8 +40,8 @@ class ModalData(FlexibleKind):
 
     Attributes:
         frequency: Of each mode, undamped, in rising order or not [Hz].
-        participation: Six numbers for each mode, one mode after the other: translation along the appendage's
-            x, y, z in sqrt(kg), then rotation about them, about its root, in sqrt(kg) m [-].
+        participation: Six numbers a mode, mode by mode: translation along x, y, z in sqrt(kg), rotation about
+            them at the root in sqrt(kg) m [-].
         damping_ratio: One for all modes, or one for each [-].
         root_xyz: The appendage's root in the link's frame [m].
         root_rpy: Roll, pitch, yaw of the appendage's axes in the link's frame [rad].

@@ -38,8 +38,7 @@ class EffectiveMode:
         inertia: Effective moment of inertia, of a mode that turns about ``direction`` [kg*m^2].
         direction: In the link's axes, any length but zero [-].
         place: In the link's frame; the link's mass centre if left out [m].
-        shapes: Names of the link's visual shapes that move along with the mode, or with several modes; a ball
-            is drawn where there are none.
+        shapes: Visual shapes that move along; a ball is drawn where there are none.
     """
 
     direction: tuple[float, ...] = parameter("1", rule=A_DIRECTION, sizes=(3,))

@@ -81,10 +81,10 @@ class Petals(FlexibleKind):
         frequency: Of a petal, undamped; or a stiffness is given [Hz].
         stiffness: Of a root spring, instead of a frequency [N*m/rad].
         damping_ratio: Of a petal [-].
-        mesh: Mesh of a petal: x along the boresight, the paraboloid's vertex at the origin, the petal over
-            the y axis; boxes are drawn if left out.
-        hub_mesh: Mesh of the hub in the same axes; a disc is drawn if left out.
-        replaces: Names of the link's visual shapes that are the dish; they are not drawn any more.
+        mesh: Of a petal: x along the boresight, origin at the vertex, the petal over the y axis; None for
+            boxes.
+        hub_mesh: Of the hub in the same axes; None for a disc.
+        replaces: Visual shapes of the link that are the dish, and are not drawn any more.
     """
 
     petals: int = parameter("1", rule="1 or more")

@@ -54,8 +54,8 @@ class Clearance(Spec):
         radial_clearance: C_r = R_i - R_j, if not given by the journal's radius [m].
         journal_radius: R_j, if not given by the clearance [m].
         bearing_length: L_i [m].
-        axial_clearance: C_a, play at each flange when centred, below 0 for a hard preload by that depth,
-            if not given by the flanges [m]; the radial one is assumed where neither is given.
+        axial_clearance: C_a at each flange when centred, below 0 a hard preload [m]; if left out, from the
+            flanges, else the radial one.
         flange_distance: L_j = L_i + 2 C_a, between the flanges' inner faces, if not given by C_a [m].
         bearing_outer_radius: R_io [m]; 1.5 R_i is assumed where it is not given.
         flange_radius: R_f [m]; R_io is assumed where it is not given.
@@ -66,23 +66,23 @@ class Clearance(Spec):
         slider_length: Along the axis [m].
         corner_radius: Of the rounding of the slider's edges [m]; None for none.
         roll: Of a guide's section about the axis [rad]; None for none.
-        guide_length: Along the axis [m]; None for a guide that is longer than the slider's way.
-        key_width: Of a key on a round slider, which keeps it from turning [m]; None for none.
+        guide_length: Along the axis [m]; None for one longer than the slider's way.
+        key_width: Of a key that keeps a round slider from turning [m]; None for none.
         keyway_width: Above the key's [m].
         key_reach: From the axis to where the key's flanks bear [m].
         offset: Bearing centre along the joint's axis from the joint's origin [m].
         bearing_on: Which of the joint's links has the bearing; the other has the journal.
         geometry: What measures the gaps: coal's distance queries or the closed form.
-        load: How contact is spread: one force per contact, or over strips of the bore and sectors of the
-            flanges.
+        load: One force per contact (``point``), or strips of the bore and sectors of the flanges
+            (``distributed``).
         strips: Of the bore under distributed load, even [-].
         sectors: Of the loaded arc of each flange under distributed load [-].
-        flange_modulus: Of the flanges' elastic foundation under distributed load, pressure over depth
-            [N/m^3]; None for the one that gives the compression stiffness of a rigid annular punch.
+        flange_modulus: Of the flanges' foundation under distributed load [N/m^3]; None for that of a rigid
+            annular punch.
         approach_speed_floor: Least approach speed that a law sees [m/s].
         maximum_depth: A run that presses deeper ends [m]; None for a hundredth of the bearing's radius.
-        journal_material: Name of a material: one of ``[materials]``, or one that is known without; steel is
-            assumed of both parts where neither they nor a law are given.
+        journal_material: Name of a material; steel is assumed of both parts where neither they nor a law are
+            given.
         bearing_material: Likewise.
         normal: Normal law of both kinds of contact; where no law is given lankarani-nikravesh with a
             restitution of 0.9 is assumed.

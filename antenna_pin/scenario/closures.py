@@ -21,7 +21,7 @@ class PlaceSpec(Spec):
 
     Attributes:
         link: Name of the link, or ``world``.
-        frame: In its place a frame of the URDF, by the name of its link or of a joint: its origin.
+        frame: Or a frame of the URDF, by its link or joint: its origin.
         point: In the link's frame [m]; None for a frame's origin.
     """
 
@@ -45,11 +45,10 @@ class AnchorSpec(PlaceSpec):
     """One side of a closure: a place on a link, or a frame.
 
     Attributes:
-        frame: In its place a frame of the URDF, by the name of its link or of a joint: its origin, with its z
-            axis or the joint's own.
+        frame: Or a frame of the URDF, by its link or joint: origin and z axis, or the joint's own axis.
         axis: Direction of the closure's axis in the link's frame, of any length.
-        across: Direction across the axis that both sides have in common, for kinds that hold the turn about
-            the axis; without it links whose ``axis`` has the same components have parallel axes.
+        across: Direction that both sides have across the axis, for kinds that hold its turn; left out if
+            ``axis`` alone makes axes parallel.
     """
 
     axis: Direction | None = None

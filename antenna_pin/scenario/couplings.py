@@ -23,8 +23,7 @@ class CouplingSpec(JointTable):
         kind: Which of the tables it is.
         follower: Name of the joint that follows.
         leader: Name of the joint that it follows.
-        multiplier: Angle or way of the follower for one of the leader; negative the other way round. A bare
-            number is in SI units of the two joints [-].
+        multiplier: Angle or way of the follower for one of the leader, negative the other way [-].
         offset: The follower's position where those of the leaders are zero [rad] ([m]).
         second: Name of a second joint that it follows, times its own multiplier.
         second_multiplier: Angle or way of the follower for one of the second joint, in SI units [-].

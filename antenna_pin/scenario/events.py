@@ -42,10 +42,10 @@ class _Event(Spec):
     """What all events share.
 
     Attributes:
-        action: ``mark`` it in the result, which every event does; ``stop`` the run; or ``set`` a number.
+        action: ``mark`` it in the result, as every event is; ``stop`` the run; or ``set`` a number.
         after: The passage from which on that is done; earlier ones are only marked.
         set: What is set: ``drives.NAME.KEY``, ``springs.NAME.KEY``, ...; the key ``on`` is the whole of it.
-        to: What it is set to, in the unit of that key; of ``on`` true or false.
+        to: What it is set to; of ``on`` true or false.
     """
 
     action: Literal["mark", "stop", "set"] = "mark"

@@ -63,8 +63,8 @@ class ModalDataSpec(_OfLink, MadeSpec):
     """An appendage by its modes with the root held, from a finite-element code.
 
     Attributes:
-        file: CSV, or a table as NASTRAN prints it, relative to the scenario's folder, instead of
-            ``frequency`` and ``participation`` ([more](flexible.md#modal-data-of-a-finite-element-code)).
+        file: CSV, or a table as NASTRAN prints it, instead of ``frequency`` and ``participation``
+            ([more](flexible.md#modal-data-of-a-finite-element-code)).
     """
 
     kind: Literal["modal-data"]

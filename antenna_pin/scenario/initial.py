@@ -35,7 +35,7 @@ class InitialJointSpec(JointTable):
         journal_tilt: Rotation vector of the journal's tilt, in bearing axes [rad].
         journal_velocity: Of the journal's centre in bearing axes [m/s].
         journal_angular_velocity: Of the journal relative to the bearing, in bearing axes [rad/s].
-        guess: Whether, where loops are closed, what is given is where the search begins rather than held.
+        guess: Whether, in loops, what is given is where a search begins rather than held.
     """
 
     position: Annotated[float, Quantity(("rad", "m"))] | None = None

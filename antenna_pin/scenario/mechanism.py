@@ -32,10 +32,9 @@ class JointSpec(JointTable, MadeSpec):
     Attributes:
         kind: ``ideal`` as in the URDF, ``locked``, ``free`` in all six directions without contact, or
             ``planar``, free in the plane across its axis.
-        regularisation_speed: Rate at which the joint's own Coulomb friction is 71 % of its limit; 1e-3 rad/s
-            (1e-3 m/s) if left out [rad/s] ([m/s]).
-        sticks: Whether the joint's own Coulomb friction holds what it sticks, as ``[frictions.NAME]``,
-            in place of being rounded off.
+        regularisation_speed: Where its own Coulomb friction is 71 % of its limit [rad/s] ([m/s]); None for
+            1e-3.
+        sticks: Whether its own Coulomb friction holds what it sticks, as ``[frictions.NAME]``.
     """
 
     kind: JointVariant | None = None
@@ -50,8 +49,8 @@ class MechanismSpec(Spec):
         urdf: Path of the URDF, relative to the scenario's folder.
         base: Whether the root link floats freely or is fixed in the world; one called `world` must be fixed.
         gravity: In world axes [m/s^2].
-        package_path: Folders in which packages of ``package://`` are looked for first, relative to the
-            scenario's folder; then come ROS_PACKAGE_PATH and the folders above the URDF.
+        package_path: Folders of packages of ``package://``, relative to the scenario's; then come
+            ROS_PACKAGE_PATH and the folders above the URDF.
         allow_impossible_inertia: Links whose inertia may break the triangle inequality.
         links: What differs in links, by name.
         joints: What differs in joints, by name.

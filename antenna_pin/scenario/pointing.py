@@ -35,7 +35,7 @@ class OrbitSpec(Spec):
         period: Of one revolution [s].
         rate: Of the turn about the normal [rad/s].
         normal: Orbit's normal, along the orbital angular momentum, in world axes, any length [-].
-        nadir: Direction to the Earth's centre at t = 0, in world axes, perpendicular to it, any length [-].
+        nadir: Direction to the Earth's centre at t = 0, in world axes, square to it [-].
     """
 
     altitude: PositiveLength | None = None
@@ -64,13 +64,11 @@ class PointingSpec(Spec):
     Attributes:
         body: Link that looks.
         boresight: Axis it looks along, in the link's frame, any length [-].
-        up: Second axis in the link's frame, of which the part perpendicular to the boresight counts [-]; None
-            for the link's z axis, or its x axis where the boresight lies within 26 deg of z.
-        commanded: What the boresight is compared with: an ``ideal`` run, or a direction fixed in the
-            ``world`` or in the ``orbit``'s axes (z to nadir, y against the orbit's normal, x completes them).
+        up: Second axis in the link's frame [-]; None for z, or x where the boresight lies within 26 deg of z.
+        commanded: What it is compared with: an ``ideal`` run, or a direction in the ``world`` or the
+            ``orbit`` (z to nadir, y against the normal).
         direction: Commanded direction in those axes, any length [-].
-        direction_up: Commanded direction of ``up`` in those axes [-]; None where turns about the boresight
-            do not matter.
+        direction_up: Commanded direction of ``up`` [-]; None where turns about the boresight do not matter.
         orbit: The orbit; None where none is of interest.
     """
 

@@ -1,6 +1,6 @@
-"""The tables of docs/contact-scenarios.md are what the code returns.
+"""The counts in docs/contact-scenarios.md are what the code returns.
 
-They stand between ``<!-- scenarios: ... -->`` and ``<!-- end -->``. To bring them up to date::
+They stand between ``<!-- scenarios: counts -->`` and ``<!-- end -->``. To bring them up to date::
 
     python tests/analysis/test_contact_scenarios_page.py
 """
@@ -9,10 +9,10 @@ import re
 from pathlib import Path
 
 from antenna_pin import build_system, load_scenario
-from antenna_pin.analysis import SCENARIO_COLUMNS, possible_scenarios, scenario_rows
+from antenna_pin.analysis import possible_scenarios
 
 PAGE = Path(__file__).parents[2] / "docs" / "contact-scenarios.md"
-TABLE = re.compile(r"(<!-- scenarios: (.*?) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
+TABLE = re.compile(r"(<!-- scenarios: counts -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 DEPTHS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4)
 
 
@@ -39,26 +39,13 @@ def counts():
 
 
 def filled(text):
-    """Return the page with its tables as the code has them."""
-
-    def fill(match):
-        start, what, _, end = match.groups()
-        kind, *given = what.split()
-        if kind == "counts":
-            return start + counts() + end
-        case, depth = given
-        return (
-            start
-            + table(SCENARIO_COLUMNS, scenario_rows(possible_scenarios(shape(case), float(depth))))
-            + end
-        )
-
-    return TABLE.sub(fill, text)
+    """Return the page with its table as the code has it."""
+    return TABLE.sub(lambda match: match.group(1) + counts() + match.group(3), text)
 
 
-def test_the_tables_of_the_page_are_up_to_date():
+def test_the_table_of_the_page_is_up_to_date():
     text = PAGE.read_text()
-    assert len(TABLE.findall(text)) == 4
+    assert len(TABLE.findall(text)) == 1
     assert filled(text) == text, f"run: python {Path(__file__).name}"
 
 
