@@ -7,8 +7,8 @@ A ball of 1 kg, then one of 10 kg, comes upon a fixed one at 0.1 m/s, without gr
 contact of 1e6 N/m with what each calls its dissipation; found are the share of the speed that is left and the
 largest force, each beside those of the law that docs/coming-from names, integrated to 1e-12. Those of MuJoCo,
 Drake and Exudyn are asked that can be imported; none is a dependency (``pip install mujoco drake exudyn`` in
-an environment of one's own, where this package is too). MuJoCo's contact is a rule for accelerations: its force
-is in proportion to the mass, so that the law here gets the mass as well.
+an environment of one's own, where this package is too). MuJoCo's contact is a rule for accelerations: its
+force is in proportion to the mass, so that the law here gets the mass as well.
 """
 
 from __future__ import annotations
