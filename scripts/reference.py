@@ -38,16 +38,21 @@ PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 # --- the variables of a result, the figures of runs, and the layers of the package ---
 
 
+def _beside_finite(rule: str) -> str:
+    """Return a rule of numbers without the word that all of them share, which stands above the table."""
+    return rule.removeprefix("finite").removeprefix(", ")
+
+
 def trajectory_table() -> str:
     """Return the variables and labels of a result, of its schema."""
-    lines = ["| variable | dimensions | unit | meaning | must be |", "|---|---|---|---|---|"]
-    lines.append(f"| `time` | time | s | time | {TIME.words} |")
+    lines = ["| variable | dimensions | unit | meaning | besides |", "|---|---|---|---|---|"]
+    lines.append(f"| `time` | time | s | time | {_beside_finite(TIME.words)} |")
     lines += [f"| `{one.name}` | {one.dim} |  | {one.meaning} |  |" for one in COORDINATES]
     for one in VARIABLES.values():
         meaning = one.meaning
         if one.flags:
             meaning += ": " + ", ".join(f"{value} {word}" for value, word in one.flags)
-        rule = one.rule.words
+        rule = _beside_finite(one.rule.words)
         lines.append(f"| `{one.name}` | {', '.join(one.dims)} | {one.units} | {meaning} | {rule} |")
     return "\n".join(lines).replace("|power|", "\\|power\\|") + "\n"
 

@@ -1,14 +1,14 @@
 """A normal law, a friction law and a drive of one's own, compiled by Numba: as fast as the built-in ones."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 from numba import njit
 
-from antenna_pin import ClearanceJoint, RunSettings, System, Urdf, build_mechanism, simulate
+from antenna_pin import RunSettings, System, build_system, load_scenario, simulate
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.dynamics import CallableDrive
-from antenna_pin.geometry import RevoluteClearance
 
 STIFFNESS, DAMPING = 2e7, 0.3  # [N/m], [-]
 
@@ -29,27 +29,10 @@ def controller(t: float, angle: float, rate: float) -> float:
     return 8.0 * (target - angle) - 1.0 * rate
 
 
-urdf = Urdf.load(Path(__file__).parent / "panel" / "panel.urdf")
-hinge = ClearanceJoint(
-    name="hinge",
-    geometry=RevoluteClearance.from_clearances(
-        bearing_radius=5e-3,
-        radial_clearance=50e-6,
-        bearing_length=40e-3,
-        axial_clearance=100e-6,
-        bearing_outer_radius=7e-3,
-        flange_radius=8e-3,
-    ),
-    radial=normal,
-    axial=normal,
-    friction=friction,
-    backend="closed-form",
-)
-system = System(
-    build_mechanism(urdf.variant(joints={"hinge": "free"})),
-    clearances=[hinge],
-    drives={"motor": CallableDrive(joint="hinge", torque=controller)},
-)
+panel = build_system(load_scenario(Path(__file__).parent / "panel" / "first.toml"))
+hinge = replace(panel.clearances[0], radial=normal, axial=normal, friction=friction, backend="closed-form")
+drives = {"motor": CallableDrive(joint="hinge", torque=controller)}
+system = System(panel.mechanism, clearances=[hinge], drives=drives)
 run = simulate(system, duration=0.1, settings=RunSettings(engine="compiled"))
 
 print(run.outcome.name)
