@@ -125,7 +125,10 @@ def test_a_fit_is_saved_with_bands_and_profiles_and_shows_itself(write, asked, t
     plan = plan.model_copy(update={"noise": "estimated"})
     found = run_fit(plan)
     table, said = certain(found, profile=True)
-    assert said == ()
+    assert [line.split(" from ")[0] for line in said] == [
+        "stiffness: by its profile",
+        "damping: by its profile",
+    ]
     # Known to 0.2 % and 2 %, frequency and decay are all but linear: profile and t agree to 2 % of the width.
     width = found.bands.high - found.bands.low
     ends = table["profile_end"].values
