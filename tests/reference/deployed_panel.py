@@ -1,8 +1,8 @@
 """A panel that a spring unfolds against a stop, and an accelerometer on it, by equations of their own.
 
 Of the package nothing is used: one angle, and the filter's four numbers in the same equations, by SciPy's
-steps from touch to touch. The angle goes from 0 to beyond -pi/2, where the stop presses back by K d + D d', and
-never pulls.
+steps from touch to touch. The angle goes from 0 to beyond -pi/2, where the stop presses back by K d + D d',
+and never pulls.
 """
 
 import numpy as np
