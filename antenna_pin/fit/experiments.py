@@ -43,7 +43,7 @@ _MOST = 1_000_000
 
 
 class TimesSpec(Spec):
-    """When an experiment is sampled, from its start on.
+    """When an experiment is sampled, from its run's start on, or from where its clock surely is beyond it.
 
     Attributes:
         until: Time of the last sample, at most [s].
@@ -281,9 +281,11 @@ def _problem(
         names = [one.column or name for name, one in spec.columns.items()]
         time = read_columns(file, names, spec, f"records.{like}").time
     else:
-        time = experiment.times.instants()
-        shifts = [one.numbers()[2] for one in parameters.values() if _is_anew(one)]
-        last = float(time[-1]) + max([spec.clock_shift, *shifts])
+        clocks = [one.numbers() for one in parameters.values() if _is_anew(one)]
+        # By a clock ahead of the run's the first sample is late enough for any shift that it may have.
+        early = max(0.0, -min([spec.clock_shift, *(low for _, low, _, _ in clocks)]))
+        time = experiment.times.instants() + early
+        last = float(time[-1]) + max([spec.clock_shift, *(high for _, _, high, _ in clocks)])
         update |= {"window": None}
         if "duration" not in settings:
             update["set"] = settings | {"duration": last}
