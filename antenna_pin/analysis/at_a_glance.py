@@ -266,11 +266,17 @@ def _is_commanded(run: Trajectory) -> bool:
 
 
 def _books(data: xr.Dataset, summary: Mapping[str, Any]) -> Line:
-    """Return what drives did, and how well energy and momentum are kept."""
+    """Return what drives and forces did, and how well energy and momentum are kept."""
     kept = summary["conservation"]
     done, gross = "", kept["gross_work"]
     if gross:
-        done = f"drives did {_judged(float(data['total_work'].values.sum()), 'J', {'J': gross})}; "
+        works = {"drives": "total_work", "forces": "total_force_work"}
+        each = [
+            f"{who} did {_judged(float(data[name].values.sum()), 'J', {'J': gross})}"
+            for who, name in works.items()
+            if name in data
+        ]
+        done = ", ".join(each) + "; " if each else ""
     text = f"{done}balance closes to {readable(kept['energy_error'], 'J', 2)}"
     if kept["energy_error_relative"] is not None:
         text += f", {number(kept['energy_error_relative'], 2)} of the {kept['energy_scale_of']}"

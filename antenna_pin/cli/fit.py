@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +14,9 @@ from antenna_pin.cli._fit_tests import next_test
 from antenna_pin.cli._progress import fit_bar
 from antenna_pin.cli._usage import command_of
 from antenna_pin.readable import number
+
+if TYPE_CHECKING:
+    from antenna_pin.fit import Fit
 
 __all__ = ["fit"]
 
@@ -112,13 +115,18 @@ def fit(
             if identify:
                 identify_before(plan, at, out, context, executor, tell, quiet)
                 return
-            found = run_fit(plan, target, executor=executor, progress=tell)
-            table, notes = certain(found, profile=profile, draws=draws, seed=seed)
+            notes: list[str] = []
+
+            def judged(found: Fit) -> None:
+                table, said = certain(found, profile=profile, draws=draws, seed=seed)
+                table.attrs["command"] = command_of(context)
+                save_table(table, target)
+                notes.extend(said)
+
+            found = run_fit(plan, target, executor=executor, progress=tell, then=judged)
     finally:
         executor.close()
     with not_interrupted():
-        table.attrs["command"] = command_of(context)
-        save_table(table, target)
         if scenario is not None:
             found.write_scenario(scenario, record)
         if quiet:

@@ -14,6 +14,7 @@ from antenna_pin.fit.bands import CurveBands, along_jacobian, by_sampling
 from antenna_pin.fit.experiments import without
 from antenna_pin.fit.identifiable import Identifiable, identifiable
 from antenna_pin.fit.problem import Problem
+from antenna_pin.fit.profile_words import profile_lines
 from antenna_pin.fit.profiled import Profile, profiles
 from antenna_pin.fit.result import Fit
 from antenna_pin.fit.searched import DOUBT, Searched, band_columns, profile_columns
@@ -106,6 +107,7 @@ def certain(
     if profile:
         made = profiles_of(found, progress=progress)
         columns |= profile_columns(made, found.problem.unknowns)
+        said += profile_lines(table.assign(columns))
         better = [one.name for one in made if one.better is not None]
         if better:
             said.append(

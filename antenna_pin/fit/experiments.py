@@ -24,6 +24,7 @@ from antenna_pin.files import absence
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.designs import Criterion
 from antenna_pin.fit.laboratory import Laboratory
+from antenna_pin.fit.layout import LayoutSpec
 from antenna_pin.fit.plan import FitParameterSpec, FitPlan, RecordSpec, place_in_record
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.record_file import read_columns
@@ -42,7 +43,7 @@ _MOST = 1_000_000
 
 
 class TimesSpec(Spec):
-    """When an experiment is sampled, from its start on.
+    """When an experiment is sampled, from its run's start on, or from where its clock surely is beyond it.
 
     Attributes:
         until: Time of the last sample, at most [s].
@@ -277,17 +278,19 @@ def _problem(
         return problem(spec.model_copy(update=update))
     if experiment.times is None:
         file = plan.folder / os.path.expanduser(spec.file)
-        (time,) = read_columns(file, [spec.time], spec.delimiter, f"records.{like}").values()
-        update |= {"time_unit": spec.time_unit}
+        names = [one.column or name for name, one in spec.columns.items()]
+        time = read_columns(file, names, spec, f"records.{like}").time
     else:
-        time = experiment.times.instants()
-        shifts = [one.numbers()[2] for one in parameters.values() if _is_anew(one)]
-        last = float(time[-1]) + max([spec.clock_shift, *shifts])
-        update |= {"time_unit": "s", "window": None}
+        clocks = [one.numbers() for one in parameters.values() if _is_anew(one)]
+        # By a clock ahead of the run's the first sample is late enough for any shift that it may have.
+        early = max(0.0, -min([spec.clock_shift, *(low for _, low, _, _ in clocks)]))
+        time = experiment.times.instants() + early
+        last = float(time[-1]) + max([spec.clock_shift, *(high for _, _, high, _ in clocks)])
+        update |= {"window": None}
         if "duration" not in settings:
             update["set"] = settings | {"duration": last}
     made = {key: one.model_copy(update={"column": key, "unit": None}) for key, one in columns.items()}
-    update |= {"file": str(folder / "made.csv"), "time": "time", "delimiter": ",", "columns": made}
+    update |= {"file": str(folder / "made.csv"), "columns": made, **LayoutSpec().model_dump()}
     readings = {key: np.zeros(len(time)) for key in made}
     _write(folder / "made.csv", time, readings)
     if any(one.compare in ("spectrum", "blows") for one in made.values()):

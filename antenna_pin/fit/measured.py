@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from antenna_pin.errors import ScenarioError
 from antenna_pin.fit.columns import ColumnSpec
+from antenna_pin.fit.layout import unit_factor
 from antenna_pin.fit.plan import RecordSpec
 from antenna_pin.fit.record_file import read_columns
-from antenna_pin.units import QuantityError, quantity
 
 __all__ = ["Measured", "measured"]
 
@@ -51,22 +51,23 @@ def measured(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: st
         ScenarioError: Times do not rise, a number is missing, a unit does not fit, nothing is left.
         UnknownNameError: The file has no such column.
     """
-    factors = {
-        name: _factor(one, units[name], f"{place}.columns.{name}") for name, one in spec.columns.items()
-    }
-    clock = _factor_of(spec.time_unit, "s", f"{place}.time_unit")
     in_file = {name: one.column or name for name, one in spec.columns.items()}
     path = folder / os.path.expanduser(spec.file)
-    wanted = list(dict.fromkeys([spec.time, *in_file.values()]))
-    found = read_columns(path, wanted, spec.delimiter, place)
-    time = found[spec.time] * clock
-    values = {name: found[in_file[name]] * factors[name] for name in spec.columns}
-    where = f"{place}: {path.name}"
+    for name, one in spec.columns.items():  # what is written wrongly is told before a file is read
+        _factor(one, None, units[name], f"{place}.columns.{name}")
+    found = read_columns(path, list(dict.fromkeys(in_file.values())), spec, place)
+    time = found.time
+    values = {
+        name: found.values[in_file[name]]
+        * _factor(one, found.units.get(in_file[name]), units[name], f"{place}.columns.{name}")
+        for name, one in spec.columns.items()
+    }
+    where, clock = f"{place}: {path.name}", spec.time if spec.rate is None else "rate"
     kept = np.ones(len(time), dtype=bool)
     if not np.all(np.isfinite(time)):
         row = int(np.flatnonzero(~np.isfinite(time))[0]) + 1
-        raise ScenarioError(f"{where}: {spec.time} must be a number in each row, got none in row {row}")
-    _check_rising(time, f"{where}: {spec.time}")
+        raise ScenarioError(f"{where}: {clock} must be a number in each row, got none in row {row}")
+    _check_rising(time, f"{where}: {clock}")
     if spec.window is not None:
         kept &= (time >= spec.window[0]) & (time <= spec.window[1])
         if np.count_nonzero(kept) < 2:
@@ -92,19 +93,16 @@ def measured(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: st
     return Measured(time, {name: column[kept] for name, column in values.items()})
 
 
-def _factor(column: ColumnSpec, unit: str, place: str) -> float:
-    """Return what one of a column's unit is in SI units."""
-    return 1.0 if column.unit is None else _factor_of(column.unit, unit, f"{place}.unit")
-
-
-def _factor_of(name: str, unit: str, place: str) -> float:
-    si = unit.replace("^", "**").replace(" ", "*")
-    text = "1" if name.strip() in ("1", "-", "") else f"1 {name}"
+def _factor(column: ColumnSpec, in_file: str | None, unit: str, place: str) -> float:
+    """Return what one of a column's unit is in SI units: as the fit file says, else its own, else 1."""
+    if column.unit is not None:
+        return unit_factor(column.unit, unit, f"{place}.unit")
+    if in_file is None:
+        return 1.0
     try:
-        return quantity(text, si, place)
-    except QuantityError as error:
-        rule = error.reason.partition(", got ")[0]
-        raise ScenarioError(f"{place} {rule.replace('must be', 'must be that of')}, got {name!r}") from None
+        return unit_factor(in_file, unit, f"{place}: the file's unit")
+    except ScenarioError as error:
+        raise ScenarioError(f"{error}; say by unit what it is") from None
 
 
 def _check_rising(time: Array, place: str) -> None:

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.arguments import takes
 from antenna_pin.fit.columns import AnyQuantity, ColumnSpec
+from antenna_pin.fit.layout import LayoutSpec
 from antenna_pin.fit.losses import Loss
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.runs_file import RunsFile, laid_over, nested
@@ -53,14 +54,11 @@ class PiecesSpec(Spec):
     weight: Annotated[float, Quantity("1", "positive")] = 1e4
 
 
-class RecordSpec(Spec):
-    """One measured run.
+class RecordSpec(LayoutSpec):
+    """One measured run: how its file is laid out, and what was measured.
 
     Attributes:
         file: CSV, NetCDF or MAT, from the fit file's folder.
-        delimiter: Between a CSV file's columns.
-        time: Name of the column of times; a record of a run of this package has ``time``.
-        time_unit: In which it is.
         clock_shift: What is added to the file's times to have the run's [s].
         window: Of the file's clock, what counts of it [s]; all if left out.
         gaps: Whether rows without numbers, and times at which rows are missing, are ``refuse``d, or the rows
@@ -72,9 +70,6 @@ class RecordSpec(Spec):
     """
 
     file: str
-    delimiter: Annotated[str, Field(min_length=1, max_length=1)] = ","
-    time: str = "time"
-    time_unit: str = "s"
     clock_shift: Annotated[float, Quantity("s")] = 0.0
     window: tuple[Annotated[float, Quantity("s")], Annotated[float, Quantity("s")]] | None = None
     gaps: Literal["refuse", "skip"] = "refuse"

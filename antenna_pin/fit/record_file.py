@@ -2,38 +2,51 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.files import absence
-from antenna_pin.numerals import decimal_in
-from antenna_pin.trajectory.hdf5 import load_dataset
-from antenna_pin.units import shown
+from antenna_pin.fit.layout import LayoutSpec, unit_factor
+from antenna_pin.fit.text_record import from_text
+from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 
-__all__ = ["SUFFIXES", "read_columns"]
+__all__ = ["SUFFIXES", "Columns", "read_columns"]
 
 Array = NDArray[np.float64]
 
-#: What the names of records may end in.
-SUFFIXES = (".csv", ".txt", ".nc", ".mat")
-# Cells that say that there is no number, as spreadsheets and recorders write them.
-_NO_NUMBER = frozenset({"", "nan", "na", "n/a", "null", "none", "inf", "-inf", "+inf", "-", "#n/a"})
+#: What the names of records may end in; all but the last two are texts.
+SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", ".nc", ".mat")
+_OF_TEXTS = ("delimiter", "decimal", "encoding", "comment", "skip", "names", "units_row", "time_format")
 _SHOWN = 12  # names that a message offers
+_NO_NUMBERS = (b"char", b"cell", b"string", b"function_handle")  # what MATLAB's arrays are of
 
 
-def read_columns(path: Path, names: Sequence[str], delimiter: str, place: str) -> dict[str, Array]:
-    """Return columns of a record's file by name, all of one length.
+class Columns(NamedTuple):
+    """What of a record stands in its file.
+
+    Attributes:
+        time: Of the rows, by the file's clock, (rows,) [s].
+        values: Of the columns by their names in the file, (rows,), in the file's units.
+        units: Those that the file gives of them.
+    """
+
+    time: Array
+    values: dict[str, Array]
+    units: dict[str, str]
+
+
+def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: str) -> Columns:
+    """Return times and columns of a record's file, all of one length.
 
     Args:
         path: The file.
-        names: Of the columns that are wanted.
-        delimiter: Between columns of a text.
+        names: Of the columns that are wanted beside the times.
+        layout: How the file is laid out.
         place: Where the file is named, for messages.
 
     Raises:
@@ -44,18 +57,35 @@ def read_columns(path: Path, names: Sequence[str], delimiter: str, place: str) -
         raise ScenarioError(f"{place}.file must end in {', '.join(SUFFIXES)}, got {path.name!r}")
     if not path.is_file():
         raise ScenarioError(f"{place}.file: {path}: {absence(path)}; paths start at the fit file's folder")
-    readers = {".nc": _from_netcdf, ".mat": _from_mat}
-    reader = readers.get(path.suffix.lower())
-    found = _from_text(path, names, delimiter, place) if reader is None else reader(path, names, place)
+    clock = [] if layout.rate is not None else [layout.time]
+    wanted = list(dict.fromkeys([*clock, *names]))
+    kind = path.suffix.lower()
+    if kind in SUFFIXES[-2:]:
+        for name in _OF_TEXTS:
+            if getattr(layout, name) != LayoutSpec.model_fields[name].default:
+                raise ScenarioError(f"{place}.{name} must be left out for {path.name}, which is no text")
+    if kind == ".nc":
+        found, units = _from_netcdf(path, wanted, layout, place)
+    elif kind == ".mat":
+        found, units = _from_mat(path, wanted, place), {}
+    else:
+        found, units = from_text(path, wanted, layout, place)
     lengths = {name: len(values) for name, values in found.items()}
-    first = names[0]
+    first = wanted[0]
     for name, length in lengths.items():
         if length != lengths[first]:
             rule = f"must have as many rows as {first}, {lengths[first]}, got {length}"
             raise ScenarioError(f"{place}: {path.name}: {name} {rule}")
     if lengths[first] < 2:
         raise ScenarioError(f"{place}: {path.name} must have 2 rows at least, got {lengths[first]}")
-    return found
+    if layout.rate is not None:
+        time = np.arange(lengths[first]) / layout.rate
+    elif layout.time_format is not None:
+        time = found[layout.time]
+    else:
+        unit = layout.time_unit or units.get(layout.time) or "s"
+        time = found[layout.time] * unit_factor(unit, "s", f"{place}.time_unit")
+    return Columns(time, {name: found[name] for name in names}, units)
 
 
 def _known(path: Path, name: str, known: Iterable[str], place: str) -> None:
@@ -65,75 +95,49 @@ def _known(path: Path, name: str, known: Iterable[str], place: str) -> None:
         raise UnknownNameError(f"{place}: {path.name}", "column", name, names[:_SHOWN])
 
 
-def _from_text(path: Path, names: Sequence[str], delimiter: str, place: str) -> dict[str, Array]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ScenarioError(f"{place}: {path.name} is not UTF-8 text (byte {error.start})") from None
-    except OSError as error:
-        raise ScenarioError(f"{place}: {path.name} cannot be read: {error.strerror}") from None
-    rows = csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=True)
-    header: list[str] | None = None
-    columns: dict[str, list[float]] = {name: [] for name in names}
-    places: list[int] = []
-    try:
-        for row in rows:
-            if not row or row[0].lstrip().startswith("#"):
-                continue
-            if header is None:
-                header = [cell.strip() for cell in row]
-                for name in names:
-                    _known(path, name, header, place)
-                places = [header.index(name) for name in names]
-                continue
-            line = f"{place}: {path.name}: line {rows.line_num}"
-            if len(row) != len(header):
-                raise ScenarioError(f"{line} must have {len(header)} values, got {len(row)}")
-            for name, at in zip(names, places, strict=True):
-                columns[name].append(_cell(row[at], name, line))
-    except csv.Error as error:
-        raise ScenarioError(f"{place}: {path.name}: line {rows.line_num}: {error}") from None
-    if header is None:
-        raise ScenarioError(f"{place}: {path.name} must have a header with {', '.join(names)}, got nothing")
-    return {name: np.array(values) for name, values in columns.items()}
-
-
-def _cell(cell: str, name: str, line: str) -> float:
-    number = decimal_in(cell)
-    if number is not None:
-        return number
-    if cell.strip().lower() in _NO_NUMBER:
-        return float("nan")
-    hint = "; write a decimal point" if cell.count(",") == 1 else ""
-    raise ScenarioError(f"{line}: {name} must be a number, got {shown(cell.strip())}{hint}")
-
-
-def _from_netcdf(path: Path, names: Sequence[str], place: str) -> dict[str, Array]:
+def _from_netcdf(
+    path: Path, names: Sequence[str], layout: LayoutSpec, place: str
+) -> tuple[dict[str, Array], dict[str, str]]:
+    """Return columns, and the units that their attributes give; of dates the seconds since the first."""
     try:
         data = load_dataset(path)
     except Exception as error:  # HDF5 raises any
         words = " ".join(str(error).split())
         raise ScenarioError(f"{place}: {path.name} cannot be read as NetCDF 4: {words}") from None
-    found = {}
+    found, units = {}, {}
     for name in names:
         _known(path, name, [str(one) for one in data.variables if data[one].ndim == 1], place)
-        found[name] = _numbers(path, name, data[name].values, place)
-    return found
+        values = data[name].values
+        if name == layout.time and values.dtype.kind in "Mm":
+            values = (values - values[:1]) / np.timedelta64(1, "s") if len(values) else np.zeros(0)
+            units[name] = "s"
+        elif isinstance(data[name].attrs.get("units"), str):
+            units[name] = data[name].attrs["units"]
+        found[name] = _numbers(path, name, values, place)
+    return found, units
 
 
 def _from_mat(path: Path, names: Sequence[str], place: str) -> dict[str, Array]:
-    """Return arrays of a MAT file up to version 7.2; of a structure its fields, as ``structure.field``."""
+    """Return arrays of a MAT file; of a structure its fields, as ``structure.field``."""
     from scipy.io import loadmat
 
     try:
         content = loadmat(path, squeeze_me=True, struct_as_record=True)
-    except NotImplementedError:
-        raise ScenarioError(
-            f"{place}: {path.name} must be a MAT file up to version 7.2, got 7.3 (HDF5); save it with -v7"
-        ) from None
+    except NotImplementedError:  # version 7.3 is an HDF5 file
+        arrays = _arrays_of_hdf5(path, place)
     except Exception as error:  # the reader raises any on a damaged file
         words = " ".join(str(error).split())
         raise ScenarioError(f"{place}: {path.name} cannot be read as a MAT file: {words}") from None
+    else:
+        arrays = _arrays(content)
+    found = {}
+    for name in names:
+        _known(path, name, [one for one, array in arrays.items() if array.ndim == 1], place)
+        found[name] = _numbers(path, name, arrays[name], place)
+    return found
+
+
+def _arrays(content: dict[str, Any]) -> dict[str, Any]:
     arrays: dict[str, Any] = {}
     for name, value in content.items():
         if name.startswith("__"):
@@ -143,11 +147,33 @@ def _from_mat(path: Path, names: Sequence[str], place: str) -> dict[str, Array]:
             arrays |= {f"{name}.{field}": np.asarray(array[field].item()) for field in array.dtype.names}
         else:
             arrays[name] = array
-    found = {}
-    for name in names:
-        _known(path, name, [one for one, array in arrays.items() if array.ndim == 1], place)
-        found[name] = _numbers(path, name, arrays[name], place)
-    return found
+    return arrays
+
+
+def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
+    """Return arrays of numbers of a MAT file of version 7.3, in which a vector has two dimensions."""
+    arrays: dict[str, Any] = {}
+    try:
+        with open_hdf5(path) as file:
+            for name, item in file.items():
+                if name.startswith("#"):  # what cells refer to
+                    continue
+                parts = (
+                    {f"{name}.{field}": one for field, one in item.items()}
+                    if hasattr(item, "items")
+                    else {name: item}
+                )
+                for called, one in parts.items():
+                    if not hasattr(one, "dtype") or one.attrs.get("MATLAB_class", b"double") in _NO_NUMBERS:
+                        continue
+                    array = np.squeeze(np.asarray(one[()]))
+                    if one.attrs.get("MATLAB_empty", 0) or array.dtype.kind not in "fiub":
+                        continue
+                    arrays[called] = array
+    except Exception as error:  # HDF5 raises any
+        words = " ".join(str(error).split())
+        raise ScenarioError(f"{place}: {path.name} cannot be read as a MAT file: {words}") from None
+    return arrays
 
 
 def _numbers(path: Path, name: str, values: Any, place: str) -> Array:

@@ -46,6 +46,7 @@ def run_fit(
     *,
     executor: Executor | None = None,
     progress: Callable[[int], None] | None = None,
+    then: Callable[[Fit], None] | None = None,
 ) -> Fit:
     """Find the values of a fit's parameters for which its runs are nearest to its records.
 
@@ -57,6 +58,8 @@ def run_fit(
         out: File of the result, NAME.nc.
         executor: Who makes the runs: this process if left out, or a :class:`antenna_pin.sweep.Cluster`.
         progress: Called after each run with how many there are.
+        then: Called with the fit once it is saved, while its runs are still kept: what it asks for, such as
+            profiles, is kept with them, and goes on likewise.
 
     Raises:
         AntennaPinError: Something of plan, records or scenarios is not valid: raised before any run.
@@ -73,11 +76,14 @@ def run_fit(
     try:
         problem = Problem(plan, Laboratory(executor, notebook, progress))
         found = _found(problem)
+        if target is not None:
+            found.save(target)
+        if then is not None:
+            then(found)
     finally:
         if notebook is not None:
             notebook.close()
-    if target is not None and notebook is not None:
-        found.save(target)
+    if notebook is not None:
         notebook.remove()
     return found
 

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from scipy.interpolate import PchipInterpolator
 
 from antenna_pin.arguments import takes
@@ -31,6 +32,10 @@ __all__ = ["correlations", "figure_correlation", "figure_profiles", "has_profile
 
 # Two parameters are hardly told apart from this correlation on.
 _STRONG = 0.95
+# Of names and colours beside the cells of correlations [inch].
+_BESIDE = 0.8
+# By what factor a profile must reach for its axis to be logarithmic.
+_WIDE = 5.0
 
 
 @takes()
@@ -49,6 +54,8 @@ def figure_correlation(fit: xr.Dataset, *, width: Width = "column") -> Figure:
     names = [literal(str(one)) for one in fit["title"].values]
     count = len(names)
     figure = new_figure(width, 26.0 + max(46.0, 9.0 * count))
+    # Cells are square: of a page's width no more is taken than they and what is beside them need.
+    figure.set_figwidth(min(figure.get_figwidth(), figure.get_figheight() + _BESIDE))
     axes = figure.add_subplot()
     axes.grid(False)
     shown = axes.imshow(np.ma.masked_invalid(values), cmap="RdBu_r", vmin=-1.0, vmax=1.0)
@@ -112,7 +119,8 @@ def figure_profiles(fit: xr.Dataset, *, width: Width = "page") -> Figure:
     """Return the profile of each parameter: how the loss grows as it is held elsewhere, the others fitted.
 
     Dashed is the parabola of its standard error, which a linear model has; where the two part, intervals by
-    standard errors are off. Shaded is the interval of the profile.
+    standard errors are off. Of a parameter that is searched by its logarithm it is one of that, and where the
+    interval is wide so is the axis. Shaded is the interval of the profile.
 
     Args:
         fit: Of :func:`antenna_pin.fit.open_fit`, with profiles.
@@ -158,19 +166,24 @@ def _profile(axes: Axes, one: xr.Dataset, reach: float) -> None:
     low, high = (float(end) for end in one["profile_end"].values)
     best, error = float(one["value"]), float(one["sd"])
     factor, unit = prefixed(str(one["units"].item()), float(np.abs(values).max()))
-    left, right = _span(values, best, low, high)
+    # A logarithm is what is searched, and what is even about the value.
+    by_log = "logarithmic" in one and bool(one["logarithmic"].item())
+    left, right = _span(values, best, low, high, by_log)
     inside = [max(low, left), min(high, right)]
     axes.axvspan(*(factor * np.array(inside)), color=SHADE, linewidth=0.0, zorder=0.5)
     axes.axhline(reach**2, color="#999999", linewidth=0.6, linestyle=":", zorder=0.8)
     axes.plot(factor * values, root**2, "o", color="C0", markersize=2.4, zorder=3.0)
-    fine = np.linspace(values[0], values[-1], 401)
-    between = PchipInterpolator(values, root)(fine) if len(values) > 1 else np.full(401, root[0])
-    axes.plot(factor * fine, between**2, color="C0", linewidth=0.9, label="profile", zorder=3.0)
+    coordinate, back = (np.log, np.exp) if by_log else (np.asarray, np.asarray)
+    fine = np.linspace(coordinate(values[0]), coordinate(values[-1]), 401)
+    between = np.full(401, root[0])
+    if len(values) > 1:
+        between = PchipInterpolator(coordinate(values), root)(fine)
+    axes.plot(factor * back(fine), between**2, color="C0", linewidth=0.9, label="profile", zorder=3.0)
     if math.isfinite(error) and error > 0.0:
-        x = np.linspace(left, right, 201)
+        x = np.linspace(coordinate(left), coordinate(right), 201)
         axes.plot(
-            factor * x,
-            ((x - best) / error) ** 2,
+            factor * back(x),
+            ((x - coordinate(best)) / (error / best if by_log else error)) ** 2,
             color="C1",
             linewidth=0.8,
             linestyle=(0, (4, 1.5)),
@@ -181,11 +194,21 @@ def _profile(axes: Axes, one: xr.Dataset, reach: float) -> None:
     axes.set_xlim(factor * left, factor * right)
     axes.set_ylim(0.0, 2.0 * reach**2)
     axes.set_xlabel(f"{one['parameter'].item()} [{unit}]" if unit else str(one["parameter"].item()))
-    few_ticks(axes, 4, 4)
+    if by_log and right > _WIDE * left:
+        axes.set_xscale("log")
+        axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+    else:
+        few_ticks(axes, 4, 4)
 
 
-def _span(values: np.ndarray, best: float, low: float, high: float) -> tuple[float, float]:
+def _span(
+    values: np.ndarray, best: float, low: float, high: float, by_log: bool = False
+) -> tuple[float, float]:
     """Return from where to where a profile is shown: beyond its ends, and of an open side some of it."""
+    if by_log:
+        below, above = (math.log(end) if end > 0.0 else -math.inf for end in (low, high))
+        left, right = _span(np.log(values), math.log(best), below, above)
+        return math.exp(left), math.exp(right)
     half = max(
         best - low if math.isfinite(low) else 0.0, high - best if math.isfinite(high) else 0.0
     ) or 0.5 * float(np.ptp(values))

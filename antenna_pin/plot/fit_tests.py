@@ -25,6 +25,7 @@ from antenna_pin.plot._style import (
     panel_title,
     styled,
 )
+from antenna_pin.readable import number
 
 __all__ = ["figure_experiments", "figure_identifiability"]
 
@@ -119,7 +120,7 @@ def _directions(axes: Axes, found: xr.Dataset, names: list[str]) -> None:
             color="white" if share**2 > 0.5 else "black",
         )
     least = 1e-12 * float(singular.max(initial=0.0))
-    words = [f"{1.0 / one:.2g}" if one > least else "∞" for one in singular]
+    words = [number(1.0 / float(one), 2) if one > least else "∞" for one in singular]
     axes.set_xticks(range(len(names)), names, rotation=30, ha="right", rotation_mode="anchor")
     axes.set_yticks(range(len(words)), words)
     axes.set_ylabel("error along it [sizes]")

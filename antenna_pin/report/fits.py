@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from antenna_pin.fit.profile_words import from_to, profile_interval
 from antenna_pin.fit.sureness import persistence
 from antenna_pin.plot import correlations, table_figures
-from antenna_pin.readable import number, prefixed, readable
+from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
 from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table
 from antenna_pin.report.figures import picture
@@ -109,35 +109,15 @@ def _values(table: xr.Dataset) -> Iterator[Row]:
         value, error, low, high, start = (
             float(one[name]) for name in ("value", "sd", "low", "high", "start")
         )
-        interval = _from_to(low, high, unit)
+        interval = from_to(value, low, high, unit)
         cells = [
             _quantity(value, unit, 5),
             Cell("at its bound") if math.isnan(error) else _error(error, unit),
             Cell(interval if math.isfinite(high - low) and high > low else "–"),
         ]
         if "profile_end" in table:
-            cells.append(Cell(_profile(one, unit)))
+            cells.append(Cell(profile_interval(one) or "–"))
         yield Row(str(one["title"].item()), (*cells, _quantity(start, unit)))
-
-
-def _from_to(low: float, high: float, unit: str) -> str:
-    factor, printed = prefixed(unit or "1", [low, high])
-    return f"{number(factor * low)} to {number(factor * high)}{_NO_BREAK if printed else ''}{printed}"
-
-
-def _profile(one: Any, unit: str) -> str:
-    how = [str(word) for word in one["profile_how"].values]
-    if not any(how):
-        return "–"
-    ends = [float(end) for end in one["profile_end"].values]
-    if how == ["crossed", "crossed"]:
-        return _from_to(ends[0], ends[1], unit)
-    words = []
-    for side, (end, word) in enumerate(zip(ends, how, strict=True)):
-        text = readable(end, unit or "1", 4) if math.isfinite(end) else ("below" if side == 0 else "above")
-        suffix = {"open": " open", "bounded": " (its bound)", "stopped": " (no run beyond)"}.get(word, "")
-        words.append(f"{'' if word != 'open' else 'no end '}{text}{suffix if word != 'open' else ''}")
-    return " to ".join(words) if "open" not in how else ", ".join(words)
 
 
 def _curves(table: xr.Dataset) -> Iterator[Row]:

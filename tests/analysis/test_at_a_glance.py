@@ -50,6 +50,15 @@ def test_what_is_let_go_is_measured_by_its_kinetic_energy():
     assert "of the largest kinetic energy" in told(run)["energy"]
 
 
+def test_work_of_forces_alone_is_theirs():
+    """A ramp of 1 kN/s for 0.2 s against a contact: there are no drives that could have done it."""
+    run = simulate(load_scenario("liu2013", overrides=["duration=0.2"]))
+    work = float(run.data["total_force_work"].sum())
+    gross = run.summary()["conservation"]["gross_work"]
+    assert gross > 0.0 and work == pytest.approx(gross, rel=1e-3)  # but for the ripple it pulls all the way
+    assert told(run)["energy"].startswith("forces did ") and "drives did" not in told(run)["energy"]
+
+
 def test_many_joints_share_a_line():
     run = simulate(load_scenario("solar_array", case="play", overrides=["duration=5 ms"]))
     assert len([about for about in told(run) if about in ("root", "first", "second", "third")]) == 4

@@ -90,6 +90,7 @@ def test_list_has_one_line_per_case(cli):
         "bai2020",
         "chen2021",
         "impact_pair",
+        "liu2013",
         "pendulum",
         "pointing_gear",
         "reaction_wheel",

@@ -8,6 +8,7 @@ from antenna_pin.fit import Problem, run_fit
 from antenna_pin.fit.certainty import certain, sizes_of, slopes_at, tells, values_in
 from antenna_pin.fit.designs import design
 from antenna_pin.fit.experiments import Trial, load_experiments, without
+from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.tell_tables import (
     experiments_table,
     identifiability_table,
@@ -125,7 +126,10 @@ def test_a_fit_is_saved_with_bands_and_profiles_and_shows_itself(write, asked, t
     plan = plan.model_copy(update={"noise": "estimated"})
     found = run_fit(plan)
     table, said = certain(found, profile=True)
-    assert said == ()
+    assert [line.split(" from ")[0] for line in said] == [
+        "stiffness: by its profile",
+        "damping: by its profile",
+    ]
     # Known to 0.2 % and 2 %, frequency and decay are all but linear: profile and t agree to 2 % of the width.
     width = found.bands.high - found.bands.low
     ends = table["profile_end"].values
@@ -182,3 +186,17 @@ def test_bad_experiments_are_refused_in_a_line(write, tmp_path, asked):
             load_experiments(tmp_path / "bad.toml")
     with pytest.raises(ScenarioError, match="no such file"):
         load_experiments(tmp_path / "none.toml")
+
+
+def test_an_experiment_by_a_clock_that_is_ahead_begins_within_its_run(write, tmp_path):
+    """Its samples are the same motion's at whatever shift: they begin late enough for the largest."""
+    (tmp_path / "next.toml").write_text('[experiments.slower]\ntimes = { until = "0.8 s", rate = "100 Hz" }')
+    experiments = load_experiments(tmp_path / "next.toml").experiments
+    clock = CLOCK.replace('"1 ms"', '"-4 ms"').replace('["0 s", "10 ms"]', '["-10 ms", "0 ms"]')
+    plan = write(parameters=DAMPER + clock, record='window = ["20 ms", "0.9 s"]')
+    problem = Problem(plan)
+    trial = Trial(plan, "slower", experiments["slower"], problem.start, Laboratory)
+    # One trial of 81 samples, of which one column, the clock, is told apart and left out of what it tells.
+    found = trial.slopes()
+    assert found.shape == (81, 3) and np.all(found[:, list(problem.names).index("shift")] == 0.0)
+    assert np.linalg.norm(found[:, 0]) > 0.0

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from known_curves import Curve, decay, line, oscillator
 from scipy.optimize import brentq
 
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.fit.profile_words import profile_lines
 from antenna_pin.fit.profiled import profiles
 from antenna_pin.fit.sureness import sure
 
@@ -113,3 +115,28 @@ def test_without_noise_there_is_no_profile(times):
         InvalidParameterError, match="noise must be given where the model meets the record exactly"
     ):
         profiles(model, found)
+
+
+@pytest.mark.parametrize(
+    ("how", "ends", "words"),
+    [
+        (("crossed", "crossed"), (0.9e-3, 1.2e-3), "by its profile from 0.9 to 1.2 mm (95 %)"),
+        (("crossed", "open"), (0.9e-3, np.inf), "0.9 mm or more: above the records do not bound it (95 %)"),
+        (("open", "crossed"), (-np.inf, 1.2e-3), "1.2 mm or less: below the records do not bound it (95 %)"),
+        (("open", "open"), (-np.inf, np.inf), "any value: the records do not bound it, as far as was looked"),
+        (("bounded", "stopped"), (0.0, 1.2e-3), "from 0 mm, its bound to 1.2 mm, beyond which the model can"),
+    ],
+)
+def test_profiles_say_how_they_end(how, ends, words):
+    over = ("parameter",)
+    table = xr.Dataset(
+        {
+            "value": (over, [1e-3, 2.0]),
+            "units": (over, ["m", ""]),
+            "profile_end": (("parameter", "side"), [ends, (np.nan, np.nan)]),
+            "profile_how": (("parameter", "side"), [how, ("", "")]),
+        },
+        coords={"parameter": ["play", "held"]},
+    )
+    (line,) = profile_lines(table)  # the other one has no profile
+    assert line.startswith("play: ") and words in line.replace("\N{NO-BREAK SPACE}", " ")

@@ -100,7 +100,11 @@ def swapped(time):
         ),
         ({"column": 'column = "angel"'}, "swing.csv: column 'angel' is unknown; did you mean angle?"),
         ({"record": 'time = "clock"'}, "swing.csv: column 'clock' is unknown"),
-        ({"record": 'delimiter = ";"'}, "swing.csv: column 'time' is unknown"),
+        (
+            {"record": 'delimiter = ";"'},
+            "the names of columns must be in the first line that counts, got time, angle in line 1; "
+            'give delimiter = ","',
+        ),
     ],
 )
 def test_bad_records_are_refused_in_one_line(write, made, words):
@@ -115,7 +119,7 @@ def test_what_is_no_number_in_a_text_is_named_with_its_line(write, tmp_path):
     lines[3] = '0.01,"0,09"'
     (tmp_path / "swing.csv").write_text("\n".join(lines))
     with pytest.raises(
-        ScenarioError, match="swing.csv: line 4: angle must be a number, got '0,09'; write a decimal point"
+        ScenarioError, match="swing.csv: line 4: angle must be a number, got '0,09'; if it is one"
     ):
         problem_of(tmp_path)
     lines[3] = "0.01,0.1,7"

@@ -121,6 +121,32 @@ def test_profiles_show_growth_ends_and_the_parabola():
         figure_profiles(fit(profile=False))
 
 
+def test_of_a_logarithm_the_parabola_and_a_wide_axis_are_its():
+    """A profile that is exactly a parabola of the logarithm lies on that of the standard error."""
+    values = 10.0 * np.exp([-2.0, -1.0, 0.0, 1.0, 2.0])
+    found = xr.Dataset(
+        {
+            "value": ("parameter", [10.0]),
+            "sd": ("parameter", [10.0 * 1.0]),  # of the logarithm 1
+            "units": ("parameter", ["N/m"]),
+            "title": ("parameter", ["k"]),
+            "logarithmic": ("parameter", [1.0]),
+            "profile_value": (("parameter", "step"), [values]),
+            "profile_root": (("parameter", "step"), [[-2.0, -1.0, 0.0, 1.0, 2.0]]),
+            "profile_end": (("parameter", "side"), [[10.0 * np.exp(-1.96), 10.0 * np.exp(1.96)]]),
+            "profile_how": (("parameter", "side"), [["crossed", "crossed"]]),
+            "profile_reach": 1.96,
+        },
+        coords={"parameter": ["k"]},
+    )
+    (axes,) = figure_profiles(found).axes
+    assert axes.get_xscale() == "log" and axes.get_xlim()[0] > 0.0
+    drawn = {line.get_label(): line for line in axes.get_lines()}
+    for name in ("profile", "by the standard error"):
+        x, y = (np.asarray(one) for one in drawn[name].get_data())
+        assert y == pytest.approx(np.log(x / 10.0) ** 2, abs=1e-12)  # round-off of an interpolation
+
+
 def test_what_a_test_tells_is_drawn_over_sizes_and_lost_parameters_as_arrows():
     found = xr.Dataset(
         {
