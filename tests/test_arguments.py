@@ -276,7 +276,7 @@ def test_what_an_iterator_gives_is_looked_at_as_it_comes():
 def test_arrays_are_told_where_numpy_names_them_by_aliases(monkeypatch):
     """From NumPy 2.5 on both are aliases of their own (PEP 695), whose parts nobody sees.
 
-    Then a sequence of numbers would ask for numbers of the type that an array has, and a union take any array.
+    Then arrays would be refused that are asked for, and a union take any.
     """
     from typing_extensions import TypeAliasType, TypeVar
 
