@@ -1,6 +1,7 @@
 """A driven pendulum on its way to an orbit, in phase space.
 
-From rest to a swing over the top of its hinge: rate over angle, coloured by time. The last periods lie on one another.
+From rest to a swing over the top of its hinge: rate over angle, coloured by time. The last periods lie on
+one another.
 """
 
 from antenna_pin import load_scenario, simulate

@@ -1,7 +1,7 @@
 """A joint's acceleration, ideal and with play.
 
-Bai and Zhao's antenna, its elevation driven by a motor: the ideal joint follows the motor, the one with 0.2 mm of play is
-driven by blows. This is the figure by which papers compare clearance models.
+Bai and Zhao's antenna, its elevation driven by a motor: the ideal joint follows the motor, the one with 0.2
+mm of play is driven by blows. This is the figure by which papers compare clearance models.
 """
 
 from antenna_pin import load_scenario, simulate

@@ -1,7 +1,7 @@
 """The restitution that is asked for, and the one that comes.
 
-Most damping laws were derived for nearly elastic blows. Asked for 0.5, some deliver 0.7: lines are closed forms, circles are
-blows that were integrated.
+Most damping laws were derived for nearly elastic blows. Asked for 0.5, some deliver 0.7: lines are closed
+forms, circles are blows that were integrated.
 """
 
 from antenna_pin.law_studies import restitution_table

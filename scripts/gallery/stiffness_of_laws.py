@@ -1,7 +1,8 @@
 """Force over depth: the elastic laws for one pin in one bore.
 
-A steel pin of 10 mm in a bore that is 0.2 mm wider, 50 mm long. Hertz's law of a sphere and the laws of a line contact differ
-by more than any uncertainty of the material, and more where the play is small: a law is part of the model.
+A steel pin of 10 mm in a bore that is 0.2 mm wider, 50 mm long. Hertz's law of a sphere and the laws of a
+line contact differ by more than any uncertainty of the material, and more where the play is small: a law is
+part of the model.
 """
 
 from antenna_pin.contact import MATERIALS

@@ -1,7 +1,7 @@
 """The way of a journal in its bearing.
 
-Both ends of the antenna's elevation journal in their bores: the circle is the play. The journal tilts in it, so that its ends
-come to rest on opposite sides.
+Both ends of the antenna's elevation journal in their bores: the circle is the play. The journal tilts in
+it, so that its ends come to rest on opposite sides.
 """
 
 from antenna_pin import load_scenario, simulate

@@ -1,6 +1,7 @@
 """Where the antenna looks: the error of its boresight against the ideal joint's.
 
-Turns about the antenna's own axes, and the angle between both boresights. Requirements are written for these numbers.
+Turns about the antenna's own axes, and the angle between both boresights. Requirements are written for
+these numbers.
 """
 
 from antenna_pin import load_scenario, simulate
