@@ -15,7 +15,7 @@ _HEADERS = {
     "scripts/gallery": """Gallery
 =======
 
-A picture each, by the lines that draw it. What these and more are made of: :doc:`notebooks and scripts </docs/scripts/index>`.
+A picture each, by the lines that draw it. Beside them: :doc:`notebooks and scripts </docs/scripts/index>`.
 
 .. toctree::
    :hidden:
