@@ -105,7 +105,7 @@ def test_every_script_has_a_title_of_its_own(monkeypatch, folder):
         made = pages.as_page(path.read_text())
         first, line = made.splitlines()[:2]
         titles.append(first.removeprefix('"""'))
-        assert line == "=" * len(titles[-1]) and 5 < len(titles[-1]) < 80
+        assert line == "=" * len(titles[-1]) and 5 < len(titles[-1]) < 100
         compile(made, path.name, "exec")
         assert folder == "examples" or "\nfigure = " in made, "a picture is what the gallery is for"
     assert len(titles) == len(set(titles)) > 9

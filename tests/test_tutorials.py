@@ -1,4 +1,4 @@
-"""The tutorials that are notebooks in text: what they import is public, and their form is the one the site runs.
+"""The tutorials that are notebooks in text: their imports are public, and their form is what the site runs.
 
 The site's build runs them, and ends where a cell of one raises (``nb_execution_raise_on_error``).
 """
