@@ -22,7 +22,7 @@ from numbers import Integral
 from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.units import QuantityError, quantity, shown
@@ -31,6 +31,7 @@ __all__ = ["fits", "is_number", "rule_of", "takes", "unknown_type"]
 
 _T = TypeVar("_T", bound=Callable[..., Any])
 _UNIONS = (Union, types.UnionType)
+_ARRAYS = (np.ndarray, NDArray)  # to NumPy 2.4 one is the other's name, from 2.5 on an alias of its own
 _EITHER, _NAMED = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
 
 
@@ -189,7 +190,7 @@ def fits(value: Any, hint: Any) -> bool:
         return True
     if hint is None or hint is type(None):
         return value is None
-    if hint == ArrayLike or get_origin(hint) is np.ndarray or hint is np.ndarray:
+    if hint == ArrayLike or get_origin(hint) in _ARRAYS or hint is np.ndarray:
         return _is_array(value, "c" if hint != ArrayLike and "complex" in str(hint) else "")
     origin, inner = get_origin(hint), get_args(hint)
     if origin in _UNIONS:
@@ -248,8 +249,8 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
 
 @functools.cache
 def _without_arrays(kinds: tuple[Any, ...]) -> tuple[bool, list[Any]]:
-    """Return whether ``ArrayLike`` is one of a union's kinds, where its parts stand, and the others."""
-    parts = get_args(ArrayLike)
+    """Return whether ``ArrayLike`` is one of a union's kinds, by its name or its parts, and the others."""
+    parts = get_args(ArrayLike) or (ArrayLike,)
     if not set(map(str, parts)) <= set(map(str, kinds)):
         return False, list(kinds)
     return True, [kind for kind in kinds if str(kind) not in set(map(str, parts))]
@@ -311,7 +312,7 @@ def rule_of(hint: Any) -> str:
             return _WORDS[hint]
     except TypeError:
         pass
-    if hint == ArrayLike or get_origin(hint) is np.ndarray:
+    if hint == ArrayLike or get_origin(hint) in _ARRAYS:
         return "an array of numbers"
     origin, inner = get_origin(hint), get_args(hint)
     if origin in _UNIONS:

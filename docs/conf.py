@@ -18,7 +18,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
 ]
 root_doc = "docs/index"
-exclude_patterns = ["**/.*", "docs/gallery/*.ipynb", "scripts/examples/GALLERY_HEADER.rst"]
+exclude_patterns = ["**/.*", "docs/gallery/*.ipynb", "docs/scripts/*.ipynb", "scripts/*/GALLERY_HEADER.rst"]
 nitpicky = False
 keep_warnings = True
 
@@ -62,16 +62,16 @@ add_module_names = False
 # --- examples: run by the build, with what they print and draw ---
 
 sphinx_gallery_conf = {
-    "examples_dirs": ["scripts/examples"],
-    "gallery_dirs": ["docs/gallery"],
-    "filename_pattern": r"/(three_lines|four_bar|slew|shaken_mass|section)\.py",
+    "examples_dirs": ["scripts/gallery", "scripts/examples"],
+    "gallery_dirs": ["docs/gallery", "docs/scripts"],
+    "filename_pattern": r"/gallery/|/(three_lines|four_bar|slew|shaken_mass|section)\.py",
     "download_all_examples": False,
     "show_memory": False,
     "show_signature": False,
     "min_reported_time": 1e9,
     "abort_on_example_error": True,
     "remove_config_comments": True,
-    "image_scrapers": ("matplotlib",),
+    "image_scrapers": ("gallery_pictures.figures_of_example",),
     "reset_modules": (),
     "write_computation_times": False,
 }

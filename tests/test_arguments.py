@@ -271,3 +271,25 @@ def test_a_function_names_itself_the_argument_and_what_it_got(function):
 def test_what_an_iterator_gives_is_looked_at_as_it_comes():
     with pytest.raises(InvalidParameterError, match="scenario_rows: pairs must be a .*, got one of 3"):
         scenario_rows(k for k in (3, 4))
+
+
+def test_arrays_are_told_where_numpy_names_them_by_aliases(monkeypatch):
+    """From NumPy 2.5 on both are aliases of their own (PEP 695), whose parts nobody sees.
+
+    Then arrays would be refused that are asked for, and a union take any.
+    """
+    from typing_extensions import TypeAliasType, TypeVar
+
+    from antenna_pin import arguments
+
+    kind = TypeVar("kind")
+    either = TypeAliasType("ArrayLike", ArrayLike)
+    array = TypeAliasType("NDArray", np.ndarray[Any, np.dtype[kind]], type_params=(kind,))
+    monkeypatch.setattr(arguments, "ArrayLike", either)
+    monkeypatch.setattr(arguments, "_ARRAYS", (np.ndarray, array))
+    for hint in (either, array[np.float64], Literal["x"] | either):
+        assert fits([[1.0, 0.0], [0.0, 1.0]], hint) and fits(np.eye(3), hint)
+        assert not fits({}, hint) and not fits(object(), hint)
+    assert not fits(np.eye(3), Thing | None)
+    assert rule_of(array[np.float64]) == "an array of numbers"
+    assert rule_of(either | str) == "an array of numbers or text"

@@ -95,6 +95,33 @@ def test_every_command_has_a_heading(monkeypatch):
         assert f"\n## antenna-pin {name}\n" in text
 
 
+@pytest.mark.parametrize("folder", ["gallery", "examples"])
+def test_every_script_has_a_title_of_its_own(monkeypatch, folder):
+    """It is what stands under its thumbnail, and in the navigation."""
+    pages = site_module(monkeypatch, "example_pages")
+    assert f"scripts/{folder}" in pages.GALLERIES
+    titles = []
+    for path in sorted((ROOT / "scripts" / folder).glob("*.py")):
+        made = pages.as_page(path.read_text())
+        first, line = made.splitlines()[:2]
+        titles.append(first.removeprefix('"""'))
+        assert line == "=" * len(titles[-1]) and 5 < len(titles[-1]) < 100
+        compile(made, path.name, "exec")
+        assert folder == "examples" or "\nfigure = " in made, "a picture is what the gallery is for"
+    assert len(titles) == len(set(titles)) > 9
+
+
+def test_what_the_gallery_made_of_a_script_goes_with_it(monkeypatch, tmp_path):
+    """Else a build that goes on from an earlier one would have pages in no tree."""
+    pages = site_module(monkeypatch, "example_pages")
+    folder = tmp_path / "docs" / "gallery"
+    folder.mkdir(parents=True)
+    for name in ("gone.rst", "gone.py.md5", "backlash.rst", "index.rst"):
+        (folder / name).touch()
+    pages.forget_galleries(tmp_path)
+    assert sorted(path.name for path in folder.iterdir()) == ["backlash.rst", "index.rst"]
+
+
 def test_what_is_wrong_with_a_site_is_told(monkeypatch, tmp_path):
     verdict = site_module(monkeypatch, "verdict")
     monkeypatch.setattr(verdict, "LARGEST", 200)

@@ -21,13 +21,71 @@ def test_version_and_licence_are_those_of_pyproject(release):
     assert release.metadata_faults() == []
 
 
-def test_another_version_in_one_file_is_told(release, tmp_path):
-    for name in ("pyproject.toml", "CITATION.cff", ".zenodo.json"):
+FILES = ("pyproject.toml", "CITATION.cff", ".zenodo.json", "CHANGELOG.md")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "fault"),
+    [
+        ("version", "9.9.9", ".zenodo.json: version is '9.9.9', in pyproject.toml '{version}'"),
+        (
+            "publication_date",
+            "2020-01-31",
+            ".zenodo.json: publication_date is '2020-01-31', in CHANGELOG.md '{day}'",
+        ),
+    ],
+)
+def test_another_version_or_day_in_one_file_is_told(release, tmp_path, key, value, fault):
+    for name in FILES:
         (tmp_path / name).write_text((ROOT / name).read_text())
     said = json.loads((tmp_path / ".zenodo.json").read_text())
-    (tmp_path / ".zenodo.json").write_text(json.dumps(said | {"version": "9.9.9"}))
-    (fault,) = release.metadata_faults(tmp_path)
-    assert fault == f".zenodo.json: version is '9.9.9', in pyproject.toml '{release.project_version()}'"
+    (tmp_path / ".zenodo.json").write_text(json.dumps(said | {key: value}))
+    assert release.metadata_faults(tmp_path) == [
+        fault.format(version=said["version"], day=said["publication_date"])
+    ]
+
+
+def test_a_changelog_of_an_older_version_is_told(release, tmp_path):
+    """A version has its section of the changelog; what is unreleased has no day yet."""
+    for name in FILES:
+        (tmp_path / name).write_text((ROOT / name).read_text())
+    (tmp_path / "CHANGELOG.md").write_text("# Changelog\n\n## [0.0.1] - 2020-01-31\n")
+    assert release.metadata_faults(tmp_path)[0].startswith(
+        "CHANGELOG.md: the newest is '0.0.1', in pyproject.toml "
+    )
+    (tmp_path / "CHANGELOG.md").write_text("# Changelog\n\n## [Unreleased]\n\n## [0.0.1] - 2020-01-31\n")
+    assert release.metadata_faults(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("tests/test_release.py", "wheel"),
+        ("antenna_pin/__pycache__/kernels.nbi", "wheel"),
+        ("build/docs/site/index.html", "source"),
+        ("models/bai2020/case3.nc", "source"),
+    ],
+)
+def test_what_nobody_needs_is_not_in_an_archive(release, name, kind):
+    sound = {
+        "wheel": [
+            "antenna_pin/__init__.py",
+            "antenna_pin/py.typed",
+            "antenna_pin/_models/bai2020/scenario.toml",
+            "antenna_pin-1.0.0.dist-info/METADATA",
+        ],
+        "source": [
+            "pyproject.toml",
+            "LICENSE",
+            "README.md",
+            "CHANGELOG.md",
+            "models/bai2020/scenario.toml",
+            "tests/conftest.py",
+        ],
+    }[kind]
+    assert release.contents_faults(sound, kind) == []
+    assert release.contents_faults([*sound, name], kind) == [f"{kind}: holds {name}"]
+    assert release.contents_faults(sound[1:], kind) == [f"{kind}: lacks {sound[0]}"]
 
 
 def test_the_changelog_keeps_its_form(release):

@@ -30,13 +30,12 @@ def build(built: Path = BUILT, *, anew: bool = False) -> Path:
 
     Args:
         built: Folder for source, site and what is kept between builds.
-        anew: Whether nothing of an earlier build is used, but for notebooks that were run.
+        anew: Whether nothing of an earlier build is used: scripts and notebooks are run again, too.
     """
     source, site, kept = built / "source", built / "site", built / "kept"
-    lay_out(source)
     if anew:
-        shutil.rmtree(site, ignore_errors=True)
-        shutil.rmtree(kept, ignore_errors=True)
+        shutil.rmtree(built, ignore_errors=True)
+    lay_out(source)
     options = [
         "-W",
         "--keep-going",
@@ -49,7 +48,10 @@ def build(built: Path = BUILT, *, anew: bool = False) -> Path:
         f"nb_execution_cache_path={built}/cells",
     ]
     command = [sys.executable, "-m", "sphinx", "-b", "html", "-c", str(source / "docs")]
-    environment = os.environ | {"IPYTHONDIR": str(quiet_kernels(built / "ipython"))}
+    environment = os.environ | {
+        "IPYTHONDIR": str(quiet_kernels(built / "ipython")),
+        "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]),
+    }
     done = subprocess.run([*command, *options, str(source), str(site)], env=environment, check=False)
     if done.returncode:
         raise SystemExit("docs: not built; the warnings above say why")

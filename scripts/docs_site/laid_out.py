@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from command_pages import commands_page
-from example_pages import lay_out_examples
+from example_pages import GALLERIES, forget_galleries, lay_out_examples
 from model_pages import models_page
 from name_pages import name_pages
 
@@ -43,6 +43,7 @@ def lay_out(source: Path) -> None:
         (folder / "docs" / "extra" / "index.html").write_text(_INDEX)
         shutil.copy2(mathjax(), folder / "docs" / "_static" / "mathjax.js")
         _bring_over(folder, source)
+        forget_galleries(source)
 
 
 def mathjax() -> Path:
@@ -65,7 +66,7 @@ def _bring_over(new: Path, old: Path) -> None:
     """Have a folder hold what another holds; files that are equal stay untouched."""
     wanted = {path.relative_to(new) for path in new.rglob("*") if path.is_file()}
     for path in sorted(old.rglob("*"), reverse=True):
-        if path.is_relative_to(old / "docs" / "gallery"):
+        if any(path.is_relative_to(old / made) for made in GALLERIES.values()):
             continue  # the build's own: examples that have not changed are not run again
         if path.is_file() and path.relative_to(old) not in wanted:
             path.unlink()

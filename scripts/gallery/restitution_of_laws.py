@@ -1,0 +1,10 @@
+"""The restitution that is asked for, and the one that comes.
+
+Most damping laws were derived for nearly elastic blows. Asked for 0.5, some deliver 0.7: lines are closed
+forms, circles are blows that were integrated.
+"""
+
+from antenna_pin.law_studies import restitution_table
+from antenna_pin.plot import figure_restitution
+
+figure = figure_restitution(restitution_table(asked=(0.2, 0.4, 0.6, 0.8, 0.95)))
