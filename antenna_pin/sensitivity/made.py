@@ -16,6 +16,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.sensitivity.by_equation import ByEquation
 from antenna_pin.sensitivity.by_runs import ByRuns, Slopes
 from antenna_pin.sensitivity.found import Sensitivities, dataset_of
+from antenna_pin.sensitivity.named import by_names
 from antenna_pin.sensitivity.parameters import Parameter, SensitivityError, parameters_of
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import settings_of
@@ -26,8 +27,8 @@ __all__ = ["Method", "sensitivities"]
 # Of runs that are differentiated, where no settings are given.
 _RTOL = 1e-12
 # By how much the equation may differ from differences of second order of runs, over the larger of a number's
-# own size and its change over a scale; and two times of one event [s].
-_APART, _SAME = 1e-4, 1e-9
+# own size and its change over a scale.
+_APART = 1e-4
 
 Method = Literal["runs", "quick-runs", "equation"]
 """How results are differentiated."""
@@ -99,23 +100,10 @@ def _by_equation(
     equation: ByEquation, runs: ByRuns, at: np.ndarray, span: float, parameters: tuple[Parameter, ...]
 ) -> list[Slopes]:
     """Return the derivatives over each parameter by the variational equation."""
-    displaced, passed = equation.carried(at, span)
-    series = equation.series(displaced)
-    found = []
-    for k, one in enumerate(parameters):
-        values = {name: v[..., k] for name, (v, _) in series.items() if name in runs.here}
-        doubts = {name: d[..., k] for name, (_, d) in series.items() if name in runs.here}
-        for name, what in (("onset_time", "onset"), ("release_time", "release")):
-            if name not in runs.here:
-                continue
-            times, contacts = runs.here[name].values, runs.run.data["episode_contact"].values
-            late = np.zeros(len(times))
-            for i, (time, contact) in enumerate(zip(times, contacts, strict=True)):
-                near = (p for p in passed if p.what == what and p.name == str(contact))
-                late[i] = next((p.late[k] / one.scale for p in near if abs(p.time - time) < _SAME), 0.0)
-            values[name], doubts[name] = late, np.abs(late) * displaced.doubts[:, k].max()
-        found.append(Slopes(values, doubts))
-    return found
+    data = runs.run.data
+    peaks = data["peak_time"].values if "peak_time" in data else np.zeros(0)
+    along = equation.carried(at, span, peaks[np.isfinite(peaks)])
+    return by_names(along, equation.series(along.displaced), runs.here, data, equation.flow.system, parameters)
 
 
 def _held_against(
