@@ -212,8 +212,7 @@ class Along:
                 when,
             )
         if look.weight:
-            rates = carrier.field.slopes(time, y, ways)[0]
-            self.books += look.weight * rates[self._nv :]
+            self.books += look.weight * self._slopes(time, y, ways)
             self._remember(ways)
         elif look.sample >= 0:
             field, sizes = carrier.field, np.linalg.norm(carrier.carried.matrix, axis=0)
@@ -225,6 +224,21 @@ class Along:
             self._seen.append((time, *here, self.books.copy(), carrier.doubt / sizes, words))
         else:
             self._mark = time, y.copy(), ways.copy()
+
+    def _slopes(self, time: float, y: Array, ways: Array) -> Array:
+        """Return the derivatives of the rates of what is integrated along displacements, (nx, parameters).
+
+        Those over the state and those over the numbers alone are each smooth on a scale of its own.
+        """
+        field, count = self.carrier.field, self._count
+        numbers = field.parts[-3]
+        alone, others = np.zeros((len(ways), count)), ways.copy()
+        alone[numbers], others[numbers] = np.eye(count), 0.0
+        units = np.concatenate(field.units)
+        sizes = np.abs(others[: len(units)] / units[:, None]).max(axis=0, initial=0.0)
+        sizes = np.where(sizes > 0.0, sizes, 1.0)
+        found = field.slopes(time, y, np.hstack([others / sizes, alone]))[0][self._nv :]
+        return np.asarray(found[:, :count] * sizes + found[:, count:] @ ways[numbers])
 
     def _remember(self, ways: Array) -> None:
         """Note what contacts that last remember, of neighbours."""

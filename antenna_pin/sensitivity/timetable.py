@@ -143,5 +143,5 @@ def _nodes(a: float, b: float, graded: bool, falling: bool) -> Iterator[Look]:
         yield from _nodes(middle, b, False, True)
         return
     times, slopes = Piece(a, b, graded, falling).at(_NODES)
-    for time, weight in zip(times.tolist(), (slopes * _WEIGHTS).tolist(), strict=True):
+    for time, weight in zip(times.tolist(), ((b - a) * slopes * _WEIGHTS).tolist(), strict=True):
         yield Look(time, weight)
