@@ -23,6 +23,7 @@ from antenna_pin.records import memory_records
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity.along import Along, Displaced
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
+from antenna_pin.sensitivity.starts import begun_from, is_of_start
 from antenna_pin.sensitivity.timetable import Pilot, timetable
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
@@ -61,15 +62,23 @@ class ByEquation:
         scenario: The scenario.
         parameters: Its numbers.
         settings: How to integrate.
+        start: From where it goes on; the scenario's start if None.
 
     Raises:
         InvalidParameterError: It has controllers, or a parameter is one of an event.
     """
 
-    def __init__(self, scenario: Scenario, parameters: Sequence[Parameter], settings: RunSettings) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        parameters: Sequence[Parameter],
+        settings: RunSettings,
+        start: State | None = None,
+    ) -> None:
         """Build the system and its neighbours."""
         check_without_controllers("sensitivities", scenario)
         self._scenario, self._parameters, self._settings = scenario, tuple(parameters), settings
+        self._from = start
         self._made = functools.cache(self._neighbour)
         self._here = self._made(0, 0.0)
         system = self._here.system
@@ -95,6 +104,11 @@ class ByEquation:
                 rule = "none of an event's, which only differences of runs take (method = 'runs')"
                 raise InvalidParameterError("sensitivities", "key", rule, said=one.key)
         system = build_system(scenario)
+        if self._from is not None:
+            first = self._from
+            if s != 0.0 and is_of_start(self._parameters[k].key):
+                first = begun_from(first, self._scenario, scenario, system)
+            return Neighbour(scenario, system, first)
         flow = Flow(system, self._settings, events_of(scenario))
         first = flow.first(*initial_state(scenario, system), initial_angles(scenario, system))
         return Neighbour(scenario, system, first)
@@ -160,7 +174,7 @@ class ByEquation:
         flow.check_ended(plain, span, first)
         deepest = [time for _, time in pilot.deepest]
         every = np.unique(np.concatenate([[begin, end], times, moments, deepest]))
-        looks = list(timetable(pilot, begin, every[(every >= begin) & (every <= end)]))
+        looks = list(timetable(pilot, first.time, every[(every >= begin) & (every <= end)]))
         frame = Chart(flow.system, first).frame
         run = flow.begun(first, span)
         carrier = Carrier(run, frame, self._start, self._numbers, [one.time for one in looks])
@@ -219,7 +233,7 @@ class ByEquation:
     def _seen(self, chunk: Chunk, k: int, s: float) -> dict[str, Array]:
         """Return the series that states imply of a neighbour's system, by name."""
         one = self._made(k, s)
-        run = Run(one.system, one.first, 1.0, self._settings, ())
+        run = Run(one.system, one.first, one.first.reached + 1.0, self._settings, ())
         return dict(series_at(run, chunk))
 
     def _displaced(self, displaced: Displaced, k: int, s: float) -> Chunk:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.arguments import takes
+from antenna_pin.assemble import build_system
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import Scenario
 from antenna_pin.sensitivity.by_equation import ByEquation
@@ -18,6 +19,7 @@ from antenna_pin.sensitivity.by_runs import ByRuns, Slopes
 from antenna_pin.sensitivity.found import Sensitivities, dataset_of
 from antenna_pin.sensitivity.named import by_names
 from antenna_pin.sensitivity.parameters import Parameter, SensitivityError, parameters_of
+from antenna_pin.sensitivity.starts import check_start_keys
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import settings_of
 from antenna_pin.state import State
@@ -80,13 +82,12 @@ def sensitivities(
     parameters = parameters_of(scenario, keys, place)
     begin = 0.0 if start is None else start.reached
     used, at, span = _sampled(scenario, times, duration, settings, begin)
-    if method == "equation" and start is not None:
-        rule = "left out where method = 'equation', which begins with the scenario's start"
-        raise InvalidParameterError(place, "start", rule, said="a state")
+    if start is not None:
+        check_start_keys(tuple(one.key for one in parameters), build_system(scenario))
     runs = ByRuns(scenario, used, span, at, start, processes, 6 if method == "runs" else 2)
     found = runs.over(parameters)
     if method == "equation":
-        equation = ByEquation(scenario, parameters, used)
+        equation = ByEquation(scenario, parameters, used, start)
         found = _held_against(found, _by_equation(equation, runs, at, span, parameters), runs, parameters)
     slopes, doubts = (
         {name: np.stack([getattr(one, kind)[name] for one in found], axis=-1) for name in found[0].values}

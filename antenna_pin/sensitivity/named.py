@@ -90,6 +90,7 @@ def _episodes(
     if "onset_time" not in run:
         return {}
     times = along.displaced.chunk.times
+    begin = float(times[0])
     names = ("impulse", "dissipated", "approach_speed", "effective_mass", "peak_force", "peak_depth")
     found = {name: np.full((len(run["onset_time"]), len(scales)), math.nan) for name in names}
     used: set[int] = set()
@@ -106,17 +107,17 @@ def _episodes(
             continue
         used.add(k)
         one, end = along.lasting[k], float(run["release_time"].values[i])
+        until = math.inf if math.isnan(end) else end
         books = (along.books if one.books[1] is None else one.books[1]) - one.books[0]
         found["impulse"][i] = books[system.impulse_x[c]] / scales
         found["dissipated"][i] = (books[system.lost_normal_x[c]] + books[system.lost_friction_x[c]]) / scales
         for name, logarithm in zip(("approach_speed", "effective_mass"), one.remembered, strict=True):
             found[name][i] = float(run[name].values[i]) * logarithm / scales
         when = float(run["peak_time"].values[i])
-        if when > onset and (math.isnan(end) or when < end):
+        if max(onset, begin) < when < until:
             at = int(np.argmin(np.abs(times - when)))
             found["peak_force"][i] = series["normal_force"][0][at, c]
-        until = math.inf if math.isnan(end) else end
-        deepest = [time for contact, time in along.deepest if contact == c and onset < time < until]
+        deepest = [time for contact, time in along.deepest if contact == c and max(onset, begin) < time < until]
         if deepest:
             places = [int(np.argmin(np.abs(times - time))) for time in deepest]
             depths = along.depths[places, c]

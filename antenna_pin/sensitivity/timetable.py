@@ -118,7 +118,7 @@ def timetable(pilot: Pilot, begin: float, samples: Array) -> Iterator[Look]:
     Args:
         pilot: That has seen the run.
         begin: When integrals begin [s].
-        samples: Ascending, (n,) [s]; the first is ``begin``.
+        samples: Ascending, (n,) [s].
     """
     changes = {end for end, change in zip(pilot.ends, pilot.changes, strict=True) if change}
     borders = sorted(changes.union(pilot.ends, samples.tolist()))
