@@ -9,7 +9,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.brief import brief
-from antenna_pin.errors import UnknownNameError
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.sensitivity.growth import Growth, growth_of
 from antenna_pin.sensitivity.parameters import Parameter
 from antenna_pin.trajectory import Trajectory
 
@@ -56,6 +57,22 @@ class Sensitivities:
         A hundredth of it is the change per 1 %, where scales are the parameters' values.
         """
         return np.asarray(self.derivative(variable) * np.array([one.scale for one in self.parameters]))
+
+    def growth(self, share: float = 0.01) -> tuple[Growth, ...]:
+        """Return how far derivatives can be believed: how those of the velocities grow over the samples.
+
+        Args:
+            share: Of doubt over a derivative, up to which it is believed [-].
+
+        Raises:
+            InvalidParameterError: There is no such share.
+        """
+        if not 0.0 < share < 1.0:
+            raise InvalidParameterError("sensitivities", "share", "above 0 and below 1", share)
+        scales = np.array([one.scale for one in self.parameters])
+        slopes, doubts = self.derivative("v") * scales, self.doubt("v") * scales
+        keys = tuple(one.key for one in self.parameters)
+        return growth_of(self.data["time"].values, slopes, doubts, keys, share)
 
     def _of(self, kind: str, variable: str) -> Array:
         if f"d_{variable}" not in self.data:
