@@ -1,7 +1,7 @@
 """A run whose displacements are carried, and what is integrated along it: works, losses, impulses.
 
 What a run integrates acts on nothing. Of b' = L(t, y, s) the derivative over a parameter is the integral of
-``DL w`` over the steps, and where the rate jumps at an instant that comes by ``dt`` later, ``(L- - L+) dt`` more.
+``DL w`` over the steps, and ``(L- - L+) dt`` more where the rate jumps at an instant by ``dt`` later.
 What a blow takes at an instant is a function of the state before it, at the neighbour's own instant.
 """
 
@@ -129,7 +129,7 @@ class Along:
         self._losses = _losses(system)
         self._nv = system.model.nv
         self.books = np.zeros((system.manifold.nx, count))
-        #: Of samples: time, state, memory, program, displacements, books, doubts and derivatives of the program.
+        # Of samples what :class:`Displaced` has, in its order.
         self._seen: list[tuple[Any, ...]] = []
         self._table, self._gaps = np.zeros(len(workspace.table), CONTACT), list[Array]()
         self._mark: tuple[float, Array, Array] | None = None
@@ -184,7 +184,9 @@ class Along:
         if (passages or flipped) and self._mark is not None and self._mark[0] == run.stepper.t:
             self._change(run, passages, new, words)
         for c in flipped:
-            late = next((p.late for p in new if p.what != "event" and p.name == str(c)), np.zeros(self._count))
+            late = next(
+                (p.late for p in new if p.what != "event" and p.name == str(c)), np.zeros(self._count)
+            )
             self._flip(c, bool(touching[c]), run.stepper.t, late)
         self._take_over(run)
 

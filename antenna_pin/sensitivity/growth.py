@@ -26,7 +26,8 @@ class Growth(NamedTuple):
         exponent: By which it grows like exp(exponent t), a straight line through its logarithm over all
             samples: the exponent of this motion over this span, not of an attractor. NaN of fewer than five
             samples [1/s].
-        believed: Up to when doubt is at most the asked share of it; infinity if it is throughout [s].
+        believed: From when on doubt is more than the asked share of it, to the end; infinity if it is not at
+            the end [s].
     """
 
     key: str
@@ -36,7 +37,9 @@ class Growth(NamedTuple):
     believed: float
 
 
-def growth_of(times: Array, slopes: Array, doubts: Array, keys: tuple[str, ...], share: float) -> tuple[Growth, ...]:
+def growth_of(
+    times: Array, slopes: Array, doubts: Array, keys: tuple[str, ...], share: float
+) -> tuple[Growth, ...]:
     """Return how the derivatives of velocities grow.
 
     Args:
@@ -58,9 +61,8 @@ def growth_of(times: Array, slopes: Array, doubts: Array, keys: tuple[str, ...],
         exponent = math.nan
         if np.count_nonzero(told) >= _FEWEST:
             exponent = float(np.polyfit(times[told], np.log(sizes[told]), 1)[0])
-        # Before a parameter first acts there is nothing that could be in doubt.
-        moved = np.maximum.accumulate(np.where(known, sizes, 0.0))
-        off = np.flatnonzero((rest > share * sizes) & (moved > rest))
-        believed = math.inf if not len(off) else float(times[off[0] - 1]) if off[0] else float(times[0])
+        sure = np.flatnonzero(known & (rest <= share * sizes))
+        last = int(sure[-1]) if len(sure) else 0
+        believed = math.inf if known[last + 1 :].sum() == 0 and len(sure) else float(times[last])
         found.append(Growth(key, float(sizes[top]), float(times[top]), exponent, believed))
     return tuple(found)

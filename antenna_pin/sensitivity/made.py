@@ -61,8 +61,8 @@ def sensitivities(
     The ``equation`` carries displacements along one run, and through events by their saltation
     (:mod:`antenna_pin.nonlinear.variational`), and what is integrated besides by the integral of its rates'
     derivatives. NaN are those of numbers that it does not tell, such as a largest force at a contact's onset.
-    It takes more time, and neighbours need not be alike in it: so it is held against two runs a parameter, and
-    refused where they contradict.
+    It takes more time, and neighbours need not be alike in it: so it is held against two runs a parameter,
+    and refused where they contradict.
 
     Args:
         scenario: The scenario.
@@ -141,7 +141,9 @@ def _by_equation(
     data = runs.run.data
     peaks = data["peak_time"].values if "peak_time" in data else np.zeros(0)
     along = equation.carried(at, span, peaks[np.isfinite(peaks)])
-    return by_names(along, equation.series(along.displaced), runs.here, data, equation.flow.system, parameters)
+    return by_names(
+        along, equation.series(along.displaced), runs.here, data, equation.flow.system, parameters
+    )
 
 
 def _held_against(

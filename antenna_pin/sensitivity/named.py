@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 # Two times of one event [s].
 _SAME = 1e-9
-# What is told of meetings of elements and joints, by its place in :class:`antenna_pin.sensitivity.along.Change`.
+# What is told of how elements meet their joints, in the order of what ``Change`` has of it.
 _OF_CHANGES = ("change_angle", "change_rate", "change_rate_after", "change_loss", "change_impulse")
 
 
@@ -60,7 +60,9 @@ def by_names(
         if name in here:
             found[name] = value, np.abs(value) * most
     return [
-        Slopes({name: v[..., k] for name, (v, _) in found.items()}, {n: d[..., k] for n, (_, d) in found.items()})
+        Slopes(
+            {name: v[..., k] for name, (v, _) in found.items()}, {n: d[..., k] for n, (_, d) in found.items()}
+        )
         for k in range(len(parameters))
     ]
 
@@ -100,7 +102,9 @@ def _episodes(
         near = (
             k
             for k, one in enumerate(along.lasting)
-            if one.contact == c and k not in used and (abs(one.onset - onset) < _SAME or one.onset == -math.inf)
+            if one.contact == c
+            and k not in used
+            and (abs(one.onset - onset) < _SAME or one.onset == -math.inf)
         )
         k = next(near, None)
         if k is None:
@@ -117,7 +121,9 @@ def _episodes(
         if max(onset, begin) < when < until:
             at = int(np.argmin(np.abs(times - when)))
             found["peak_force"][i] = series["normal_force"][0][at, c]
-        deepest = [time for contact, time in along.deepest if contact == c and max(onset, begin) < time < until]
+        deepest = [
+            time for contact, time in along.deepest if contact == c and max(onset, begin) < time < until
+        ]
         if deepest:
             places = [int(np.argmin(np.abs(times - time))) for time in deepest]
             depths = along.depths[places, c]
@@ -136,7 +142,11 @@ def _changes(along: Along, run: xr.Dataset, scales: Array) -> dict[str, Array]:
         time = float(run["change_time"].values[i])
         angle = float(run["change_angle"].values[i])
         for k, one in enumerate(along.changes):
-            if k in used or abs(one.time - time) > _SAME or abs(one.angle - angle) > 1e-9 * (1.0 + abs(angle)):
+            if (
+                k in used
+                or abs(one.time - time) > _SAME
+                or abs(one.angle - angle) > 1e-9 * (1.0 + abs(angle))
+            ):
                 continue
             used.add(k)
             found["change_time"][i] = one.late / scales

@@ -35,8 +35,8 @@ def check_start_keys(keys: tuple[str, ...], system: System) -> None:
 def begun_from(start: State, scenario: Scenario, other: Scenario, system: System) -> State:
     """Return a state as far from another as a scenario's own start is from another's.
 
-    What differs in a joint's place and rate differs in the state: along the joint's axis, of a joint with play
-    in its bearing's axes, of the base in the world's, its velocities in its own.
+    What differs in a joint's place and rate differs in the state: along the joint's axis, of a joint with
+    play in its bearing's axes, of the base in the world's, its velocities in its own.
 
     Args:
         start: The state.
@@ -44,13 +44,17 @@ def begun_from(start: State, scenario: Scenario, other: Scenario, system: System
         other: One that differs from it in its start, ``initial``.
         system: Of both.
     """
-    here, there = (system.state(*initial_state(one, system), initial_angles(one, system)) for one in (scenario, other))
+    here, there = (
+        system.state(*initial_state(one, system), initial_angles(one, system)) for one in (scenario, other)
+    )
     model, mechanism = system.model, system.mechanism
     nq, nv = model.nq, model.nv
     way, change = way_between(system, here[:nq], there[:nq]), (there - here)[nq : nq + nv]
     free = [(slice(0, 7), slice(0, 6), False)] if mechanism.base == "free" else []
     free += [
-        (slot.q, slot.v, True) for slot in (mechanism.joint(one.name) for one in system.clearances) if slot.kind == "floating"
+        (slot.q, slot.v, True)
+        for slot in (mechanism.joint(one.name) for one in system.clearances)
+        if slot.kind == "floating"
     ]
     for q, v, play in free:
         turn = _rotation(start.q[q]).T @ _rotation(here[q])

@@ -1,4 +1,4 @@
-"""When a run is looked at whose displacements are carried: samples, nodes of integrals, instants of changes."""
+"""When to look at a run whose displacements are carried: samples, nodes of integrals, changes."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class Pilot:
 
 
 def timetable(pilot: Pilot, begin: float, samples: Array) -> Iterator[Look]:
-    """Yield when to look, in the order of time: at samples, at nodes between them, and where something changes.
+    """Yield when to look, in order: at samples, at nodes between them, and where something changes.
 
     Next to where something changes, nodes are those of :class:`antenna_pin.nonlinear.pieces.Piece`.
 

@@ -28,7 +28,16 @@ from antenna_pin.simulation.own_actions import STILL, Switch
 from antenna_pin.simulation.passages import Blow, Turned
 from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 
-__all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "kinetic", "own_events", "switches_of"]
+__all__ = [
+    "ZERO",
+    "Changed",
+    "Modes",
+    "NeverSettlesError",
+    "Switching",
+    "kinetic",
+    "own_events",
+    "switches_of",
+]
 
 Array = NDArray[np.float64]
 
