@@ -136,7 +136,8 @@ def _row(found: Sensitivities, one: Changed) -> dict[str, Any]:
         found.parameters, one.slopes.tolist(), one.doubts.tolist(), strict=True
     ):
         row[f"per 1 % of {parameter.key}"], row[f"doubt of {parameter.key}"] = 0.01 * slope, 0.01 * doubt
-    return plain(row)
+    told: dict[str, Any] = plain(row)
+    return told
 
 
 def _print(found: Sensitivities, rows: list[dict[str, Any]]) -> None:

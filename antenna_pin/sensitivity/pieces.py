@@ -24,8 +24,8 @@ __all__ = ["borders_of", "over_pieces"]
 
 Array = NDArray[np.float64]
 
-# Shortest piece, over the whole.
-_SHORTEST = 1e-6
+# Shortest piece, over the whole; and two times that are one but for round-off, over either.
+_SHORTEST, _ONE = 1e-6, 1e-12
 
 
 def borders_of(length: float, begin: float, span: float) -> Array:
@@ -61,7 +61,7 @@ def over_pieces(
     refused: list[dict[str, float | str]] = []
     start = first
     for begin, end in zip(borders[:-1].tolist(), borders[1:].tolist(), strict=True):
-        at = np.unique(np.append(times[(times > begin) & (times < end)], end))
+        at = np.append(times[(times > begin * (1.0 + _ONE)) & (times < end * (1.0 - _ONE))], end)
         try:
             parts.append((begin, made(start, at, end - begin)))
         except GrazeError as error:
