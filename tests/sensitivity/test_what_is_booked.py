@@ -117,8 +117,8 @@ def test_contacts_by_both_methods(after):
         theirs, ours = runs.relative(name), equation.relative(name)
         known = np.isfinite(ours)
         assert known.all() or (after is not None and name.startswith("peak_"))  # which are before
-        # Runs: their tolerance over a step of 1e-3, ten times; next to an onset the equation's 1e-8. A largest
-        # force is located to a millionth of a step, over which its derivative changes as much.
+        # Runs: their tolerance over a step of 1e-3, ten times; next to an onset the equation's 1e-8.
+        # A largest force is located to a millionth of a step, over which its derivative changes as much.
         size = max(np.abs(theirs).max(), np.abs(runs.data[name].values).max())
         assert np.abs(ours - theirs)[known].max(initial=0.0) < (1e-6 if name == "peak_force" else 3e-8) * size
 
