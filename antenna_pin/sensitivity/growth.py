@@ -26,8 +26,8 @@ class Growth(NamedTuple):
         exponent: By which it grows like exp(exponent t), a straight line through its logarithm over all
             samples: the exponent of this motion over this span, not of an attractor. NaN of fewer than five
             samples [1/s].
-        believed: From when on doubt is more than the asked share of it, to the end; infinity if it is not at
-            the end [s].
+        believed: From when on, to the end, doubt is more than the asked share of the largest so far; infinity
+            if it is not at the end [s].
     """
 
     key: str
@@ -61,7 +61,9 @@ def growth_of(
         exponent = math.nan
         if np.count_nonzero(told) >= _FEWEST:
             exponent = float(np.polyfit(times[told], np.log(sizes[told]), 1)[0])
-        sure = np.flatnonzero(known & (rest <= share * sizes))
+        # A derivative that goes back to zero is known if its doubt is small beside what it has been.
+        been = np.maximum.accumulate(np.where(known, sizes, 0.0))
+        sure = np.flatnonzero(known & (rest <= share * been))
         last = int(sure[-1]) if len(sure) else 0
         believed = math.inf if known[last + 1 :].sum() == 0 and len(sure) else float(times[last])
         found.append(Growth(key, float(sizes[top]), float(times[top]), exponent, believed))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-import pinocchio as pin
+from scipy.spatial.transform import Rotation
 
 from antenna_pin.assemble import initial_angles, initial_state
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.frames import way_between
 from antenna_pin.scenario import Scenario
@@ -64,7 +64,7 @@ def begun_from(start: State, scenario: Scenario, other: Scenario, system: System
             change[first : first + 3] = turn @ change[first : first + 3]
             change[first + 3 : first + 6] = turn @ change[first + 3 : first + 6]
     y = start.y
-    y[:nq] = pin.integrate(model, start.q, way)
+    Workspace(system).retract(y, way)
     y[nq : nq + nv] += change
     system.turn_on(y)
     return dataclasses.replace(start, q=y[:nq].copy(), v=y[nq : nq + nv].copy(), x=y[nq + nv :].copy())
@@ -72,4 +72,4 @@ def begun_from(start: State, scenario: Scenario, other: Scenario, system: System
 
 def _rotation(pose: np.ndarray) -> np.ndarray:
     """Return the rotation of a pose, (7,)."""
-    return np.asarray(pin.Quaternion(pose[3:7]).toRotationMatrix())
+    return np.asarray(Rotation.from_quat(pose[3:7]).as_matrix())

@@ -191,7 +191,7 @@ def growth_said(found: Sensitivities, share: float = 0.01) -> str:
     )
     if first.believed == math.inf:
         return f"{grown}known to {share:.0%} to the end"
-    return f"{grown}believed to {share:.0%} up to {first.believed:.6g} s (over {first.key}); then take pieces"
+    return f"{grown}known to {share:.0%} up to {first.believed:.6g} s (over {first.key}); then take pieces"
 
 
 @takes()
