@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
+from antenna_pin.analysis import pointing_indices
 from antenna_pin.sensitivity import sensitivities
 from tests.sensitivity.test_closed_forms import (
     BASE,
@@ -92,6 +93,27 @@ def test_what_a_damper_takes(tmp_path):
         ours = found.derivative("dissipation_damper")[:, 0, k]
         # A hundred of the run's tolerances of energies of some 20 J.
         assert np.abs(ours - exact).max() * abs(value) < 2e-9
+
+
+@pytest.mark.parametrize("method", ["runs", "equation"])
+def test_pointing_indices(tmp_path, method):
+    """The largest error of an oscillator and its mean over a window, by the closed form at the same times."""
+    times, key = np.linspace(0.0, 1.4, 29), "springs.coil.damping"
+
+    def indices(time, error):
+        found = pointing_indices(time, error, window=0.7)
+        return found["extreme"].sel(index=["APE", "MPE"]).values[:, 0]
+
+    found = sensitivities(mass(tmp_path, COIL), [key], times, method=method)
+    ours, doubt = found.of(lambda data: indices(data["time"].values, data["slide_position"].values[:, 0]))
+    h = 1e-4
+    ahead, behind = (
+        indices(times, oscillation(times, STIFFNESS, DAMPING + side * h, MASS, PLACE, -PULL)[0])
+        for side in (1, -1)
+    )
+    # Central differences of the closed form: h^2 / 6 of a third derivative of 0.05; round-off over h.
+    assert np.abs(ours[..., 0] - (ahead - behind) / (2.0 * h)).max() < 1e-9 + doubt.max()
+    assert doubt.max() < 1e-6
 
 
 @pytest.mark.parametrize("after", [None, 1.1e-3], ids=["from the start", "from within a contact"])
