@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -11,6 +12,8 @@ from scipy.optimize import brentq
 
 from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import method_named
+from antenna_pin.nonlinear.near import Near
+from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.pieces import Piece
 from antenna_pin.records import CONTACT
 from antenna_pin.simulation.loop import Run
@@ -23,8 +26,8 @@ Array = NDArray[np.float64]
 # Gauss's nodes of a step and their weights, over its length: of order 8, as the steps are themselves.
 _NODES, _WEIGHTS = (np.array(one) for one in np.polynomial.legendre.leggauss(4))
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
-# Two instants that are one but for round-off, over the later.
-_ONE = 1e-14
+# Two instants that are one but for round-off, over the later; and how far numbers are moved, in their scale.
+_ONE, _MOVED = 1e-14, 1e-3
 
 
 class Look(NamedTuple):
@@ -46,15 +49,18 @@ class Pilot:
 
     Args:
         run: Before its first step; its steps are made one by one.
+        numbers: Parameters of the system.
 
     Attributes:
         ends: Of steps, ascending [s].
         changes: Whether something changes there.
+        idle: Whether nothing was integrated in the step that ends there, of no neighbour either.
         deepest: Contacts and when their depth is largest [s], in order.
     """
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: Run, numbers: Numbers) -> None:
         """Begin at the run's start."""
+        self._near, self.idle = Near(run.system, run.settings, numbers), list[bool]()
         self.ends: list[float] = []
         self.changes: list[bool] = []
         self.deepest: list[tuple[int, float]] = []
@@ -77,8 +83,12 @@ class Pilot:
         changes = bool(self._passages) or not np.array_equal(touched, touching)
         self._passages.clear()
         if time > self._time:
+            self._dense.restart(self._time, self._y)
+            self._dense.attempt(run.stepper.h)
+            self._dense.prepare_dense()
             if touched.any():
                 self._look_for_deepest(np.flatnonzero(touched).tolist(), run.stepper.h)
+            self.idle.append(not touched.any() and self._is_idle(run.stepper.h))
             self.ends.append(time)
             self.changes.append(changes)
         elif changes and self.changes:
@@ -92,9 +102,6 @@ class Pilot:
     def _look_for_deepest(self, contacts: list[int], size: float) -> None:
         """Find where depths are largest within a step [s]."""
         dense = self._dense
-        dense.restart(self._time, self._y)
-        dense.attempt(size)
-        dense.prepare_dense()
 
         def rate(theta: float, c: int) -> float:
             y = np.zeros_like(self._y)
@@ -108,6 +115,20 @@ class Pilot:
                 theta = float(brentq(rate, 0.0, 1.0, args=(c,), xtol=1e-15))
                 found.append((self._time + theta * size, c))
         self.deepest += [(c, time) for time, c in sorted(found)]
+
+    def _is_idle(self, size: float) -> bool:
+        """Whether nothing is integrated at begin, middle and end of a step, with any number moved either."""
+        near, y = self._near, np.zeros_like(self._y)
+        near.workspace.memory[:], near.workspace.program[:] = self._own.memory, self._own.program
+        nv, count = near.system.model.nv, near.parts[-3].stop - near.parts[-3].start
+        for theta in (0.0, 0.5, 1.0):
+            self._dense.interpolate(theta, y)
+            for k in range(-1, count):
+                moved = np.zeros(near.parts[-1].stop)
+                moved[near.parts[-3]][k:][:1] = 0.0 if k < 0 else _MOVED
+                if near.at(near.rates, self._time + theta * size, y, moved)[nv:].any():
+                    return False
+        return True
 
 
 def timetable(pilot: Pilot, begin: float, samples: Array) -> Iterator[Look]:
@@ -125,7 +146,9 @@ def timetable(pilot: Pilot, begin: float, samples: Array) -> Iterator[Look]:
     borders = [one for one in borders if begin <= one <= samples[-1]]
     number, last = 0, begin
     for border in borders:
-        if border - last > _ONE * max(abs(border), 1e-300):
+        step = bisect.bisect_left(pilot.ends, border)
+        rests = step < len(pilot.idle) and pilot.idle[step]
+        if not rests and border - last > _ONE * max(abs(border), 1e-300):
             yield from _nodes(last, border, last in changes, border in changes)
         while number < len(samples) and samples[number] <= border:
             yield Look(float(samples[number]), sample=number)
