@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
+import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast, get_args
 
 import typer
 
 from antenna_pin.capacity import check_count
-from antenna_pin.cli._common import CaseOption, SetOption, load, not_interrupted
+from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
 from antenna_pin.cli._quantities import positive_quantity
+from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
-    from antenna_pin.sensitivity import Method, Sensitivities
+    from antenna_pin.sensitivity import Changed, Method, Sensitivities
+    from antenna_pin.state import State
 
 __all__ = ["sensitivity"]
 
-# What is told of contacts: of all of them together.
-_OF_CONTACTS = {
-    "peak_force": "max",
-    "peak_depth": "max",
-    "impulse": "sum",
-    "dissipated": "sum",
-    "onset_time": "last",
-}
-
 
 def sensitivity(
+    context: typer.Context,
     scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario.")],
     keys: Annotated[
         list[str],
@@ -40,18 +36,29 @@ def sensitivity(
     method: Annotated[
         str, typer.Option(metavar="NAME", help="runs, quick-runs (two runs a key), or equation.")
     ] = "runs",
+    start: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="State to go on from, JSON of State.to_json.")
+    ] = None,
+    pieces: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Length of pieces, each from the run's own state at its start."),
+    ] = None,
     most: Annotated[int, typer.Option(help="Results to show at most, what changes most first.")] = 12,
+    out: TableOption = None,
+    plot: PlotOption = None,
+    width: WidthOption = Width.PAGE,
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
     """Say by how much results change with some numbers of a scenario, through all of its events.
 
     Of each number of the result, how large it is and by how much it changes per 1 % of each key (of its
-    scale, if one is given), and what is in doubt of that.
+    scale, if one is given), and what is in doubt of that; and how far along the run that can be believed.
     """
-    table = csv_target(csv)
+    table, targets = csv_target(csv), targets_of(out, plot)
     check_count("sensitivity", "--most", most)
-    from antenna_pin.sensitivity import Method, sensitivities
+    from antenna_pin.plot import figure_sensitivity
+    from antenna_pin.sensitivity import Method, results_of, sensitivities, sensitivity_table
 
     if method not in get_args(Method):
         rule = f"one of {', '.join(get_args(Method))}"
@@ -64,12 +71,56 @@ def sensitivity(
             raise InvalidParameterError("sensitivity", "KEY", "named once each", said=f"{key.strip()} twice")
         scales[key.strip()] = scale.strip() if equals else None
     known = load(scenario, case, settings)
-    span = None if duration is None else positive_quantity(duration, "s", "--duration", "sensitivity")
-    found = sensitivities(known, scales, duration=span, method=cast("Method", method))
-    rows = _rows(found)
+    span, length = (
+        None if text is None else positive_quantity(text, "s", option, "sensitivity")
+        for text, option in ((duration, "--duration"), (pieces, "--pieces"))
+    )
+    found = sensitivities(
+        known,
+        scales,
+        duration=span,
+        method=cast("Method", method),
+        start=None if start is None else _state(start),
+        pieces=length,
+    )
+    results = results_of(found)
+    rows = [_row(found, one) for one in results]
+    kept = sensitivity_table(found, known)
     with not_interrupted():
-        if not exported({"parameters": _parameters(found), "results": rows}, rows, as_json, table):
+        save_both(kept, lambda: figure_sensitivity(kept, width=width.value), targets, context, silent=as_json)
+        if not exported(_facts(found, rows), rows, as_json, table):
             _print(found, rows[:most])
+
+
+def _state(path: Path) -> State:
+    """Return the state in a file."""
+    from antenna_pin.state import State
+
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        rule = "a file with a state, the text of State.to_json"
+        raise InvalidParameterError("sensitivity", "--start", rule, said=f"{path} ({error})") from None
+    return State.from_json(text)
+
+
+def _facts(found: Sensitivities, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return all that is known, in plain numbers."""
+    from antenna_pin.sensitivity import refused_in
+
+    growth = [
+        {
+            name: value if not isinstance(value, float) or math.isfinite(value) else None
+            for name, value in pairs
+        }
+        for pairs in (one._asdict().items() for one in found.growth())
+    ]
+    return {
+        "parameters": _parameters(found),
+        "results": rows,
+        "growth": plain({"of": growth})["of"],
+        "refused": refused_in(found),
+    }
 
 
 def _parameters(found: Sensitivities) -> list[dict[str, Any]]:
@@ -78,52 +129,15 @@ def _parameters(found: Sensitivities) -> list[dict[str, Any]]:
     ]
 
 
-def _rows(found: Sensitivities) -> list[dict[str, Any]]:
-    """Return a row of each number, those that change most first."""
-    import numpy as np
-
-    rows = []
-    for name in sorted(str(one)[2:] for one in found.data.data_vars if str(one).startswith("d_")):
-        here = found.data[name]
-        values, slopes, doubts = here.values, found.relative(name), found.doubt(name)
-        doubts = doubts * np.array([one.scale for one in found.parameters])
-        unit = str(here.attrs.get("units", ""))
-        if "time" in here.dims:
-            continue
-        if "episode" in here.dims:
-            way = _OF_CONTACTS.get(name)
-            if way is None or not len(values):
-                continue
-            at = {"max": int(np.argmax(values)), "last": len(values) - 1}.get(way, -1)
-            one = (float(values.sum()), slopes.sum(axis=0), doubts.sum(axis=0)) if way == "sum" else None
-            rows.append(
-                _row(found, f"{way} {name}", unit, *(one or (float(values[at]), slopes[at], doubts[at])))
-            )
-            continue
-        for index in np.ndindex(values.shape):
-            labels = [
-                str(here[str(dim)].values[i])
-                for dim, i in zip(here.dims, index, strict=True)
-                if dim in here.coords
-            ]
-            label = f"{name} {' '.join(labels)}".strip()
-            rows.append(_row(found, label, unit, float(values[index]), slopes[index], doubts[index]))
-    changed = [row for row in rows if row.pop("_changes")]
-    return sorted(changed, key=lambda row: -row.pop("_most"))
-
-
-def _row(
-    found: Sensitivities, label: str, unit: str, value: float, slopes: Any, doubts: Any
-) -> dict[str, Any]:
+def _row(found: Sensitivities, one: Changed) -> dict[str, Any]:
     """Return the row of a number."""
-    import numpy as np
-
-    row: dict[str, Any] = {"result": label, "unit": unit, "value": value}
-    for one, slope, doubt in zip(found.parameters, slopes.tolist(), doubts.tolist(), strict=True):
-        row[f"per 1 % of {one.key}"], row[f"doubt of {one.key}"] = 0.01 * slope, 0.01 * doubt
-    size = float(np.abs(slopes).max(initial=0.0))
-    changes = bool((np.abs(slopes) > doubts).any())
-    return {**plain(row), "_changes": changes, "_most": size / abs(value) if value else 0.0}
+    row: dict[str, Any] = {"result": one.result, "unit": one.unit, "value": one.value}
+    for parameter, slope, doubt in zip(
+        found.parameters, one.slopes.tolist(), one.doubts.tolist(), strict=True
+    ):
+        row[f"per 1 % of {parameter.key}"], row[f"doubt of {parameter.key}"] = 0.01 * slope, 0.01 * doubt
+    told: dict[str, Any] = plain(row)
+    return told
 
 
 def _print(found: Sensitivities, rows: list[dict[str, Any]]) -> None:
@@ -134,10 +148,15 @@ def _print(found: Sensitivities, rows: list[dict[str, Any]]) -> None:
     for row in rows:
         changes = [_change(row, one.key) for one in found.parameters]
         lines.append([f"{row['result']} [{row['unit'] or '-'}]", f"{row['value']:.5g}", *changes])
-    if not lines:
+    from antenna_pin.sensitivity import growth_said, refused_in
+
+    if lines:
+        print_rows("Change per 1 %", ["", "is", *names], lines)
+    elif "piece_begin" not in found.data.coords:
         typer.echo("no number of the result changes with these by more than is in doubt")
-        return
-    print_rows("Change per 1 %", ["", "is", *names], lines)
+    typer.echo(growth_said(found))
+    for piece in refused_in(found):
+        typer.echo(f"no derivatives from {piece['begin']:.6g} s to {piece['end']:.6g} s: {piece['why']}")
 
 
 def _change(row: dict[str, Any], key: str) -> str:

@@ -147,7 +147,7 @@ class Flow:
         end = start.time + span
         run = Run(self.system, start, end, self._sampled(span), self._events)
         run.advance()
-        self._check(run, span, start)
+        self.check_ended(run, span, start)
         begun, ended = run.episodes["onset"], run.episodes["release"]
         onsets = int(np.count_nonzero(begun > start.time))
         events = [one.time for one in run.actions.happened]
@@ -233,14 +233,17 @@ class Flow:
         Raises:
             FlowError: The run did not come to its end.
         """
-        end = start.time + span
-        run = Run(self.system, start, end, self._sampled(span), self._events, singly=True)
+        run = self.begun(start, span)
         carrier = Carrier(run, frame, ways, numbers, looks)
         if seen is not None:
             carrier.seen = functools.partial(seen, carrier)
         run.advance(keep=carrier)
-        self._check(run, span, start)
+        self.check_ended(run, span, start)
         return carrier, run.present()
+
+    def begun(self, start: State, span: float) -> Run:
+        """Return the run of a span of time [s] from a state before its first step, to be made one by one."""
+        return Run(self.system, start, start.time + span, self._sampled(span), self._events, singly=True)
 
     def tangent_by_runs(
         self, start: State, span: float, chart: Chart | None = None, *, step: float | None = None
@@ -279,7 +282,7 @@ class Flow:
         matrix = np.column_stack(columns) if columns else np.zeros((there.size, 0))
         return Tangent(matrix, np.array(doubts), end)
 
-    def _check(self, run: Run, span: float, start: State) -> None:
+    def check_ended(self, run: Run, span: float, start: State) -> None:
         """Refuse a run that has not come to its end."""
         if run.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,32 @@ from antenna_pin.dynamics import Workspace, acting_in, impulse, kernels
 from antenna_pin.elements import Met
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.numbers import InPlace
+from antenna_pin.simulation.modes import kinetic
 from antenna_pin.simulation.passages import Blow, Turned
 
-__all__ = ["Replay"]
+__all__ = ["Meeting", "Replay"]
 
 Array = NDArray[np.float64]
+
+
+class Meeting(NamedTuple):
+    """How an element met its joint, and what a blow there has done.
+
+    Attributes:
+        place: Of the element.
+        angle: Of the joint [rad] ([m]).
+        rate: Before it [rad/s] ([m/s]), ``rate_after`` it.
+        rate_after: See there.
+        loss: Energy lost in it [J].
+        impulse: On the child [N m s] ([N s]).
+    """
+
+    place: str
+    angle: float
+    rate: float
+    rate_after: float
+    loss: float = 0.0
+    impulse: float = 0.0
 
 
 class Replay:
@@ -34,6 +55,9 @@ class Replay:
     def __init__(self, workspace: Workspace, kept: Kept, numbers: InPlace | None = None) -> None:
         """Find the elements."""
         self._workspace, self._kept, self._numbers = workspace, kept, numbers
+        self._holds = [one.name for one in workspace.system.holds]
+        #: Of each element that met its joint in the last call, in order: what :class:`Meeting` tells.
+        self.met: list[Meeting] = []
         self._blocks = {one.place: one.block for one in acting_in(workspace.system)}
         self._own: Mapping[str, list[int]] = {
             place: [k for k, one in enumerate(kept.numbers) if one.place == place] for place in self._blocks
@@ -53,6 +77,7 @@ class Replay:
         nq, nv = self._workspace.model.nq, self._workspace.model.nv
         state, numbers, program = y.copy(), numbers.copy(), self._workspace.program
         present = program.copy()
+        self.met.clear()
         try:
             for one in done:
                 if isinstance(one, Blow):
@@ -61,12 +86,23 @@ class Replay:
                         program += self._numbers.present @ self._numbers.program
                     rate = kernels.joint_motion(program, one.block, state, nq)[1]
                     wanted = {} if one.restitution is None else {one.place: -self._back(one) * float(rate)}
-                    state[nq : nq + nv] = impulse(self._workspace, time, state, wanted)[0]
+                    after, held, own = impulse(self._workspace, time, state, wanted)
+                    before = kinetic(self._workspace, state)
+                    state[nq : nq + nv] = after
+                    self._struck(one, state, before, held, own)
                 else:
                     self._turn(one, time, state, numbers)
         finally:
             program[:] = present
         return state[nq : nq + nv], numbers
+
+    def _struck(self, one: Blow, state: Array, before: float, held: Array, own: Array) -> None:
+        """Note what a blow has done to the element that turned last."""
+        last = self.met[-1]
+        rate = kernels.joint_motion(self._workspace.program, one.block, state, self._workspace.model.nq)[1]
+        blow = float(own[0] if len(own) else held[self._holds.index(last.place)])
+        loss = before - kinetic(self._workspace, state)
+        self.met[-1] = last._replace(rate_after=float(rate), loss=loss, impulse=blow)
 
     def _back(self, one: Blow) -> float:
         """Return the restitution of a blow, in a neighbour by its own number."""
@@ -81,9 +117,10 @@ class Replay:
     def _turn(self, one: Turned, time: float, state: Array, numbers: Array) -> None:
         """Let an element keep what it keeps of a change, in place."""
         own, nq = self._own[one.place], self._workspace.model.nq
+        angle, rate, *_ = kernels.joint_motion(self._workspace.program, self._blocks[one.place], state, nq)
+        self.met.append(Meeting(one.place, float(angle), float(rate), float(rate)))
         if not own:
             return
-        angle, rate, *_ = kernels.joint_motion(self._workspace.program, self._blocks[one.place], state, nq)
         before: dict[str, Any] = {
             name: getattr(one.before, name) + change for name, change in self._displaced(one.place).items()
         }

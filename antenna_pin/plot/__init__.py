@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from antenna_pin.plot.response import figure_response
     from antenna_pin.plot.scenarios import figure_scenarios
     from antenna_pin.plot.sections import figure_bifurcation, figure_section
+    from antenna_pin.plot.sensitivity import figure_sensitivity
     from antenna_pin.plot.shaken import figure_density, figure_shock, figure_swept
     from antenna_pin.plot.spectra import SIGNALS, figure_spectra, figure_spectrogram
     from antenna_pin.plot.stops import figure_stops
@@ -148,6 +149,7 @@ __all__ = [
     "figure_profiles",
     "figure_response",
     "figure_section",
+    "figure_sensitivity",
     "figure_restitution",
     "figures_of_experiment",
     "rendered",
@@ -216,6 +218,7 @@ loaded_when_used(
         "response": "figure_response",
         "scenarios": "figure_scenarios",
         "sections": "figure_bifurcation figure_section",
+        "sensitivity": "figure_sensitivity",
         "shaken": "figure_density figure_shock figure_swept",
         "spectra": "SIGNALS figure_spectra figure_spectrogram",
         "gears": "figure_gears",

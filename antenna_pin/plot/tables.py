@@ -18,6 +18,7 @@ from antenna_pin.plot.fit_tests import figure_experiments, figure_identifiabilit
 from antenna_pin.plot.periodic import figure_branch, figure_multipliers
 from antenna_pin.plot.phase import figure_phase
 from antenna_pin.plot.sections import figure_bifurcation, figure_section
+from antenna_pin.plot.sensitivity import figure_sensitivity
 from antenna_pin.trajectory import KINDS, kind_of
 
 __all__ = ["TableFigure", "table_figures"]
@@ -96,4 +97,5 @@ _ALONE: dict[str, tuple[str, Callable[..., Figure]]] = {
     "exponents": ("Lyapunov exponents", figure_exponents),
     "identifiability": ("What the test can tell", figure_identifiability),
     "experiments": ("Experiments beside one another", figure_experiments),
+    "sensitivity": ("Sensitivities", figure_sensitivity),
 }

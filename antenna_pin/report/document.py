@@ -36,6 +36,7 @@ from antenna_pin.report import (
     pointing,
     provenance,
     results,
+    sensitivities,
     stops,
     words,
 )
@@ -233,6 +234,7 @@ _TELLS = {
     "fit": fits.fit,
     "identifiability": fits.identifiability,
     "experiments": fits.experiments,
+    "sensitivity": sensitivities.sensitivity,
 }
 
 

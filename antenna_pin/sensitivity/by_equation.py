@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +18,13 @@ from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.frames import Lift, parts_of, way_between
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.nonlinear.saltation import Passed
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.records import memory_records
 from antenna_pin.scenario import Scenario, with_number
+from antenna_pin.sensitivity.along import Along, Displaced
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
+from antenna_pin.sensitivity.starts import begun_from, is_of_start
+from antenna_pin.sensitivity.timetable import Pilot, timetable
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
 from antenna_pin.simulation.loop import Run
@@ -30,29 +32,13 @@ from antenna_pin.simulation.record import series_at
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.state import State
 
-__all__ = ["ByEquation", "Displaced"]
+__all__ = ["ByEquation"]
 
 Array = NDArray[np.float64]
 
 # Step of differences of first states, in a parameter's scale; steps of those of samples, the largest first,
 # and how well their two orders agree at least, over the derivative; round-off of a sample, over its size.
 _START, _STEPS, _GOOD, _ROUND_OFF = 1e-3, (1e-3, 1e-4, 1e-5, 1e-6), 1e-9, 1e-14
-
-
-class Displaced(NamedTuple):
-    """States of a run, and how they are displaced with each parameter.
-
-    Attributes:
-        chunk: The states, and what held there besides.
-        ways: Displacements, (n, displacement, parameters).
-        doubts: Of these, over their sizes, (n, parameters).
-        words: Derivatives of the program there, (n, parameters, words).
-    """
-
-    chunk: Chunk
-    ways: Array
-    doubts: Array
-    words: Array
 
 
 class Neighbour(NamedTuple):
@@ -76,15 +62,23 @@ class ByEquation:
         scenario: The scenario.
         parameters: Its numbers.
         settings: How to integrate.
+        start: From where it goes on; the scenario's start if None.
 
     Raises:
         InvalidParameterError: It has controllers, or a parameter is one of an event.
     """
 
-    def __init__(self, scenario: Scenario, parameters: Sequence[Parameter], settings: RunSettings) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        parameters: Sequence[Parameter],
+        settings: RunSettings,
+        start: State | None = None,
+    ) -> None:
         """Build the system and its neighbours."""
         check_without_controllers("sensitivities", scenario)
         self._scenario, self._parameters, self._settings = scenario, tuple(parameters), settings
+        self._from = start
         self._made = functools.cache(self._neighbour)
         self._here = self._made(0, 0.0)
         system = self._here.system
@@ -110,6 +104,11 @@ class ByEquation:
                 rule = "none of an event's, which only differences of runs take (method = 'runs')"
                 raise InvalidParameterError("sensitivities", "key", rule, said=one.key)
         system = build_system(scenario)
+        if self._from is not None:
+            first = self._from
+            if s != 0.0 and is_of_start(self._parameters[k].key):
+                first = begun_from(first, self._scenario, scenario, system)
+            return Neighbour(scenario, system, first)
         flow = Flow(system, self._settings, events_of(scenario))
         first = flow.first(*initial_state(scenario, system), initial_angles(scenario, system))
         return Neighbour(scenario, system, first)
@@ -153,55 +152,46 @@ class ByEquation:
         out[kept] = self._kept.between(tuple(range(len(self._kept))), here, there)
         return out
 
-    def carried(self, times: Array, duration: float) -> tuple[Displaced, tuple[Passed, ...]]:
-        """Return states of the run at some times, and instants, with how parameters displace them.
+    def carried(self, times: Array, duration: float, moments: Array) -> Along:
+        """Return the run with how parameters displace it, seen at some times and where contacts are deepest.
+
+        Its samples are the run's first one and these, in order.
 
         Args:
             times: When, ascending (n,) [s].
             duration: Of the run [s].
+            moments: When besides, such as at the largest forces of contacts, (m,) [s].
 
         Raises:
             GrazeError: A contact begins, or an event happens, with no speed.
         """
-        seen: list[tuple[Any, ...]] = []
-
-        def see(carrier: Carrier, time: float, y: Array, ways: Array) -> None:
-            field, sizes = carrier.field, np.linalg.norm(carrier.carried.matrix, axis=0)
-            if not np.isfinite(ways).all():
-                when = max((one.time for one in carrier.passed if one.time <= time), default=time)
-                raise GrazeError(
-                    f"sensitivities: at {when:.9g} s a contact or an event comes with no speed: there is no "
-                    "derivative behind that; take other values, or a span that ends before",
-                    when,
-                )
-            memory, program = field.workspace.memory.copy(), field.workspace.program.copy()
-            assert field.numbers is not None
-            words = field.numbers.program.copy()
-            seen.append((time, y.copy(), memory, program, ways.copy(), carrier.doubt / sizes, words))
-
-        frame = Chart(self.flow.system, self._here.first).frame
-        carrier, _ = self.flow.carry(
-            self._here.first,
-            duration,
-            frame,
-            self._start,
-            numbers=self._numbers,
-            looks=times.tolist(),
-            seen=see,
-        )
-        at, states, memories, programs, ways, doubts, words = zip(*seen, strict=True)
-        chunk = Chunk(np.array(at), np.array(states), np.array(memories), list(programs))
-        return Displaced(chunk, np.array(ways), np.array(doubts), np.array(words)), carrier.passed
+        first, flow = self._here.first, self.flow
+        begin, end = first.reached, first.reached + duration
+        span = end - first.time
+        plain = flow.begun(first, span)
+        pilot = Pilot(plain, self._numbers)
+        plain.advance(keep=pilot)
+        flow.check_ended(plain, span, first)
+        deepest = [time for _, time in pilot.deepest]
+        every = np.unique(np.concatenate([[begin, end], times, moments, deepest]))
+        looks = list(timetable(pilot, first.time, every[(every >= begin) & (every <= end)]))
+        frame = Chart(flow.system, first).frame
+        run = flow.begun(first, span)
+        carrier = Carrier(run, frame, self._start, self._numbers, [one.time for one in looks])
+        along = Along(run, carrier, self._numbers, looks, len(self._parameters), pilot.deepest)
+        run.advance(keep=along)
+        flow.check_ended(run, span, first)
+        return along
 
     # --- samples --------------------------------------------------------------------------------------------
 
     def series(self, displaced: Displaced) -> dict[str, tuple[Array, Array]]:
         """Return derivatives of the series of a result at samples, and their doubts, (n, ..., parameters).
 
-        Not of those that follow from what is integrated along a run, works and impulses.
+        The first sample is where what is integrated along the run counts from.
         """
-        here, integrated = self._seen(displaced.chunk, 0, 0.0), self._integrated(displaced)
-        names = [name for name, one in here.items() if one.dtype.kind == "f" and name not in integrated]
+        here = self._seen(displaced.chunk, 0, 0.0)
+        names = [name for name, one in here.items() if one.dtype.kind == "f"]
         found: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names if name != "time"}
         for k in range(len(self._parameters)):
             best: dict[str, tuple[Array, Array]] = {}
@@ -243,7 +233,7 @@ class ByEquation:
     def _seen(self, chunk: Chunk, k: int, s: float) -> dict[str, Array]:
         """Return the series that states imply of a neighbour's system, by name."""
         one = self._made(k, s)
-        run = Run(one.system, one.first, 1.0, self._settings, ())
+        run = Run(one.system, one.first, one.first.reached + 1.0, self._settings, ())
         return dict(series_at(run, chunk))
 
     def _displaced(self, displaced: Displaced, k: int, s: float) -> Chunk:
@@ -258,7 +248,8 @@ class ByEquation:
             move = s * displaced.ways[i, :, k]
             workspace.retract(y, move[way])
             y[nq : nq + nv] += move[rate]
-            y[at] += move[bristles]
+            y[nq + nv :] += s * displaced.books[i, :, k]
+            y[at] = displaced.chunk.states[i, at] + move[bristles]
             memories[i]["approach_speed"] *= np.exp(move[speeds])
             memories[i]["effective_mass"] *= np.exp(move[masses])
             program = chunk.programs[i] + s * displaced.words[i, k]
@@ -266,22 +257,6 @@ class ByEquation:
             programs.append(program)
             there.turn_on(y)
         return Chunk(chunk.times, states, memories, programs)
-
-    def _integrated(self, displaced: Displaced) -> set[str]:
-        """Return which series follow from what is integrated along a run, since its first sample too."""
-        system, first = self._here.system, self._here.system.model.nq + self._here.system.model.nv
-        own = np.ones(system.manifold.nx, dtype=bool)
-        own[np.asarray(system.bristle_x, dtype=int)] = False
-        own[list(system.turn_x.values())] = False
-        both = Chunk.joined([displaced.chunk.part(0, 1), displaced.chunk])
-        states = both.states.copy()
-        states[1:, first:][:, own] += 1.0
-        here, other = (self._seen(one, 0, 0.0) for one in (both, both._replace(states=states)))
-        return {
-            name
-            for name, one in here.items()
-            if not np.array_equal(one, other[name], equal_nan=one.dtype.kind == "f")
-        }
 
 
 def _most(sizes: Array) -> Array:

@@ -11,14 +11,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.arguments import takes
+from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.nonlinear import Flow
 from antenna_pin.scenario import Scenario
 from antenna_pin.sensitivity.by_equation import ByEquation
 from antenna_pin.sensitivity.by_runs import ByRuns, Slopes
 from antenna_pin.sensitivity.found import Sensitivities, dataset_of
+from antenna_pin.sensitivity.named import by_names
 from antenna_pin.sensitivity.parameters import Parameter, SensitivityError, parameters_of
+from antenna_pin.sensitivity.pieces import borders_of, over_pieces
+from antenna_pin.sensitivity.starts import check_start_keys
 from antenna_pin.settings import RunSettings
-from antenna_pin.simulation.from_scenario import settings_of
+from antenna_pin.simulation.from_scenario import check_without_controllers, events_of, settings_of
 from antenna_pin.state import State
 
 __all__ = ["Method", "sensitivities"]
@@ -26,14 +31,14 @@ __all__ = ["Method", "sensitivities"]
 # Of runs that are differentiated, where no settings are given.
 _RTOL = 1e-12
 # By how much the equation may differ from differences of second order of runs, over the larger of a number's
-# own size and its change over a scale; and two times of one event [s].
-_APART, _SAME = 1e-4, 1e-9
+# own size and its change over a scale.
+_APART = 1e-4
 
 Method = Literal["runs", "quick-runs", "equation"]
 """How results are differentiated."""
 
 
-@takes(duration="s")
+@takes(duration="s", pieces="s")
 def sensitivities(
     scenario: Scenario,
     keys: Sequence[str] | Mapping[str, float | str | None],
@@ -43,6 +48,7 @@ def sensitivities(
     settings: RunSettings | None = None,
     start: State | None = None,
     method: Method = "runs",
+    pieces: float | str | None = None,
     processes: int = 1,
 ) -> Sensitivities:
     """Return the derivatives of a scenario's results over some of its numbers.
@@ -53,9 +59,10 @@ def sensitivities(
     runs' own error; ``quick-runs`` are of second order, of two.
 
     The ``equation`` carries displacements along one run, and through events by their saltation
-    (:mod:`antenna_pin.nonlinear.variational`): samples have derivatives but for works and impulses, and so
-    have the instants of contacts. It takes more time, and neighbours need not be alike in it: so it is held
-    against two runs a parameter, and refused where they contradict.
+    (:mod:`antenna_pin.nonlinear.variational`), and what is integrated besides by the integral of its rates'
+    derivatives. NaN are those of numbers that it does not tell, such as a largest force at a contact's onset.
+    It takes more time, and neighbours need not be alike in it: so it is held against two runs a parameter,
+    and refused where they contradict.
 
     Args:
         scenario: The scenario.
@@ -65,8 +72,12 @@ def sensitivities(
         times: At which samples are differentiated, ascending [s]; the scenario's output if left out.
         duration: Of the run [s]; the scenario's if left out, or up to the last of ``times``.
         settings: How to integrate; with the scenario's engine, order 8(5,3) and 1e-12 if left out.
-        start: From where the run goes on, the ``end`` of another; the scenario's start if left out.
+        start: From where the run goes on, the ``end`` of another; the scenario's start if left out. Keys of
+            ``initial`` then are displacements of this state.
         method: ``runs``, ``quick-runs`` or ``equation``.
+        pieces: Length of pieces, each from the run's own state at its start, which is held: for motions whose
+            derivatives grow too far [s]. Samples and the ends of pieces have derivatives, in pieces that have
+            none they are left out, and ``data.attrs["refused"]`` says why. The ``run`` is the first piece.
         processes: In how many processes runs are made side by side.
 
     Raises:
@@ -79,13 +90,41 @@ def sensitivities(
     parameters = parameters_of(scenario, keys, place)
     begin = 0.0 if start is None else start.reached
     used, at, span = _sampled(scenario, times, duration, settings, begin)
-    if method == "equation" and start is not None:
-        rule = "left out where method = 'equation', which begins with the scenario's start"
-        raise InvalidParameterError(place, "start", rule, said="a state")
+    system = build_system(scenario)
+    if start is not None or pieces is not None:
+        check_start_keys(tuple(one.key for one in parameters), system)
+    if pieces is None:
+        return _found(scenario, parameters, used, at, span, start, method, processes)
+    assert not isinstance(pieces, str)
+    borders = borders_of(pieces, begin, span)
+    check_without_controllers("sensitivities of pieces", scenario)
+    flow = Flow(system, used, events_of(scenario), scenario)
+    first = start
+    if first is None:
+        first = flow.first(*initial_state(scenario, system), initial_angles(scenario, system))
+
+    def made(state: State, samples: np.ndarray, length: float) -> Sensitivities:
+        own = dataclasses.replace(used, output_rate=0.5 / length, output_times=tuple(samples.tolist()))
+        return _found(scenario, parameters, own, samples, length, state, method, processes)
+
+    return over_pieces(flow, first, borders, at, made)
+
+
+def _found(
+    scenario: Scenario,
+    parameters: tuple[Parameter, ...],
+    used: RunSettings,
+    at: np.ndarray,
+    span: float,
+    start: State | None,
+    method: Method,
+    processes: int,
+) -> Sensitivities:
+    """Return the derivatives of one run."""
     runs = ByRuns(scenario, used, span, at, start, processes, 6 if method == "runs" else 2)
     found = runs.over(parameters)
     if method == "equation":
-        equation = ByEquation(scenario, parameters, used)
+        equation = ByEquation(scenario, parameters, used, start)
         found = _held_against(found, _by_equation(equation, runs, at, span, parameters), runs, parameters)
     slopes, doubts = (
         {name: np.stack([getattr(one, kind)[name] for one in found], axis=-1) for name in found[0].values}
@@ -99,23 +138,12 @@ def _by_equation(
     equation: ByEquation, runs: ByRuns, at: np.ndarray, span: float, parameters: tuple[Parameter, ...]
 ) -> list[Slopes]:
     """Return the derivatives over each parameter by the variational equation."""
-    displaced, passed = equation.carried(at, span)
-    series = equation.series(displaced)
-    found = []
-    for k, one in enumerate(parameters):
-        values = {name: v[..., k] for name, (v, _) in series.items() if name in runs.here}
-        doubts = {name: d[..., k] for name, (_, d) in series.items() if name in runs.here}
-        for name, what in (("onset_time", "onset"), ("release_time", "release")):
-            if name not in runs.here:
-                continue
-            times, contacts = runs.here[name].values, runs.run.data["episode_contact"].values
-            late = np.zeros(len(times))
-            for i, (time, contact) in enumerate(zip(times, contacts, strict=True)):
-                near = (p for p in passed if p.what == what and p.name == str(contact))
-                late[i] = next((p.late[k] / one.scale for p in near if abs(p.time - time) < _SAME), 0.0)
-            values[name], doubts[name] = late, np.abs(late) * displaced.doubts[:, k].max()
-        found.append(Slopes(values, doubts))
-    return found
+    data = runs.run.data
+    peaks = data["peak_time"].values if "peak_time" in data else np.zeros(0)
+    along = equation.carried(at, span, peaks[np.isfinite(peaks)])
+    return by_names(
+        along, equation.series(along.displaced), runs.here, data, equation.flow.system, parameters
+    )
 
 
 def _held_against(

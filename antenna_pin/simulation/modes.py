@@ -28,7 +28,16 @@ from antenna_pin.simulation.own_actions import STILL, Switch
 from antenna_pin.simulation.passages import Blow, Turned
 from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 
-__all__ = ["ZERO", "Changed", "Modes", "NeverSettlesError", "Switching", "own_events", "switches_of"]
+__all__ = [
+    "ZERO",
+    "Changed",
+    "Modes",
+    "NeverSettlesError",
+    "Switching",
+    "kinetic",
+    "own_events",
+    "switches_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -319,9 +328,9 @@ class Modes:
         self.done.append(
             Blow(workspace.program.copy(), int(head["v"]), self._acting[place].block, restitution)
         )
-        before = _kinetic(workspace, y)
+        before = kinetic(workspace, y)
         y[nq : nq + nv] = after
-        loss = before - _kinetic(workspace, y)
+        loss = before - kinetic(workspace, y)
         place_in_x = nq + nv + int(head["x"]) + self._element(place).integrals.index(LOSS)
         y[place_in_x] += loss
         blow = own[0] if len(own) else held[self._holds.index(place)]
@@ -332,7 +341,8 @@ def _comes_to_stick(element: Modal, met: Met) -> Change | None:
     return element.sticks(met) if isinstance(element, StickingFriction) else None
 
 
-def _kinetic(workspace: Workspace, y: Array) -> float:
+def kinetic(workspace: Workspace, y: Array) -> float:
+    """Return the kinetic energy of a state [J]."""
     model = workspace.model
     nq, nv = model.nq, model.nv
     found = float(pin.computeKineticEnergy(model, workspace.data, y[:nq], y[nq : nq + nv]))

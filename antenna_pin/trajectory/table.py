@@ -1,9 +1,9 @@
 """What motions come to, as files: labelled datasets beside runs, sealed as these are, told apart by a format.
 
 A portrait, a section, a bifurcation diagram, an orbit, a branch of orbits, Lyapunov exponents, a fit, what
-a test can tell and experiments beside one another are a dataset each. Their attributes say what they are and
-what they came from: ``format``; ``title``, ``name`` and ``case`` of the scenario, and the whole of it as
-JSON; the ``versions`` of what made them; and the ``command`` if it was one.
+a test can tell, experiments beside one another and sensitivities are a dataset each. Their attributes say
+what they are and what they came from: ``format``; ``title``, ``name`` and ``case`` of the scenario, and the
+whole of it as JSON; the ``versions`` of what made them; and the ``command`` if it was one.
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ TableKind = Literal[
     "fit",
     "identifiability",
     "experiments",
+    "sensitivity",
 ]
 """What a dataset is of."""
 
@@ -64,6 +65,7 @@ KINDS: dict[TableKind, str] = {
     "fit": "a fit to measured records",
     "identifiability": "what a test can tell",
     "experiments": "experiments beside one another",
+    "sensitivity": "sensitivities",
 }
 
 

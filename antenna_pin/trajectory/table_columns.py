@@ -160,6 +160,18 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         Column("growth", ("interval", "exponent")),
         Column("running", ("interval", "exponent")),
     ),
+    "sensitivity": (
+        Column("value", ("result",)),
+        *(Column(name, ("result", "parameter"), _LACKS) for name in ("change", "doubt")),
+        *(Column(name, ("parameter",)) for name in ("at", "scale")),
+        Column("exponent", ("parameter",), _LACKS),
+        Column("believed", ("parameter",), Rule(infinite=True)),
+        *(Column(name, ("time", "curve", "parameter"), _LACKS) for name in ("curve_change", "curve_doubt")),
+        Column("time", ("time",), _TIMES),
+        *(Column(name, ("result",), words=()) for name in ("result", "unit")),
+        *(Column(name, ("parameter",), words=()) for name in ("parameter", "parameter_unit")),
+        *(Column(name, ("curve",), words=()) for name in ("curve", "curve_unit")),
+    ),
     "fit": (
         *(Column(name, ("parameter",)) for name in ("value", "start")),
         *(Column(name, ("parameter",), Rule(infinite=True)) for name in ("lower", "upper")),
@@ -238,6 +250,7 @@ ATTRIBUTES: Mapping[str, tuple[Attribute, ...]] = {
         Attribute("start"),
         Attribute("end"),
     ),
+    "sensitivity": (Attribute("refused"),),
     "fit": (
         Attribute("fit", table=True),
         *(Attribute(name, _SIZE) for name in ("chi2", "runs", "evaluations")),

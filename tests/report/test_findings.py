@@ -25,6 +25,7 @@ from antenna_pin.nonlinear import (
     poincare,
 )
 from antenna_pin.report import report
+from antenna_pin.sensitivity import sensitivities, sensitivity_table
 from antenna_pin.trajectory import save_table
 
 KEY, PERIOD = "drives.motor.amplitude", 1.6
@@ -57,6 +58,9 @@ def found(known, run):
         "orbit": orbit_table(orbit, flow.system, known),
         "branch": branch_table(branch, flow.system, KEY, "N*m", known),
         "exponents": exponents_table(largest_exponent(flow, orbit.start, 0.2, 40), known),
+        "sensitivity": sensitivity_table(
+            sensitivities(known, [KEY], np.linspace(0.2, 2.0, 10), method="quick-runs"), known
+        ),
     }
 
 

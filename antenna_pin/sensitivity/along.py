@@ -1,0 +1,310 @@
+"""A run whose displacements are carried, and what is integrated along it: works, losses, impulses.
+
+What a run integrates acts on nothing. Of b' = L(t, y, s) the derivative over a parameter is the integral of
+``DL w`` over the steps, and ``(L- - L+) dt`` more where the rate jumps at an instant by ``dt`` later.
+What a blow takes at an instant is a function of the state before it, at the neighbour's own instant.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import System, acting_in, kernels
+from antenna_pin.elements import LOSS
+from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.near import Near
+from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.replay import Replay
+from antenna_pin.nonlinear.saltation import Passed
+from antenna_pin.nonlinear.variational import Carrier
+from antenna_pin.records import CONTACT
+from antenna_pin.sensitivity.parameters import GrazeError
+from antenna_pin.sensitivity.timetable import Look
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.passages import Blow, Passage
+from antenna_pin.simulation.samples import Chunk
+
+__all__ = ["Along", "Change", "Displaced", "Lasting"]
+
+Array = NDArray[np.float64]
+
+
+class Displaced(NamedTuple):
+    """States of a run, and how they are displaced with each parameter.
+
+    Attributes:
+        chunk: The states, and what held there besides.
+        ways: Displacements, (n, displacement, parameters).
+        books: Of what is integrated, (n, nx, parameters).
+        doubts: Of displacements, over their sizes, (n, parameters).
+        words: Derivatives of the program there, (n, parameters, words).
+    """
+
+    chunk: Chunk
+    ways: Array
+    books: Array
+    doubts: Array
+    words: Array
+
+
+class Change(NamedTuple):
+    """How an element's meeting of its joint is displaced.
+
+    Attributes:
+        place: Of the element.
+        time: When [s].
+        angle: Of the joint [rad] ([m]).
+        late: By how much later it comes, (parameters,) [s].
+        slopes: Of angle, rate before and after, loss and impulse, (5, parameters).
+    """
+
+    place: str
+    time: float
+    angle: float
+    late: Array
+    slopes: Array
+
+
+class Lasting(NamedTuple):
+    """How a contact that begins, lasts and ends is displaced.
+
+    Attributes:
+        contact: Number of it.
+        onset: When it begins; minus infinity if it touched at the start [s].
+        late: By how much later it begins, and ends, (parameters,) each [s].
+        remembered: Of logarithms of its approach speed and of its effective mass, (parameters,) each.
+        books: What was integrated when it began, and when it ended, (nx, parameters) each; the latter None
+            while it lasts.
+    """
+
+    contact: int
+    onset: float
+    late: tuple[Array, Array]
+    remembered: tuple[Array, Array]
+    books: tuple[Array, Array | None]
+
+
+class Along:
+    """Looks at a run as displacements are carried along it: what the run shows itself to between its steps.
+
+    Args:
+        run: The run.
+        carrier: Carries its displacements.
+        numbers: Parameters of the system.
+        looks: When to look.
+        count: How many parameters there are.
+        deepest: Contacts and when their depth is largest [s].
+
+    Attributes:
+        carrier: As given.
+        deepest: As given.
+        books: Derivatives of what is integrated, so far, (nx, parameters).
+        changes: How elements have met their joints.
+        lasting: Contacts from onset to release.
+    """
+
+    def __init__(
+        self,
+        run: Run,
+        carrier: Carrier,
+        numbers: Numbers,
+        looks: Iterable[Look],
+        count: int,
+        deepest: Sequence[tuple[int, float]] = (),
+    ) -> None:
+        """Begin at the run's start."""
+        system = run.system
+        self.carrier, self._looks, self._count = carrier, list(looks), count
+        self.deepest = tuple(deepest)
+        self._field = Field(system, run.settings, numbers)
+        self._plain = Near(system, run.settings)
+        workspace = self._field.workspace
+        self._replay = Replay(workspace, Kept(system), self._field.numbers)
+        self._losses = _losses(system)
+        self._nv = system.model.nv
+        self.books = np.zeros((system.manifold.nx, count))
+        # Of samples what :class:`Displaced` has, in its order.
+        self._seen: list[tuple[Any, ...]] = []
+        self._table, self._gaps = np.zeros(len(workspace.table), CONTACT), list[Array]()
+        self._mark: tuple[float, Array, Array] | None = None
+        self.changes: list[Change] = []
+        self.lasting: list[Lasting] = []
+        self._open: dict[int, int] = {}
+        carrier.seen = self._see
+        self._take_over(run)
+        nothing = np.zeros(count)
+        for c in np.flatnonzero(run.workspace.memory["touching"]).tolist():
+            self._open[c] = len(self.lasting)
+            same = nothing, nothing
+            self.lasting.append(Lasting(c, -math.inf, same, same, (self.books.copy(), None)))
+
+    @property
+    def displaced(self) -> Displaced:
+        """What was seen at the samples."""
+        at, states, memories, programs, ways, books, doubts, words = zip(*self._seen, strict=True)
+        chunk = Chunk(np.array(at), np.array(states), np.array(memories), list(programs))
+        return Displaced(chunk, *(np.array(one) for one in (ways, books, doubts, words)))
+
+    @property
+    def depths(self) -> Array:
+        """Of contacts at the samples, (n, contacts) [m]."""
+        return -np.array(self._gaps)
+
+    @property
+    def passed(self) -> tuple[Passed, ...]:
+        """When contacts have begun and ended and events happened, and how their instants are displaced."""
+        return self.carrier.passed
+
+    def _take_over(self, run: Run) -> None:
+        self._memory, self._program = run.workspace.memory.copy(), run.workspace.program.copy()
+
+    # --- what a run shows itself to -------------------------------------------------------------------------
+
+    def look(self, run: Run) -> None:
+        """Carry displacements over the step that was made, and what is integrated over what changes there."""
+        self._go(run, self.carrier.look)
+
+    def end(self, run: Run) -> None:
+        """Likewise, at the end."""
+        self._go(run, self.carrier.end)
+
+    def _go(self, run: Run, carry: Callable[[Run], None]) -> None:
+        passages, noted = list(run.actions.passages or ()), len(self.carrier.passed)
+        words = None if self.carrier.field.numbers is None else self.carrier.field.numbers.program.copy()
+        carry(run)
+        new = self.carrier.passed[noted:]
+        touching, touched = run.workspace.memory["touching"], self._memory["touching"]
+        flipped = np.flatnonzero(touching != touched).tolist()
+        if (passages or flipped) and self._mark is not None and self._mark[0] == run.stepper.t:
+            self._change(run, passages, new, words)
+        for c in flipped:
+            late = next(
+                (p.late for p in new if p.what != "event" and p.name == str(c)), np.zeros(self._count)
+            )
+            self._flip(c, bool(touching[c]), run.stepper.t, late)
+        self._take_over(run)
+
+    def _flip(self, c: int, begins: bool, time: float, late: Array) -> None:
+        """Note a contact that begins or ends."""
+        nothing, books = np.zeros(self._count), self.books.copy()
+        if begins:
+            self._open[c] = len(self.lasting)
+            self.lasting.append(Lasting(c, time, (late, nothing), (nothing, nothing), (books, None)))
+        elif c in self._open:
+            k = self._open.pop(c)
+            one = self.lasting[k]
+            self.lasting[k] = one._replace(late=(one.late[0], late), books=(one.books[0], books))
+
+    # --- between changes ------------------------------------------------------------------------------------
+
+    def _see(self, time: float, y: Array, ways: Array) -> None:
+        """Look at displacements within a step."""
+        look, carrier = self._looks.pop(0), self.carrier
+        if not np.isfinite(ways).all():
+            when = max((one.time for one in carrier.passed if one.time <= time), default=time)
+            raise GrazeError(
+                f"sensitivities: at {when:.9g} s a contact or an event comes with no speed: there is no "
+                "derivative behind that; take other values, or a span that ends before",
+                when,
+            )
+        if look.weight:
+            self.books += look.weight * self._slopes(time, y, ways)
+            self._remember(ways)
+        elif look.sample >= 0:
+            field, sizes = carrier.field, np.linalg.norm(carrier.carried.matrix, axis=0)
+            assert field.numbers is not None
+            here = y.copy(), field.workspace.memory.copy(), field.workspace.program.copy(), ways.copy()
+            words = field.numbers.program.copy()
+            field.workspace.locate(y, self._table)
+            self._gaps.append(self._table["gap"].copy())
+            self._seen.append((time, *here, self.books.copy(), carrier.doubt / sizes, words))
+        else:
+            self._mark = time, y.copy(), ways.copy()
+
+    def _slopes(self, time: float, y: Array, ways: Array) -> Array:
+        """Return the derivatives of the rates of what is integrated along displacements, (nx, parameters).
+
+        Those over the state and those over the numbers alone are each smooth on a scale of its own.
+        """
+        field, count = self.carrier.field, self._count
+        numbers = field.parts[-3]
+        alone, others = np.zeros((len(ways), count)), ways.copy()
+        alone[numbers], others[numbers] = np.eye(count), 0.0
+        units = np.concatenate(field.units)
+        sizes = np.abs(others[: len(units)] / units[:, None]).max(axis=0, initial=0.0)
+        sizes = np.where(sizes > 0.0, sizes, 1.0)
+        found = field.slopes(time, y, np.hstack([others / sizes, alone]))[0][self._nv :]
+        return np.asarray(found[:, :count] * sizes + found[:, count:] @ ways[numbers])
+
+    def _remember(self, ways: Array) -> None:
+        """Note what contacts that last remember, of neighbours."""
+        speeds, masses = self.carrier.field.parts[3:5]
+        for c, k in self._open.items():
+            if self.carrier.field.workspace.memory["touching"][c]:
+                pair = ways[speeds][c].copy(), ways[masses][c].copy()
+                self.lasting[k] = self.lasting[k]._replace(remembered=pair)
+
+    # --- where something changes ----------------------------------------------------------------------------
+
+    def _change(
+        self, run: Run, passages: list[Passage], new: tuple[Passed, ...], words: Array | None
+    ) -> None:
+        """Take what is integrated through a change: its rate jumps, and blows take their part."""
+        assert self._mark is not None
+        time, y, ways = self._mark
+        late = next((one.late for one in new), np.zeros(self._count))
+        before = self._rates(time, y, self._memory, self._program)
+        after = self._rates(time, run.here, run.workspace.memory, run.workspace.program)
+        self.books += np.outer(before - after, late)
+        field = self._field
+        field.workspace.memory[:], field.workspace.program[:] = self._memory, self._program
+        if field.numbers is not None and words is not None:
+            field.numbers.program[:] = words
+        there = ways + np.outer(field.flow(time, y), late)
+        for one in passages:
+            if one.acts and one.done:
+                self._meet(one, time, y, there, late)
+
+    def _rates(self, time: float, y: Array, memory: NDArray[Any], program: Array) -> Array:
+        """Return the rates of what is integrated, (nx,)."""
+        workspace = self._plain.workspace
+        workspace.memory[:], workspace.program[:] = memory, program
+        return self._plain.rates(time, np.ascontiguousarray(y))[self._nv :].copy()
+
+    def _meet(self, one: Passage, time: float, y: Array, there: Array, late: Array) -> None:
+        """Note how elements meet their joints, and book what blows take."""
+        field = self._field
+        kept = field.kept.words
+
+        def met(t: float, state: Array) -> Array:
+            self._replay(one.done, t, state.copy(), field.workspace.program[kept].copy())
+            return np.array([found[1:] for found in self._replay.met]).reshape(-1)
+
+        met(time, y)
+        elements = [(found.place, found.angle) for found in self._replay.met]
+        if not elements:
+            return
+        slopes = field.along(met, time, y, there)[0].reshape(len(elements), 5, -1)
+        # A passage of rigid parts takes no time: rates before it do not jump at a neighbour's own instant.
+        struck = sum(isinstance(step, Blow) for step in one.done)
+        for (place, angle), slope in zip(elements, slopes, strict=True):
+            self.changes.append(Change(place, time, angle, late.copy(), slope))
+            if struck and place in self._losses:
+                self.books[self._losses[place]] += slope[3]
+
+
+def _losses(system: System) -> dict[str, int]:
+    """Return where in x the losses of elements stand, by place."""
+    found = {}
+    for one in acting_in(system):
+        names = [*one.element.integrals]
+        if LOSS in names:
+            head = system.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
+            found[one.place] = int(head["x"]) + names.index(LOSS)
+    return found

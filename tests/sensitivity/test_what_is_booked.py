@@ -1,0 +1,169 @@
+"""What a run integrates, and what blows take, by the equation: losses, impulses, peaks and instants."""
+
+import numpy as np
+import pytest
+
+from antenna_pin import load_scenario, simulate
+from antenna_pin.analysis import pointing_indices
+from antenna_pin.sensitivity import sensitivities
+from tests.sensitivity.test_closed_forms import (
+    BASE,
+    COIL,
+    DAMPING,
+    FLOOR,
+    MASS,
+    PLACE,
+    PULL,
+    SPEED,
+    STIFFNESS,
+    URDF,
+    bounces,
+    oscillation,
+)
+
+PLAIN = {"clearance.bore.geometry": "closed-form", "integrator.engine": "compiled"}
+
+
+def mass(folder, more):
+    """A mass that slides, with more tables."""
+    (folder / "mass.urdf").write_text(URDF)
+    (folder / "mass.toml").write_text(BASE + more)
+    return load_scenario(str(folder / "mass.toml"), overrides={"integrator.engine": "compiled"})
+
+
+def blows(restitution, floor, speed, pull):
+    """Return instant, loss and impulse of each blow of the ball, which are analytic in all arguments."""
+    instants = bounces(1.4, restitution, floor, speed, pull)[2]
+    arrivals, last, rate = [], 0.0, speed + 0.0 * floor
+    for instant in instants:
+        arrivals.append(rate - pull * (instant - last))
+        last, rate = instant, -restitution * arrivals[-1]
+    losses = [0.5 * MASS * (1.0 - restitution**2) * one**2 for one in arrivals]
+    impulses = [-MASS * (1.0 + restitution) * one for one in arrivals]
+    return instants, losses, impulses
+
+
+def test_what_blows_take(tmp_path):
+    """Of each its instant, loss (1 - e^2) m v^2 / 2 and impulse m (1 + e) v; and the sum of losses."""
+    values = {
+        "stops.floor.restitution": 0.8,
+        "stops.floor.lower": 0.0,
+        "initial.joints.way.velocity": SPEED,
+        "mechanism.gravity[0]": PULL,
+    }
+    scales = {key: 0.1 if value == 0.0 else None for key, value in values.items()}
+    found = sensitivities(mass(tmp_path, FLOOR), scales, [0.7, 1.4], method="equation")
+    for k, (key, value) in enumerate(values.items()):
+        sign = -1.0 if key.startswith("mechanism") else 1.0
+        stepped = [one + 1e-30j * (i == k) for i, one in enumerate(values.values())]
+        for name, exact in zip(
+            ("change_time", "change_loss", "change_impulse"), blows(*stepped), strict=True
+        ):
+            wanted = sign * np.array([one.imag for one in exact]) / 1e-30
+            off = np.abs(found.derivative(name)[:, k] - wanted).max() * (value or 0.1)
+            # An impact's instant is located to 1e-13 s; numbers of some 10 J per scale, two of which cancel.
+            assert off < 1e-10
+        total = sum(one.imag for one in blows(*stepped)[1]) / 1e-30
+        assert abs(found.derivative("total_element_loss")[0, k] - sign * total) * (value or 0.1) < 1e-10
+
+
+def test_what_a_damper_takes(tmp_path):
+    """The loss is what gravity and spring give less what the mass has: energy by the closed form."""
+    keys = {
+        "springs.coil.stiffness": STIFFNESS,
+        "springs.coil.damping": DAMPING,
+        "mechanism.links.mass.mass": MASS,
+        "initial.joints.way.position": PLACE,
+        "mechanism.gravity[0]": -PULL,
+    }
+    times = np.array([0.2, 0.7, 1.4])
+
+    def loss(stiffness, damping, mass, place, gravity):
+        x, v = oscillation(times, stiffness, damping, mass, place, gravity)
+
+        def energy(x, v):
+            return 0.5 * mass * v**2 + 0.5 * stiffness * x**2 - mass * gravity * x
+
+        return energy(place, SPEED) - energy(x, v)
+
+    found = sensitivities(mass(tmp_path, COIL), list(keys), times, method="equation")
+    values = list(keys.values())
+    for k, value in enumerate(values):
+        exact = loss(*(one + 1e-30j * (i == k) for i, one in enumerate(values))).imag / 1e-30
+        ours = found.derivative("dissipation_damper")[:, 0, k]
+        # A hundred of the run's tolerances of energies of some 20 J.
+        assert np.abs(ours - exact).max() * abs(value) < 2e-9
+
+
+@pytest.mark.parametrize("method", ["runs", "equation"])
+def test_pointing_indices(tmp_path, method):
+    """The largest error of an oscillator and its mean over a window, by the closed form at the same times."""
+    times, key = np.linspace(0.0, 1.4, 29), "springs.coil.damping"
+
+    def indices(time, error):
+        found = pointing_indices(time, error, window=0.7)
+        return found["extreme"].sel(index=["APE", "MPE"]).values[:, 0]
+
+    found = sensitivities(mass(tmp_path, COIL), [key], times, method=method)
+    ours, doubt = found.of(lambda data: indices(data["time"].values, data["slide_position"].values[:, 0]))
+    h = 1e-4
+    ahead, behind = (
+        indices(times, oscillation(times, STIFFNESS, DAMPING + side * h, MASS, PLACE, -PULL)[0])
+        for side in (1, -1)
+    )
+    # Central differences of the closed form: h^2 / 6 of a third derivative of 0.05; round-off over h.
+    assert np.abs(ours[..., 0] - (ahead - behind) / (2.0 * h)).max() < 1e-9 + doubt.max()
+    assert doubt.max() < 1e-6
+
+
+@pytest.mark.parametrize("after", [None, 1.1e-3], ids=["from the start", "from within a contact"])
+def test_contacts_by_both_methods(after):
+    """Impulses, losses, largest forces and depths of a blow; and over the state that a run starts from."""
+    pair = load_scenario("impact_pair", overrides=PLAIN)
+    start = None if after is None else simulate(pair, duration=after).end
+    keys = ["clearance.bore.radial_clearance", "initial.joints.bore.journal_velocity[0]"]
+    times = [1.15e-3, 2e-3]
+    runs, equation = (
+        sensitivities(pair, keys, times, start=start, method=one) for one in ("runs", "equation")
+    )
+    names = (
+        "impulse",
+        "dissipated",
+        "peak_force",
+        "peak_depth",
+        "approach_speed",
+        "onset_time",
+        "release_time",
+    )
+    for name in (*names, "normal_impulse", "dissipation_normal", "total_normal_loss"):
+        theirs, ours = runs.relative(name), equation.relative(name)
+        known = np.isfinite(ours)
+        assert known.all() or (after is not None and name.startswith("peak_"))  # which are before
+        # Runs: their tolerance over a step of 1e-3, ten times; next to an onset the equation's 1e-8.
+        # A largest force is located to a millionth of a step, over which its derivative changes as much.
+        size = max(np.abs(theirs).max(), np.abs(runs.data[name].values).max())
+        assert np.abs(ours - theirs)[known].max(initial=0.0) < (1e-6 if name == "peak_force" else 3e-8) * size
+
+
+def test_a_piece_is_a_run_from_its_start():
+    """Derivatives over each piece, of which the first is the run itself and the next goes on from its end."""
+    pair = load_scenario("impact_pair", overrides=PLAIN)
+    key = "clearance.bore.normal.restitution"
+    whole = sensitivities(pair, [key], [1.5e-3, 2e-3, 4e-3], method="quick-runs")
+    parts = sensitivities(pair, [key], [1.5e-3, 4e-3], pieces="2 ms", method="quick-runs")
+    assert parts.data["time"].values.tolist() == [1.5e-3, 2e-3, 4e-3]
+    assert parts.data["piece_begin"].values.tolist() == [0.0, 0.0, 2e-3]
+    ours, theirs = parts.derivative("v")[..., 0], whole.derivative("v")[..., 0]
+    # Central differences of steps of 1e-4 of both; the run of a piece is cut where it ends.
+    assert np.abs(ours - theirs)[:2].max() < 1e-6
+    # The second blow from the same state: restitution acts once, and the arrival is not displaced.
+    approach = float(whole.run.data["approach_speed"].values[1])
+    assert abs(np.abs(ours[2]).max() - 0.5 * approach) < 0.2 * approach < np.abs(theirs[2]).max()
+
+
+def test_how_far_derivatives_are_known():
+    """Those of a motion that is far from a graze are known to the end, and grow slowly."""
+    pair = load_scenario("impact_pair", overrides=PLAIN)
+    key = "clearance.bore.normal.restitution"
+    (told,) = sensitivities(pair, [key], np.linspace(2e-3, 20e-3, 10), method="quick-runs").growth()
+    assert told.key == key and told.believed == np.inf and abs(told.exponent) < 200.0
