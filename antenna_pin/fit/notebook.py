@@ -1,9 +1,10 @@
-"""What the runs of a fit have come to so far, on the disk: a journal with a line for each run."""
+"""What the runs of a fit have come to so far, on the disk: a journal, a line for those asked for at once."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from antenna_pin.trajectory import library_versions
 __all__ = ["Notebook"]
 
 _SUFFIX = ".parts"
+_FORM = 2  # of a line
 
 
 class Notebook:
@@ -45,25 +47,35 @@ class Notebook:
         self._entries = {_key(entry["asked"]): entry for entry in entries.values()}
         self._next = max(entries, default=-1) + 1
 
-    def read(self, asked: Asked) -> Readings | None:
-        """Return what a run came to; None if it was not made."""
+    def read(self, asked: Asked) -> tuple[Readings, ...] | None:
+        """Return what runs came to; None if they were not made."""
         entry = self._entries.get(_key(asked))
         if entry is None:
             return None
-        columns, lead, end = entry["columns"], entry["lead"], entry["end"]
-        return Readings(
-            tuple(np.array(one) for one in columns), np.array(lead), np.array(end), entry["failed"]
+        return tuple(
+            Readings(
+                tuple(np.array(one) for one in found["columns"]),
+                np.array(found["lead"]),
+                np.array(found["end"]),
+                found["failed"],
+            )
+            for found in entry["found"]
         )
 
-    def write(self, asked: Asked, found: Readings) -> None:
-        """Keep what a run came to."""
+    def write(self, asked: Asked, found: Sequence[Readings]) -> None:
+        """Keep what runs came to."""
         entry = {
             "run": self._next,
             "asked": list(asked),
-            "columns": [one.tolist() for one in found.columns],
-            "lead": found.lead.tolist(),
-            "end": found.end.tolist(),
-            "failed": found.failed,
+            "found": [
+                {
+                    "columns": [column.tolist() for column in one.columns],
+                    "lead": one.lead.tolist(),
+                    "end": one.end.tolist(),
+                    "failed": one.failed,
+                }
+                for one in found
+            ],
         }
         if self._journal is not None:
             self._journal.add(entry)
@@ -85,8 +97,8 @@ class Notebook:
 
 
 def _key(asked: Any) -> tuple[Any, ...]:
-    record, values, shift, piece, start = asked
-    return record, tuple(values), shift, piece, tuple(start)
+    record, values, shift, starts = asked
+    return record, tuple(values), shift, tuple((piece, tuple(start)) for piece, start in starts)
 
 
 def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
@@ -112,4 +124,4 @@ def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
                 one.pop(number)
         time = hashlib.sha256(rig.time.tobytes()).hexdigest()
         records[rig.name] = [scenario, rig.keys, rig.units, columns, time, rig.pieces, rig.origins]
-    return {"records": records, "versions": library_versions()}
+    return {"form": _FORM, "records": records, "versions": library_versions()}

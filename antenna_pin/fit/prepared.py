@@ -9,10 +9,11 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.errors import AntennaPinError, ScenarioError
+from antenna_pin.fit.bench import Bench
 from antenna_pin.fit.measured import measured
 from antenna_pin.fit.pieces import cut, ways_of
 from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
-from antenna_pin.fit.runs import Rig, run_at
+from antenna_pin.fit.runs import Rig
 from antenna_pin.fit.sensors import amount, check_sensor, unit_of
 from antenna_pin.fit.statistics import Target, target_of
 from antenna_pin.scenario import Scenario
@@ -163,7 +164,7 @@ def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
 def _glance(scenario: Scenario, place: str) -> xr.Dataset:
     """Return a run's data of next to no time, which has all its variables."""
     try:
-        run = run_at(scenario, np.zeros(1), max(_GLANCE * scenario.duration, 1e-9))
+        bench = Bench(scenario)
+        return bench.data(bench.run(np.zeros(1), max(_GLANCE * scenario.duration, 1e-9)).chunk)
     except AntennaPinError as error:
         raise ScenarioError(f"{place}: {error}") from None
-    return run.data

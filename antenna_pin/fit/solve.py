@@ -29,6 +29,11 @@ __all__ = ["run_fit"]
 
 Array = NDArray[np.float64]
 
+# By what joints of pieces count more in the next search, and at most in the first: one that is open by a
+# hundredth of an error scale is as a row that is off by its noise; and the relative change of the sum below
+# which those before the last have ended.
+_TIGHTER, _ROUGHLY = 100.0, 1e-2
+
 # How SciPy's search has ended, by its status.
 _ENDS = {
     0: "given up: more evaluations than most allows; start nearer, or allow more",
@@ -122,7 +127,12 @@ def _found(problem: Problem) -> Fit:
 
 
 def _searched(problem: Problem, start: Array) -> Any:
-    """Return what SciPy's search from values with states comes to."""
+    """Return what SciPy's search from values with states comes to.
+
+    Pieces that are tied to one motion from the beginning leave it nothing but that motion's valleys, along
+    which it creeps. So each first finds its own way to the record, next to free; then joints count more and
+    more.
+    """
     from scipy.optimize import least_squares
 
     plan, unknowns = problem.plan, problem.unknowns
@@ -134,18 +144,33 @@ def _searched(problem: Problem, start: Array) -> Any:
             return np.full(problem.count, math.nan)
 
     problem.residuals_at([start])
-    return least_squares(
-        residuals,
-        unknowns.searched(start),
-        jac=problem.slopes,
-        bounds=unknowns.bounds(),
-        loss=plan.loss,
-        f_scale=plan.loss_scale,
-        ftol=plan.tolerance,
-        xtol=plan.tolerance,
-        gtol=plan.tolerance,
-        max_nfev=plan.most,
-    )
+    at, evaluations = unknowns.searched(start), 0
+    for tie in _ties(plan):
+        problem.rows.tie = tie
+        found = least_squares(
+            residuals,
+            at,
+            jac=problem.slopes,
+            bounds=unknowns.bounds(),
+            loss=plan.loss,
+            f_scale=plan.loss_scale,
+            ftol=plan.tolerance if tie == 1.0 else max(plan.tolerance, _ROUGHLY),
+            xtol=plan.tolerance,
+            gtol=plan.tolerance,
+            max_nfev=plan.most,
+        )
+        at, evaluations = found.x, evaluations + int(found.nfev)
+    found.nfev = evaluations
+    return found
+
+
+def _ties(plan: FitPlan) -> list[float]:
+    """Return by what joints of pieces count in one search after the other, beside their weights."""
+    most = max((one.pieces.weight for one in plan.records.values() if one.pieces), default=1.0)
+    ties = [1.0]
+    while ties[0] * most > _TIGHTER:
+        ties.insert(0, ties[0] / _TIGHTER)
+    return ties
 
 
 def _starts(problem: Problem, first: Array) -> list[Array]:
