@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.interruption import interruptible
+from antenna_pin.nonlinear import Flow
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.from_scenario import controllers_of, events_of, settings_of
 from antenna_pin.simulation.loop import Run
@@ -59,6 +60,17 @@ class Bench:
         q, v = initial_state(self.scenario, self.system)
         return First(q, v, initial_angles(self.scenario, self.system))
 
+    @cached_property
+    def flow(self) -> Flow:
+        """The system's flow, as its runs are integrated."""
+        return Flow(self.system, settings_of(self.scenario), events_of(self.scenario), self.scenario)
+
+    @cached_property
+    def first(self) -> State:
+        """The state that the scenario starts from."""
+        q, v = initial_state(self.scenario, self.system)
+        return self.flow.first(q, v, initial_angles(self.scenario, self.system))
+
     def run(self, times: Array, until: float, start: State | None = None) -> Ran:
         """Make a run that is sampled at times, rising [s], and goes on until an instant [s].
 
@@ -96,7 +108,9 @@ class Bench:
 
         What is integrated along a run, as work is, counts from the first of them.
         """
-        assert self._latest is not None, "a run goes before"
+        if self._latest is None:
+            first, settings = np.ascontiguousarray(chunk.states[0]), settings_of(self.scenario)
+            self._latest = Run(self.system, first, 1.0, settings)
         return labelled_at(self._latest, chunk)
 
 

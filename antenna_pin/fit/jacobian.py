@@ -1,17 +1,53 @@
-"""Derivatives of a fit's residuals by its unknowns, by central differences of runs."""
+"""Derivatives of a fit's residuals by its unknowns: by central differences of runs, or by what else."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.fit.runs import NoRunError
 
-__all__ = ["by_differences"]
+__all__ = ["Derived", "by_differences"]
 
 Array = NDArray[np.float64]
+
+
+class Derived(NamedTuple):
+    """By what the derivatives of a fit were found.
+
+    Attributes:
+        equation: How often by the variational equation.
+        differences: How often by differences of runs.
+        why: Why the first time not by the equation, where that was asked for; "" if that was not.
+        apart: By how much the two differed where they were held against one another, over the size of the
+            derivatives by one unknown; NaN if they were not.
+    """
+
+    equation: int = 0
+    differences: int = 0
+    why: str = ""
+    apart: float = float("nan")
+
+    def once_more(self, equation: bool, why: str = "") -> Derived:
+        """Return the same after one time more."""
+        if equation:
+            return self._replace(equation=self.equation + 1)
+        return self._replace(differences=self.differences + 1, why=self.why or why)
+
+    def words(self) -> str:
+        """Return it in words."""
+        if not self.equation:
+            said = "differences of runs"
+            return f"{said}, not the equation: {self.why}" if self.why else said
+        said = f"the variational equation, within {self.apart:.1g} of differences of runs at the start"
+        if not self.differences:
+            return said
+        return (
+            f"{said}; {self.differences} of {self.equation + self.differences} times differences: {self.why}"
+        )
 
 
 def by_differences(

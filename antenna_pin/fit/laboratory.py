@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
 
-import numpy as np
-
+from antenna_pin.fit.made import make_all
 from antenna_pin.fit.notebook import Notebook
 from antenna_pin.fit.plan import FitPlan
-from antenna_pin.fit.runs import Asked, Readings, Rig, make_all
+from antenna_pin.fit.runs import Asked, Readings, Rig, nothing
 from antenna_pin.sweep import Executor, Here
 from antenna_pin.sweep.here import Lost
 
@@ -71,7 +69,7 @@ class Laboratory:
         batches: Iterator[list[Asked]] = ([one] for one in missing)
         for (one,), answer in self.executor.each(make_all, self._rigs, batches):
             lost = isinstance(answer, Lost)
-            found[one] = tuple(_lost(answer) for _ in one.starts) if lost else answer[0]
+            found[one] = tuple(nothing(str(answer)) for _ in one.starts) if lost else answer[0]
             self.made += len(one.starts)
             if self.notebook is not None:
                 self.notebook.write(one, found[one])
@@ -82,7 +80,3 @@ class Laboratory:
         for one in list(self._known)[: max(0, len(self._known) - _REMEMBERED)]:
             del self._known[one]
         return answers
-
-
-def _lost(answer: Any) -> Readings:
-    return Readings((), np.zeros(0), np.zeros(0), str(answer))

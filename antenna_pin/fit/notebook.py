@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin.fit.plan import FitPlan
-from antenna_pin.fit.runs import Asked, Readings, Rig
+from antenna_pin.fit.runs import Asked, Readings, Rig, Slopes
 from antenna_pin.sweep.journal import Journal, begun
 from antenna_pin.trajectory import library_versions
 
@@ -52,30 +52,14 @@ class Notebook:
         entry = self._entries.get(_key(asked))
         if entry is None:
             return None
-        return tuple(
-            Readings(
-                tuple(np.array(one) for one in found["columns"]),
-                np.array(found["lead"]),
-                np.array(found["end"]),
-                found["failed"],
-            )
-            for found in entry["found"]
-        )
+        return tuple(_readings(one) for one in entry["found"])
 
     def write(self, asked: Asked, found: Sequence[Readings]) -> None:
         """Keep what runs came to."""
         entry = {
             "run": self._next,
             "asked": list(asked),
-            "found": [
-                {
-                    "columns": [column.tolist() for column in one.columns],
-                    "lead": one.lead.tolist(),
-                    "end": one.end.tolist(),
-                    "failed": one.failed,
-                }
-                for one in found
-            ],
+            "found": [_lists(one) for one in found],
         }
         if self._journal is not None:
             self._journal.add(entry)
@@ -96,9 +80,43 @@ class Notebook:
         self.folder.rmdir()
 
 
+def _lists(found: Readings) -> dict[str, Any]:
+    """Return what came of a run as JSON takes it."""
+    lists: dict[str, Any] = _plain({name: getattr(found, name) for name in ("columns", "lead", "end")})
+    lists["failed"] = found.failed
+    if found.slopes is not None:
+        lists["slopes"] = _plain(found.slopes._asdict())
+        lists["fitted"] = found.slopes.lead.shape[1]
+    return lists
+
+
+def _plain(found: Any) -> Any:
+    if isinstance(found, dict):
+        return {name: _plain(one) for name, one in found.items()}
+    if isinstance(found, tuple):
+        return [_plain(one) for one in found]
+    return found.tolist() if isinstance(found, np.ndarray) else found
+
+
+def _readings(lists: dict[str, Any]) -> Readings:
+    """Return what came of a run from what was kept."""
+    found = Readings(_arrays(lists["columns"]), np.array(lists["lead"]), np.array(lists["end"]))
+    slopes = lists.get("slopes")
+    if slopes is not None:
+        lead, end = (np.array(slopes[name]).reshape(-1, lists["fitted"]) for name in ("lead", "end"))
+        columns = tuple(one.reshape(-1, lists["fitted"]) for one in _arrays(slopes["columns"]))
+        clock = None if slopes["clock"] is None else _arrays(slopes["clock"])
+        found = found._replace(slopes=Slopes(columns, lead, end, clock))
+    return found._replace(failed=lists["failed"])
+
+
+def _arrays(lists: list[Any]) -> tuple[np.ndarray, ...]:
+    return tuple(np.array(one) for one in lists)
+
+
 def _key(asked: Any) -> tuple[Any, ...]:
-    record, values, shift, starts = asked
-    return record, tuple(values), shift, tuple((piece, tuple(start)) for piece, start in starts)
+    record, values, shift, starts, *rest = asked
+    return record, tuple(values), shift, tuple((piece, tuple(start)) for piece, start in starts), *rest
 
 
 def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:

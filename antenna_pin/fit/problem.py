@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.jacobian import by_differences
+from antenna_pin.fit.jacobian import Derived, by_differences
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.plan import FitPlan, place_in_record
 from antenna_pin.fit.prepared import Prepared, prepared
@@ -31,6 +31,10 @@ Array = NDArray[np.float64]
 #: Runs of pieces that are made together at most: their sensors are read at once, and what that rounds is
 #: not to hang on how many hands there are.
 _TOGETHER = 16
+
+
+#: By how much the equation may contradict differences of runs at the start, over a column's size.
+_APART = 1e-2
 
 
 class _Run(NamedTuple):
@@ -57,6 +61,7 @@ class Problem:
         unknowns: Parameters and the pieces' starts, with bounds and sizes.
         states: Coordinates of the pieces' starts, (h,), in the run's error scales.
         rows: What of the records is compared.
+        derived: By what derivatives were found so far.
 
     Raises:
         AntennaPinError: Something of plan, records or scenarios is not valid: before any run of any length.
@@ -77,6 +82,7 @@ class Problem:
             for name in plan.records
         ]
         self.rows = Rows(plan, self._prepared)
+        self.derived = Derived()
         self._runs: list[_Run] = []
         first = self.unknowns.count
         for r, ways in enumerate(self._prepared.ways):
@@ -156,24 +162,7 @@ class Problem:
             frequency or a bin's middle.
         """
         whole = self._whole(values)
-        (found,) = self._readings([whole])
-        models = self.rows.models(whole, found)
-        parts: dict[str, list[Array]] = {name: [] for name in ("model", "data", "sd", "at", "residual")}
-        words: dict[str, list[str]] = {"record": [], "column": [], "measure": [], "unit": []}
-        for (name, target), model in zip(self._prepared.targets.items(), models, strict=True):
-            record, _, column = name.partition(".")
-            spec = self.plan.records[record].columns[column]
-            shift = self.rows.shift(whole, list(self.plan.records).index(record))
-            at = target.at + shift if target.unit == "s" and spec.compare != "blows" else target.at
-            rows = (model, target.data, target.sd, at, (model - target.data) * spec.weight / target.sd)
-            for key, row in zip(parts, rows, strict=True):
-                parts[key].append(row)
-            unit = self._prepared.units[name] if target.measure in ("reading", "rms") else "1"
-            for key, text in zip(words, (record, column, target.measure, unit), strict=True):
-                words[key] += [text] * len(model)
-        columns = {name: ("row", np.concatenate(one)) for name, one in parts.items()}
-        data = xr.Dataset({name: columns[name] for name in ("model", "data", "sd", "residual")})
-        return data.assign_coords({"at": columns["at"]} | {name: ("row", one) for name, one in words.items()})
+        return self.rows.table(whole, self._readings([whole])[0])
 
     # --- what searches and derivatives ask for
 
@@ -202,7 +191,47 @@ class Problem:
         return scenario_with(self._prepared.rigs[r], tuple(float(values[i]) for i in self._of_rig[r]))
 
     def slopes(self, searched: Array) -> Array:
-        """Return the derivatives of the residuals by what is searched for, (m, p + h)."""
+        """Return the derivatives of the residuals by what is searched for, (m, p + h).
+
+        By what they were found is told by :attr:`derived`.
+        """
+        why = ""
+        if self.plan.jacobian == "equation":
+            found, why = self._by_equation(self.unknowns.natural(searched))
+            if found is not None and not self.derived.equation and not self.derived.differences:
+                found, why = self._held_against(found, self._by_runs(searched))
+            if found is not None:
+                self.derived = self.derived.once_more(True)
+                return found
+        self.derived = self.derived.once_more(False, why)
+        return self._by_runs(searched)
+
+    def _held_against(self, found: Array, runs: Array) -> tuple[Array | None, str]:
+        """Return the equation's derivatives, if those of runs, the first time, do not contradict them."""
+        sizes = np.linalg.norm(runs, axis=0)
+        apart = float(np.max(np.linalg.norm(found - runs, axis=0) / np.where(sizes > 0.0, sizes, 1.0)))
+        self.derived = self.derived._replace(apart=apart)
+        if apart <= _APART:
+            return found, ""
+        return None, f"at the start they contradict runs, by {apart:.2g} of their size"
+
+    def _by_equation(self, whole: Array) -> tuple[Array | None, str]:
+        """Return the derivatives by the variational equation, or None and why there are none."""
+        asked = [
+            one._replace(slopes=True, clock=self.rows.has_clock(one.record)) for one in self._asked(whole)
+        ]
+        found = self._flat(self.laboratory.readings(asked))
+        failed = next((one.failed for one in found if one.failed), "")
+        if failed:
+            return None, failed
+        fitted = [
+            np.array([*self._of_rig[one.record], *range(one.first, one.first + one.size)], dtype=int)
+            for one in self._runs
+        ]
+        return self.rows.slopes(whole, found, fitted) / self.unknowns.rates(whole), ""
+
+    def _by_runs(self, searched: Array) -> Array:
+        """Return the derivatives by differences of runs."""
         p, step = self.unknowns.count, self.plan.difference_step
         lower, upper = (one[:p] for one in self.unknowns.bounds())
 

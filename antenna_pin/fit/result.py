@@ -238,6 +238,7 @@ class Fit:
             "converged": int(self.converged),
             "runs": self.runs,
             "evaluations": self.evaluations,
+            "derivatives": self.problem.derived.words(),
         }
         return found
 

@@ -6,16 +6,18 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.fit.plan import FitPlan, place_in_record
 from antenna_pin.fit.prepared import Prepared
 from antenna_pin.fit.runs import NoRunError, Readings, Rig
-from antenna_pin.fit.statistics import compared
+from antenna_pin.fit.statistics import compared, slopes_of
 
 __all__ = ["Number", "Rows"]
 
 Array = NDArray[np.float64]
+Fitted = NDArray[np.int_]
 
 
 class Number(NamedTuple):
@@ -65,6 +67,10 @@ class Rows:
                 return float(whole[number.parameter])
         return list(self._plan.records.values())[record].clock_shift
 
+    def has_clock(self, record: int) -> bool:
+        """Whether a record's clock is fitted."""
+        return any((one.record, one.name) == (record, "clock_shift") for one in self.numbers)
+
     def calibration(self, whole: Array, record: int, column: str) -> tuple[float, float]:
         """Return gain [-] and offset [SI] of a column."""
         name = list(self._plan.records)[record]
@@ -110,6 +116,83 @@ class Rows:
             for one, other in zip(pieces, pieces[1:], strict=False):
                 parts.append(self.weight(rig) * (one.end - other.lead))
         return np.concatenate(parts)
+
+    def slopes(self, whole: Array, found: Sequence[Readings], fitted: Sequence[Fitted]) -> Array:
+        """Return the derivatives of :meth:`residuals` by values with states, (m, p + h).
+
+        Args:
+            whole: Values with states, (p + h,) [SI].
+            found: What came of the runs, with derivatives.
+            fitted: Of each run, where its fitted numbers and its start stand among the unknowns.
+        """
+        parts, joints, at = [], [], 0
+        for r, rig, pieces in self.by_record(found):
+            own = fitted[at : at + len(pieces)]
+            at += len(pieces)
+            for c, name in enumerate(rig.columns):
+                parts.append(self._slopes_of_column(whole, r, rig, c, name, pieces, own))
+            for one, other, mine, theirs in zip(pieces, pieces[1:], own, own[1:], strict=False):
+                assert one.slopes is not None and other.slopes is not None
+                table = np.zeros((len(one.end), len(whole)))
+                table[:, mine] += one.slopes.end
+                table[:, theirs] -= other.slopes.lead
+                joints.append(self.weight(rig) * table)
+        return np.concatenate([*parts, *joints])
+
+    def _slopes_of_column(
+        self,
+        whole: Array,
+        record: int,
+        rig: Rig,
+        place: int,
+        name: str,
+        pieces: Sequence[Readings],
+        fitted: Sequence[Fitted],
+    ) -> Array:
+        """Return the derivatives of the residuals of one column, (numbers, p + h)."""
+        gain, offset = self.calibration(whole, record, name)
+        read = np.concatenate([one.columns[place] for one in pieces])
+        table, row = np.zeros((len(read), len(whole))), 0
+        for one, own in zip(pieces, fitted, strict=True):
+            assert one.slopes is not None
+            rows = slice(row, row + len(one.columns[place]))
+            table[rows, own] += gain * one.slopes.columns[place]
+            for number in self.numbers:
+                clock = one.slopes.clock
+                if number.record == record and number.name == "clock_shift" and clock is not None:
+                    table[rows, number.parameter] += gain * clock[place]
+            row = rows.stop
+        for number in self.numbers:
+            if (number.record, number.column) == (record, name):
+                table[:, number.parameter] += read if number.name == "gain" else 1.0
+        spec, target = rig.columns[name], self._prepared.targets[f"{rig.name}.{name}"]
+        slopes = slopes_of(spec, rig.time, gain * read + offset, table)
+        return slopes * (spec.weight / target.sd)[:, np.newaxis]
+
+    def table(self, whole: Array, found: Sequence[Readings]) -> xr.Dataset:
+        """Return models beside what they are compared with, all along ``row``, as a fit's result has them.
+
+        Raises:
+            NoRunError: A run has failed.
+        """
+        parts: dict[str, list[Array]] = {name: [] for name in ("model", "data", "sd", "at", "residual")}
+        words: dict[str, list[str]] = {"record": [], "column": [], "measure": [], "unit": []}
+        for (name, target), model in zip(
+            self._prepared.targets.items(), self.models(whole, found), strict=True
+        ):
+            record, _, column = name.partition(".")
+            spec = self._plan.records[record].columns[column]
+            shift = self.shift(whole, list(self._plan.records).index(record))
+            at = target.at + shift if target.unit == "s" and spec.compare != "blows" else target.at
+            rows = (model, target.data, target.sd, at, (model - target.data) * spec.weight / target.sd)
+            for key, row in zip(parts, rows, strict=True):
+                parts[key].append(row)
+            unit = self._prepared.units[name] if target.measure in ("reading", "rms") else "1"
+            for key, text in zip(words, (record, column, target.measure, unit), strict=True):
+                words[key] += [text] * len(model)
+        columns = {name: ("row", np.concatenate(one)) for name, one in parts.items()}
+        data = xr.Dataset({name: columns[name] for name in ("model", "data", "sd", "residual")})
+        return data.assign_coords({"at": columns["at"]} | {name: ("row", one) for name, one in words.items()})
 
     def weight(self, rig: Rig) -> float:
         """Return by what the joints of a record's pieces count [-]."""

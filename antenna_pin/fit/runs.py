@@ -17,10 +17,23 @@ from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.sensors import instants, reading
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.samples import Chunk
-from antenna_pin.state import State
 from antenna_pin.sweep.design import put_value
 
-__all__ = ["WHOLE", "Asked", "NoRunError", "Readings", "Rig", "make", "make_all", "scenario_with"]
+__all__ = [
+    "WHOLE",
+    "Asked",
+    "NoRunError",
+    "Readings",
+    "Rig",
+    "Slopes",
+    "bench_of",
+    "make",
+    "nothing",
+    "rows_of",
+    "scenario_with",
+    "sensed",
+    "until_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -70,12 +83,32 @@ class Asked(NamedTuple):
         values: Of its scenario's fitted keys [SI].
         shift: Of its clock [s].
         starts: Number of a piece, -1 for the whole, and where it starts: coordinates about its origin.
+        slopes: Whether with derivatives, by the variational equation.
+        clock: Whether with those over time.
     """
 
     record: int
     values: tuple[float, ...]
     shift: float
     starts: tuple[tuple[int, tuple[float, ...]], ...] = WHOLE
+    slopes: bool = False
+    clock: bool = False
+
+
+class Slopes(NamedTuple):
+    """Derivatives of what came of a run by the scenario's fitted numbers [1/SI], and by its start.
+
+    Attributes:
+        columns: Of what each sensor reads, (rows, fitted).
+        lead: (ways, fitted).
+        end: Likewise.
+        clock: Of what each sensor reads over time [1/s]; None if not asked for.
+    """
+
+    columns: tuple[Array, ...]
+    lead: Array
+    end: Array
+    clock: tuple[Array, ...] | None = None
 
 
 class Readings(NamedTuple):
@@ -86,12 +119,14 @@ class Readings(NamedTuple):
         lead: Of a piece: the way from its origin to where it starts, in error scales; () of the first.
         end: Of a piece that another follows: the way from that one's origin to its end; () of the last.
         failed: Why there is nothing, in words; "" if there is.
+        slopes: Derivatives, if they were asked for.
     """
 
     columns: tuple[Array, ...]
     lead: Array
     end: Array
     failed: str = ""
+    slopes: Slopes | None = None
 
 
 @functools.lru_cache(maxsize=16)
@@ -119,6 +154,11 @@ def _bench(*test: Any) -> Bench:
     return Bench(_scenario_with(*test))
 
 
+def bench_of(rig: Rig, values: tuple[float, ...]) -> Bench:
+    """Return a record's test with values of its fitted keys [SI], set up."""
+    return _bench(rig.scenario, rig.keys, rig.units, values)
+
+
 def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
     """Make some runs and read their sensors, one answer a start.
 
@@ -126,32 +166,36 @@ def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
         KeyboardInterrupt: It was interrupted.
     """
     try:
-        bench = _bench(rig.scenario, rig.keys, rig.units, asked.values)
-        rows = [_rows(rig, asked.shift, piece) for piece, _ in asked.starts]
+        bench = bench_of(rig, asked.values)
+        rows = [rows_of(rig, asked.shift, piece) for piece, _ in asked.starts]
         made = [_ran(rig, bench, one, *start) for one, start in zip(rows, asked.starts, strict=True)]
-        return _read(rig, bench, rows, made)
+        good = [k for k, one in enumerate(made) if isinstance(one, _Made)]
+        chunks = [one.ran.chunk for one in made if isinstance(one, _Made)]
+        read = dict(zip(good, sensed(rig, bench, [rows[k] for k in good], chunks), strict=True))
     except AntennaPinError as error:
-        return tuple(_nothing(str(error)) for _ in asked.starts)
+        return tuple(nothing(str(error)) for _ in asked.starts)
+    return tuple(
+        Readings(tuple(read[k]), one.lead, one.end) if isinstance(one, _Made) else nothing(one)
+        for k, one in enumerate(made)
+    )
 
 
 class _Made(NamedTuple):
-    """A run of a piece, or the whole one.
+    """A run that came to its end.
 
     Attributes:
-        ran: The run; None if it could not begin.
+        ran: The run.
         lead: As of :class:`Readings`.
         end: Likewise.
-        failed: Likewise.
     """
 
-    ran: Ran | None
+    ran: Ran
     lead: Array
     end: Array
-    failed: str
 
 
-def _rows(rig: Rig, shift: float, piece: int) -> Array:
-    """Return the rows of a piece, by the run's clock [s]."""
+def rows_of(rig: Rig, shift: float, piece: int) -> Array:
+    """Return the rows of a piece, -1 for the whole, by the run's clock [s]."""
     rows = rig.time + shift
     if not rig.pieces:
         return rows
@@ -160,63 +204,61 @@ def _rows(rig: Rig, shift: float, piece: int) -> Array:
     return rows[(rows >= begin) & ((rows <= end) if last else (rows < end))]
 
 
-def _ran(rig: Rig, bench: Bench, rows: Array, piece: int, at: tuple[float, ...]) -> _Made:
-    """Make one run."""
-    nothing, start = np.zeros(0), None
+def until_of(rig: Rig, bench: Bench, piece: int, rows: Array) -> float:
+    """Return when the run of a piece, -1 for the whole, ends [s]."""
+    if rig.pieces:
+        return rig.pieces[piece + 1]
+    until = bench.scenario.duration
+    return min(until, float(rows[-1])) if rows[-1] > 0.0 else until
+
+
+def _ran(rig: Rig, bench: Bench, rows: Array, piece: int, at: tuple[float, ...]) -> _Made | str:
+    """Make one run, or return why there is none."""
+    start, lead, joint = None, np.zeros(0), np.zeros(0)
     wanted = [instants(column, rows) for column in rig.columns.values()]
     try:
-        if rig.pieces:
-            until = rig.pieces[piece + 1]
-            if piece > 0:
-                start = piece_start(rig.begun, rig.origins[piece - 1], np.array(at), bench.system)
-        else:
-            until = bench.scenario.duration
-            until = min(until, float(rows[-1])) if rows[-1] > 0.0 else until
-        ran = bench.run(np.unique(np.concatenate(wanted)), until, start)
+        if piece > 0:
+            start = piece_start(rig.begun, rig.origins[piece - 1], np.array(at), bench.system)
+            lead = from_origin(rig.begun, rig.origins[piece - 1], start.q, start.v)
+        ran = bench.run(np.unique(np.concatenate(wanted)), until_of(rig, bench, piece, rows), start)
     except AntennaPinError as error:
-        return _Made(None, nothing, nothing, str(error))
-    return _Made(ran, *_ways(rig, piece, start, ran.end), ran.failed)
-
-
-def _ways(rig: Rig, piece: int, start: State | None, end: State) -> tuple[Array, Array]:
-    """Return where a piece starts and ends, about its origin and the next one's."""
-    lead = joint = np.zeros(0)
-    if start is not None:
-        lead = from_origin(rig.begun, rig.origins[piece - 1], start.q, start.v)
+        return str(error)
     if rig.pieces and piece < len(rig.pieces) - 2:
-        joint = from_origin(rig.begun, rig.origins[piece], end.q, end.v)
-    return lead, joint
+        joint = from_origin(rig.begun, rig.origins[piece], ran.end.q, ran.end.v)
+    return ran.failed or _Made(ran, lead, joint)
 
 
-def _read(rig: Rig, bench: Bench, rows: Sequence[Array], made: Sequence[_Made]) -> tuple[Readings, ...]:
-    """Read the sensors of runs: of all of them at once, which takes longer than a short run does."""
-    good = [k for k, one in enumerate(made) if not one.failed]
+def sensed(rig: Rig, bench: Bench, rows: Sequence[Array], chunks: Sequence[Chunk]) -> list[list[Array]]:
+    """Return what sensors read of some runs, by run and sensor.
+
+    They are read all at once, which takes longer than a short run does.
+
+    Args:
+        rig: Whose sensors.
+        bench: Of whose system the runs are.
+        rows: Of each, by the run's clock [s].
+        chunks: Samples of each, those among them at which its sensors are asked for.
+    """
     seen: dict[bytes, Any] = {}  # of columns without filters the same
-    columns: list[list[Array]] = [[] for _ in made]
-    for name, column in rig.columns.items() if good else ():
-        wanted = [instants(column, rows[k]) for k in good]
+    read: list[list[Array]] = [[] for _ in rows]
+    ends = np.cumsum([len(one) for one in rows])
+    for name, column in rig.columns.items() if rows else ():
+        wanted = [instants(column, one) for one in rows]
+        if column.filter is not None and len(rows) > 1:  # a filter goes along one run
+            for k, one in enumerate(rows):
+                data = bench.data(at_times(chunks[k], wanted[k]))
+                read[k].append(reading(data, column, rig.read_in[name], one))
+            continue
         key = b"|".join(one.tobytes() for one in wanted)
         if key not in seen:
-            chunks = [
-                at_times(one.ran.chunk, times)
-                for one, times in zip((made[k] for k in good), wanted, strict=True)
-                if one.ran is not None
-            ]
-            seen[key] = bench.data(Chunk.joined(chunks))
-        read = reading(seen[key], column, rig.read_in[name], np.concatenate([rows[k] for k in good]))
-        ends = np.cumsum([len(rows[k]) for k in good])
-        for k, part in zip(good, np.split(read, ends[:-1]), strict=True):
-            columns[k].append(part)
-    return tuple(
-        _nothing(one.failed) if one.failed else Readings(tuple(parts), one.lead, one.end)
-        for one, parts in zip(made, columns, strict=True)
-    )
+            found = [at_times(one, times) for one, times in zip(chunks, wanted, strict=True)]
+            seen[key] = bench.data(Chunk.joined(found))
+        whole = reading(seen[key], column, rig.read_in[name], np.concatenate(rows))
+        for k, part in enumerate(np.split(whole, ends[:-1])):
+            read[k].append(part)
+    return read
 
 
-def _nothing(why: str) -> Readings:
+def nothing(why: str) -> Readings:
+    """Return what came of a run of which nothing did, with why."""
     return Readings((), np.zeros(0), np.zeros(0), why)
-
-
-def make_all(rigs: tuple[Rig, ...], batch: list[Asked]) -> list[tuple[Readings, ...]]:
-    """Make what is asked for, one after the other: what an executor calls."""
-    return [make(rigs[asked.record], asked) for asked in batch]
