@@ -242,11 +242,6 @@ class FitPlan(RunsFile):
             for name in getattr(self, place):
                 if not name.replace("_", "a").replace("-", "a").isalnum():
                     refuse("must have a name of letters, digits, - and _", place, name)
-        for name, record in self.records.items() if self.jacobian == "equation" else ():
-            for column, one in record.columns.items():
-                if one.compare == "blows":
-                    rule = 'must be "differences" where a column compares blows, which each run has anew'
-                    refuse(f"{rule}, as records.{name}.columns.{column} does", "jacobian")
         owners: dict[tuple[str, str], str] = {}
         for name, parameter in self.parameters.items():
             for i, record in enumerate(parameter.records or ()):

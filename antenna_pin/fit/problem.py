@@ -185,6 +185,14 @@ class Problem:
                 answers.append(None)
         return answers
 
+    def curves(self, whole: Array) -> dict[str, tuple[Array, Array]]:
+        """Return times, (rows,), and curves over their noise, (columns, rows), of records that are one run.
+
+        Raises:
+            NoRunError: One has none.
+        """
+        return self.rows.curves(whole, self._readings([whole])[0])
+
     def scenario(self, record: str, values: Array) -> Scenario:
         """Return the scenario of a record with values of the parameters, (p,) [SI]."""
         r = list(self.plan.records).index(record)

@@ -117,6 +117,22 @@ class Rows:
                 parts.append(self.weight(rig) * (one.end - other.lead))
         return np.concatenate(parts)
 
+    def curves(self, whole: Array, found: Sequence[Readings]) -> dict[str, tuple[Array, Array]]:
+        """Return times, (rows,), and curves over their noise, (columns, rows), of records that are one run.
+
+        Raises:
+            NoRunError: A run has failed.
+        """
+        curves = dict[str, list[Array]]()
+        models = self.models(whole, found)
+        for (name, target), model in zip(self._prepared.targets.items(), models, strict=True):
+            record, _, column = name.partition(".")
+            spec = self._plan.records[record]
+            if spec.pieces is None and spec.columns[column].compare == "curve":
+                curves.setdefault(record, []).append(model / target.sd)
+        times = {one.name: one.time for one in self._prepared.rigs}
+        return {name: (times[name], np.array(rows)) for name, rows in curves.items()}
+
     def slopes(self, whole: Array, found: Sequence[Readings], fitted: Sequence[Fitted]) -> Array:
         """Return the derivatives of :meth:`residuals` by values with states, (m, p + h).
 
