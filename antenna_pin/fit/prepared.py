@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,13 +11,15 @@ import xarray as xr
 
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench
+from antenna_pin.fit.followed import followed
 from antenna_pin.fit.measured import measured
-from antenna_pin.fit.pieces import cut, ways_of
+from antenna_pin.fit.pieces import instants_of, ways_of
 from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
 from antenna_pin.fit.runs import Rig
 from antenna_pin.fit.sensors import amount, check_sensor, unit_of
 from antenna_pin.fit.statistics import Target, target_of
 from antenna_pin.scenario import Scenario
+from antenna_pin.simulation.from_scenario import check_without_controllers
 from antenna_pin.sweep.design import put_value
 
 __all__ = ["Prepared", "prepared"]
@@ -106,38 +109,41 @@ def prepared(plan: FitPlan) -> Prepared:
             at = f"{where}.columns.{column}"
             targets[full] = target_of(one, read_in[column], found.time, found.values[column], at)
             units[full], offsets[full] = read_in[column], amount(one.offset, read_in[column], f"{at}.offset")
-        pieces, origins = _pieces(spec, begun, float(found.time[-1]), where)
         own = [one for one in plan.parameters.values() if one.records is None or name in one.records]
         fitted = [one for one in own if place_in_record(one.keys_set[0]) is None]
-        rigs.append(
-            Rig(
-                name=name,
-                scenario=base.model_dump_json(),
-                keys=tuple(one.keys_set for one in fitted),
-                units=tuple(one.numbers()[3] for one in fitted),
-                columns=dict(spec.columns),
-                read_in=read_in,
-                time=found.time,
-                pieces=pieces,
-                origins=origins,
-                begun=begun.model_dump_json() if pieces else "",
-            )
+        rig = Rig(
+            name=name,
+            scenario=base.model_dump_json(),
+            keys=tuple(one.keys_set for one in fitted),
+            units=tuple(one.numbers()[3] for one in fitted),
+            columns=dict(spec.columns),
+            read_in=read_in,
+            time=found.time,
         )
-        ways.append(tuple(ways_of(rigs[-1].begun, origin) for origin in origins))
-        joints.append(2 * data.sizes["coordinate"] * len(origins))
+        if spec.pieces is not None:
+            curves = [
+                (one.gain, offsets[f"{name}.{column}"], *targets[f"{name}.{column}"][2:4])
+                for column, one in spec.columns.items()
+            ]
+            rig = _in_pieces(rig, spec, begun, curves, where)
+        rigs.append(rig)
+        ways.append(tuple(ways_of(rig.begun, origin) for origin in rig.origins))
+        joints.append(2 * data.sizes["coordinate"] * len(rig.origins))
     return Prepared(place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints))
 
 
-def _pieces(
-    spec: RecordSpec, begun: Scenario, last: float, place: str
-) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    if spec.pieces is None:
-        return (), ()
-    if not spec.pieces.length < last:
+def _in_pieces(rig: Rig, spec: RecordSpec, begun: Scenario, curves: list[Any], place: str) -> Rig:
+    """Return a record's test in pieces, each beginning where its record is about."""
+    assert spec.pieces is not None
+    length, last = spec.pieces.length, float(rig.time[-1])
+    if not length < last:
         rule = f"must be shorter than the record, whose last row is at {last:g} s"
-        raise ScenarioError(f"{place}.pieces.length {rule}, got {spec.pieces.length:g} s")
-    found = cut(begun, spec.pieces.length, last + spec.clock_shift, place)
-    return found.instants, found.origins
+        raise ScenarioError(f"{place}.pieces.length {rule}, got {length:g} s")
+    check_without_controllers(place, begun)
+    cut = dataclasses.replace(
+        rig, pieces=instants_of(length, last + spec.clock_shift), begun=begun.model_dump_json()
+    )
+    return dataclasses.replace(cut, origins=followed(cut, Bench(begun), spec.clock_shift, curves, place))
 
 
 def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:

@@ -79,6 +79,7 @@ def fit(tmp_path):
     return made
 
 
+@pytest.mark.slow
 def test_ten_growths_are_found_in_pieces_and_not_in_one_run(fit):
     assert exponent(20.0) * SPAN > 10.0
     truth = np.array([DAMPING, ACCELERATION])
