@@ -103,6 +103,21 @@ class Bench:
         ended = run.outcome in ENDED_WELL and run.stepper.t >= until - _ROUND_OFF
         return Ran(run.samples.held, run.present(), "" if ended else run.message)
 
+    def counted(self, chunk: Chunk) -> Chunk:
+        """Return one state twice, all that is integrated along a run larger by 1 in the second.
+
+        What is not the same of both counts from a run's start on, as work does: pieces of a run, and states
+        displaced, do not have it.
+        """
+        both = Chunk.joined([chunk.part(0, 1), chunk.part(0, 1)])
+        system, first = self.system, self.system.model.nq + self.system.model.nv
+        books = np.ones(system.manifold.nx, dtype=bool)
+        books[np.asarray(system.bristle_x, dtype=int)] = False
+        books[list(system.turn_x.values())] = False
+        states = both.states.copy()
+        states[1, first:][books] += 1.0
+        return both._replace(states=states)
+
     def data(self, chunk: Chunk) -> xr.Dataset:
         """Return what states of this system show, as a result has it; they may be of several of its runs.
 

@@ -91,7 +91,7 @@ class _Equation:
         self._here = bench_of(rig, asked.values)
         check_without_controllers("fit: derivatives by the equation", self._here.scenario)
         system, self._count = self._here.system, len(asked.values)
-        self._scales = np.array([abs(one) or 1.0 for one in asked.values])
+        self._scales = np.fmax(np.abs(asked.values), rig.sizes)
         names = [keys[0] for keys in rig.keys]
         builds = [functools.partial(self._system, k) for k in range(self._count)]
         self._kept = Kept(system)

@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 
 # In how many parts a record is looked at; the bend of a difference over the difference from which on it is
 # none that is straight; and over how many growths by e a piece is to go.
-_PARTS, _BENT, _FOLDS = 24, 0.5, 3.0
+_PARTS, _BENT, _FOLDS = 24, 0.5, 1.0
+_AT_LEAST = 3.0  # growths by e that have been, where one cannot be told
 
 
 class Growth(NamedTuple):
@@ -84,7 +85,7 @@ def growth_of(time: Array, below: Array, here: Array, above: Array, reach: float
     middles = np.array([one.mean() for one in np.array_split(time, _PARTS)])
     grown = np.flatnonzero(sizes[: first + 1] > 0.0)
     since = float(middles[first] - time[0])
-    fold = since / _FOLDS
+    fold = since / _AT_LEAST
     if len(grown) > 2:
         rate = float(np.polyfit(middles[grown], np.log(sizes[grown]), 1)[0])
         if not rate > 0.0:

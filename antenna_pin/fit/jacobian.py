@@ -10,9 +10,13 @@ from numpy.typing import NDArray
 
 from antenna_pin.fit.runs import NoRunError
 
-__all__ = ["Derived", "by_differences"]
+__all__ = ["APART", "Derived", "by_differences"]
 
 Array = NDArray[np.float64]
+
+
+#: By how much the equation may contradict differences of runs, over the size of derivatives by one unknown.
+APART = 1e-2
 
 
 class Derived(NamedTuple):
@@ -37,17 +41,23 @@ class Derived(NamedTuple):
             return self._replace(equation=self.equation + 1)
         return self._replace(differences=self.differences + 1, why=self.why or why)
 
+    def held(self, equation: Array, runs: Array) -> Derived:
+        """Return the same once the equation's derivatives were held against those of runs."""
+        sizes = np.linalg.norm(runs, axis=0)
+        off = np.linalg.norm(equation - runs, axis=0) / np.where(sizes > 0.0, sizes, 1.0)
+        apart = float(off.max(initial=0.0))
+        why = f"they contradict runs, by {apart:.2g} of their size" if apart > APART else self.why
+        return self._replace(apart=apart, why=why)
+
     def words(self) -> str:
         """Return it in words."""
         if not self.equation:
-            said = "differences of runs"
-            return f"{said}, not the equation: {self.why}" if self.why else said
-        said = f"the variational equation, within {self.apart:.1g} of differences of runs at the start"
+            return "differences of runs" + (f", not the equation: {self.why}" if self.why else "")
+        said = f"the variational equation, within {self.apart:.1g} of differences of runs where it began"
         if not self.differences:
             return said
-        return (
-            f"{said}; {self.differences} of {self.equation + self.differences} times differences: {self.why}"
-        )
+        every = self.equation + self.differences
+        return f"{said}; {self.differences} of {every} times by these: {self.why}"
 
 
 def by_differences(

@@ -11,13 +11,15 @@ import xarray as xr
 
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench
+from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.followed import followed
 from antenna_pin.fit.measured import measured
 from antenna_pin.fit.pieces import instants_of, ways_of
 from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
 from antenna_pin.fit.runs import Rig
-from antenna_pin.fit.sensors import amount, check_sensor, unit_of
+from antenna_pin.fit.sensors import amount, check_sensor, reading, unit_of
 from antenna_pin.fit.statistics import Target, target_of
+from antenna_pin.fit.unknowns import size_of
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.from_scenario import check_without_controllers
 from antenna_pin.sweep.design import put_value
@@ -97,12 +99,14 @@ def prepared(plan: FitPlan) -> Prepared:
         where = f"{place}: records.{name}"
         base = plan.scenario_of(name)
         begun = _at_start(plan, name, base)
-        data = _glance(begun, where)
+        data, counted = _glance(begun, where)
         read_in = {}
         for column, one in spec.columns.items():
             at = f"{where}.columns.{column}"
             read_in[column] = unit_of(data, one, at)
             check_sensor(one, read_in[column], at)
+            if spec.pieces is not None or plan.jacobian == "equation":
+                _check_of_states(one, read_in[column], counted, at, "pieces" if spec.pieces else "jacobian")
         found = measured(spec, plan.folder, read_in, where)
         for column, one in spec.columns.items():
             full = f"{name}.{column}"
@@ -116,6 +120,7 @@ def prepared(plan: FitPlan) -> Prepared:
             scenario=base.model_dump_json(),
             keys=tuple(one.keys_set for one in fitted),
             units=tuple(one.numbers()[3] for one in fitted),
+            sizes=tuple(size_of(*one.numbers()[:3]) for one in fitted),
             columns=dict(spec.columns),
             read_in=read_in,
             time=found.time,
@@ -167,10 +172,22 @@ def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
     return found if overrides else base
 
 
-def _glance(scenario: Scenario, place: str) -> xr.Dataset:
-    """Return a run's data of next to no time, which has all its variables."""
+def _glance(scenario: Scenario, place: str) -> tuple[xr.Dataset, xr.Dataset]:
+    """Return a run's data of next to no time, which has all its variables, and those of one state, counted."""
     try:
         bench = Bench(scenario)
-        return bench.data(bench.run(np.zeros(1), max(_GLANCE * scenario.duration, 1e-9)).chunk)
+        chunk = bench.run(np.zeros(1), max(_GLANCE * scenario.duration, 1e-9)).chunk
+        return bench.data(chunk), bench.data(bench.counted(chunk))
     except AntennaPinError as error:
         raise ScenarioError(f"{place}: {error}") from None
+
+
+def _check_of_states(column: ColumnSpec, unit: str, counted: xr.Dataset, place: str, beside: str) -> None:
+    """Refuse a column of what is integrated along a run where runs begin anew, or only states are displaced."""
+    here, other = reading(counted, column.model_copy(update={"filter": None}), unit, np.zeros(2))
+    if here != other and not (np.isnan(here) and np.isnan(other)):
+        way_out = "leave the pieces out" if beside == "pieces" else 'take jacobian = "differences"'
+        raise ScenarioError(
+            f"{place} must follow from the state of a moment, not count from a run's start as "
+            f"{column.of} does; {way_out}"
+        )

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.jacobian import Derived, by_differences
+from antenna_pin.fit.jacobian import APART, Derived, by_differences
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.plan import FitPlan, place_in_record
 from antenna_pin.fit.prepared import Prepared, prepared
@@ -31,10 +31,6 @@ Array = NDArray[np.float64]
 #: Runs of pieces that are made together at most: their sensors are read at once, and what that rounds is
 #: not to hang on how many hands there are.
 _TOGETHER = 16
-
-
-#: By how much the equation may contradict differences of runs at the start, over a column's size.
-_APART = 1e-2
 
 
 class _Run(NamedTuple):
@@ -203,28 +199,22 @@ class Problem:
 
         By what they were found is told by :attr:`derived`.
         """
-        why = ""
+        found, why = None, ""
         if self.plan.jacobian == "equation":
             found, why = self._by_equation(self.unknowns.natural(searched))
-            if found is not None and not self.derived.equation and not self.derived.differences:
-                found, why = self._held_against(found, self._by_runs(searched))
-            if found is not None:
-                self.derived = self.derived.once_more(True)
-                return found
-        self.derived = self.derived.once_more(False, why)
-        return self._by_runs(searched)
-
-    def _held_against(self, found: Array, runs: Array) -> tuple[Array | None, str]:
-        """Return the equation's derivatives, if those of runs, the first time, do not contradict them."""
-        sizes = np.linalg.norm(runs, axis=0)
-        apart = float(np.max(np.linalg.norm(found - runs, axis=0) / np.where(sizes > 0.0, sizes, 1.0)))
-        self.derived = self.derived._replace(apart=apart)
-        if apart <= _APART:
-            return found, ""
-        return None, f"at the start they contradict runs, by {apart:.2g} of their size"
+        runs = None if found is not None and self.derived.apart <= APART else self._by_runs(searched)
+        if found is not None and runs is not None:  # for the first time
+            self.derived = self.derived.held(found, runs)
+            found = found if self.derived.apart <= APART else None
+        self.derived = self.derived.once_more(found is not None, why)
+        answer = runs if found is None else found
+        assert answer is not None
+        return answer
 
     def _by_equation(self, whole: Array) -> tuple[Array | None, str]:
         """Return the derivatives by the variational equation, or None and why there are none."""
+        if self.derived.apart > APART:
+            return None, self.derived.why
         asked = [
             one._replace(slopes=True, clock=self.rows.has_clock(one.record)) for one in self._asked(whole)
         ]

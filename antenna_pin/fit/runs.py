@@ -51,6 +51,7 @@ class Rig:
         scenario: Its scenario as JSON, before what is fitted.
         keys: Of the scenario that are fitted, one tuple for each of :attr:`Asked.values`.
         units: Of those values.
+        sizes: Of those values: what a change is small beside [SI].
         columns: What is read, by name.
         read_in: SI unit of each.
         time: Of the rows, by the file's clock [s].
@@ -63,6 +64,7 @@ class Rig:
     scenario: str
     keys: tuple[tuple[str, ...], ...]
     units: tuple[str, ...]
+    sizes: tuple[float, ...]
     columns: Mapping[str, ColumnSpec]
     read_in: Mapping[str, str]
     time: Array
