@@ -173,7 +173,7 @@ def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
 
 
 def _glance(scenario: Scenario, place: str) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return a run's data of next to no time, which has all its variables, and those of one state, counted."""
+    """Return a run's data of next to no time, which has all its variables, and what counts along a run."""
     try:
         bench = Bench(scenario)
         chunk = bench.run(np.zeros(1), max(_GLANCE * scenario.duration, 1e-9)).chunk
@@ -183,7 +183,7 @@ def _glance(scenario: Scenario, place: str) -> tuple[xr.Dataset, xr.Dataset]:
 
 
 def _check_of_states(column: ColumnSpec, unit: str, counted: xr.Dataset, place: str, beside: str) -> None:
-    """Refuse a column of what is integrated along a run where runs begin anew, or only states are displaced."""
+    """Refuse a column of what is integrated along a run where runs begin anew, or states are displaced."""
     here, other = reading(counted, column.model_copy(update={"filter": None}), unit, np.zeros(2))
     if here != other and not (np.isnan(here) and np.isnan(other)):
         way_out = "leave the pieces out" if beside == "pieces" else 'take jacobian = "differences"'
