@@ -109,6 +109,7 @@ def prepared(plan: FitPlan) -> Prepared:
                 _check_of_states(one, read_in[column], counted, at, "pieces" if spec.pieces else "jacobian")
         found = measured(spec, plan.folder, read_in, where)
         for column, one in spec.columns.items():
+            _check_pace(one, found.time, f"{where}.columns.{column}")
             full = f"{name}.{column}"
             at = f"{where}.columns.{column}"
             targets[full] = target_of(one, read_in[column], found.time, found.values[column], at)
@@ -135,6 +136,16 @@ def prepared(plan: FitPlan) -> Prepared:
         ways.append(tuple(ways_of(rig.begun, origin) for origin in rig.origins))
         joints.append(2 * data.sizes["coordinate"] * len(rig.origins))
     return Prepared(place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints))
+
+
+def _check_pace(column: ColumnSpec, time: np.ndarray, place: str) -> None:
+    """Refuse a filter of which rows are too far apart to show what it passes."""
+    pace = 1.0 / float(np.median(np.diff(time)))
+    if column.filter is not None and column.filter.corner > 0.5 * pace:
+        raise ScenarioError(
+            f"{place}.filter.corner must be at most half of the record's {pace:g} rows per second, got "
+            f"{column.filter.corner:g} Hz; give that of the recorder, or leave the filter out"
+        )
 
 
 def _in_pieces(rig: Rig, spec: RecordSpec, begun: Scenario, curves: list[Any], place: str) -> Rig:

@@ -73,7 +73,6 @@ def test_both_find_the_same(write):
     assert by_runs.data().attrs["derivatives"] == "differences of runs"
 
 
-@pytest.mark.slow
 def test_pieces_have_those_of_differences(write):
     """How a piece's end goes with its start, and with what is fitted, is in the joints' derivatives."""
     time = np.linspace(0.0, 1.0, 101)
