@@ -143,7 +143,7 @@ def fit(
             f"chi2 {number(bands.chi2)} for {bands.freedoms} degrees of freedom; {found.runs} runs; "
             f"{found.message}"
         )
-        say_each([*notes])
+        say_each([*found.notes, *notes])
         say(f"saved {target}")
         if scenario is not None:
             say(f"saved {scenario}")

@@ -1,17 +1,63 @@
-"""Derivatives of a fit's residuals by its unknowns, by central differences of runs."""
+"""Derivatives of a fit's residuals by its unknowns: by central differences of runs, or by what else."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.fit.runs import NoRunError
 
-__all__ = ["by_differences"]
+__all__ = ["APART", "Derived", "by_differences"]
 
 Array = NDArray[np.float64]
+
+
+#: By how much the equation may contradict differences of runs, over the size of derivatives by one unknown.
+APART = 1e-2
+
+
+class Derived(NamedTuple):
+    """By what the derivatives of a fit were found.
+
+    Attributes:
+        equation: How often by the variational equation.
+        differences: How often by differences of runs.
+        why: Why the first time not by the equation, where that was asked for; "" if that was not.
+        apart: By how much the two differed where they were held against one another, over the size of the
+            derivatives by one unknown; NaN if they were not.
+    """
+
+    equation: int = 0
+    differences: int = 0
+    why: str = ""
+    apart: float = float("nan")
+
+    def once_more(self, equation: bool, why: str = "") -> Derived:
+        """Return the same after one time more."""
+        if equation:
+            return self._replace(equation=self.equation + 1)
+        return self._replace(differences=self.differences + 1, why=self.why or why)
+
+    def held(self, equation: Array, runs: Array) -> Derived:
+        """Return the same once the equation's derivatives were held against those of runs."""
+        sizes = np.linalg.norm(runs, axis=0)
+        off = np.linalg.norm(equation - runs, axis=0) / np.where(sizes > 0.0, sizes, 1.0)
+        apart = float(off.max(initial=0.0))
+        why = f"they contradict runs, by {apart:.2g} of their size" if apart > APART else self.why
+        return self._replace(apart=apart, why=why)
+
+    def words(self) -> str:
+        """Return it in words."""
+        if not self.equation:
+            return "differences of runs" + (f", not the equation: {self.why}" if self.why else "")
+        said = f"the variational equation, within {self.apart:.1g} of differences of runs where it began"
+        if not self.differences:
+            return said
+        every = self.equation + self.differences
+        return f"{said}; {self.differences} of {every} times by these: {self.why}"
 
 
 def by_differences(

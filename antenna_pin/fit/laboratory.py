@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
 
-import numpy as np
-
+from antenna_pin.fit.made import make_all
 from antenna_pin.fit.notebook import Notebook
 from antenna_pin.fit.plan import FitPlan
-from antenna_pin.fit.runs import Asked, Readings, Rig, make_all
+from antenna_pin.fit.runs import Asked, Readings, Rig, nothing
 from antenna_pin.sweep import Executor, Here
 from antenna_pin.sweep.here import Lost
 
 __all__ = ["Laboratory"]
 
-_REMEMBERED = 512  # runs whose readings stay in memory
+_REMEMBERED = 512  # answers that stay in memory
 
 
 class Laboratory:
@@ -40,7 +38,7 @@ class Laboratory:
         self.executor, self.notebook, self.progress = executor or Here(), notebook, progress
         self.made = 0
         self._rigs: tuple[Rig, ...] = ()
-        self._known: dict[Asked, Readings] = {}
+        self._known: dict[Asked, tuple[Readings, ...]] = {}
 
     def take(self, plan: FitPlan, rigs: tuple[Rig, ...]) -> None:
         """Take up the tests that runs are asked of.
@@ -52,38 +50,33 @@ class Laboratory:
         if self.notebook is not None:
             self.notebook.open(plan, rigs)
 
-    def readings(self, asked: Sequence[Asked]) -> list[Readings]:
+    def readings(self, asked: Sequence[Asked]) -> list[tuple[Readings, ...]]:
         """Return what each run's sensors read; those not known are made, side by side if there are hands.
 
         Raises:
             KeyboardInterrupt: It was interrupted; what was made is kept.
         """
         missing = [one for one in dict.fromkeys(asked) if one not in self._known]
-        found: dict[Asked, Readings] = {}
+        found: dict[Asked, tuple[Readings, ...]] = {}
         for one in list(missing):
             old = None if self.notebook is None else self.notebook.read(one)
             if old is not None:
                 found[one] = old
-                self.made += 1
+                self.made += len(old)
                 missing.remove(one)
         if missing:
             self.executor.start()
         batches: Iterator[list[Asked]] = ([one] for one in missing)
-        for batch, answer in self.executor.each(make_all, self._rigs, batches):
-            results = [_lost(answer)] * len(batch) if isinstance(answer, Lost) else answer
-            for one, result in zip(batch, results, strict=True):
-                found[one] = result
-                self.made += 1
-                if self.notebook is not None:
-                    self.notebook.write(one, result)
-                if self.progress is not None:
-                    self.progress(self.made)
+        for (one,), answer in self.executor.each(make_all, self._rigs, batches):
+            lost = isinstance(answer, Lost)
+            found[one] = tuple(nothing(str(answer)) for _ in one.starts) if lost else answer[0]
+            self.made += len(one.starts)
+            if self.notebook is not None:
+                self.notebook.write(one, found[one])
+            if self.progress is not None:
+                self.progress(self.made)
         self._known |= found
         answers = [self._known[one] for one in asked]
         for one in list(self._known)[: max(0, len(self._known) - _REMEMBERED)]:
             del self._known[one]
         return answers
-
-
-def _lost(answer: Any) -> Readings:
-    return Readings((), np.zeros(0), np.zeros(0), str(answer))

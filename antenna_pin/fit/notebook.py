@@ -1,22 +1,24 @@
-"""What the runs of a fit have come to so far, on the disk: a journal with a line for each run."""
+"""What the runs of a fit have come to so far, on the disk: a journal, a line for those asked for at once."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from antenna_pin.fit.plan import FitPlan
-from antenna_pin.fit.runs import Asked, Readings, Rig
+from antenna_pin.fit.runs import Asked, Readings, Rig, Slopes
 from antenna_pin.sweep.journal import Journal, begun
 from antenna_pin.trajectory import library_versions
 
 __all__ = ["Notebook"]
 
 _SUFFIX = ".parts"
+_FORM = 2  # of a line
 
 
 class Notebook:
@@ -45,25 +47,19 @@ class Notebook:
         self._entries = {_key(entry["asked"]): entry for entry in entries.values()}
         self._next = max(entries, default=-1) + 1
 
-    def read(self, asked: Asked) -> Readings | None:
-        """Return what a run came to; None if it was not made."""
+    def read(self, asked: Asked) -> tuple[Readings, ...] | None:
+        """Return what runs came to; None if they were not made."""
         entry = self._entries.get(_key(asked))
         if entry is None:
             return None
-        columns, lead, end = entry["columns"], entry["lead"], entry["end"]
-        return Readings(
-            tuple(np.array(one) for one in columns), np.array(lead), np.array(end), entry["failed"]
-        )
+        return tuple(_readings(one) for one in entry["found"])
 
-    def write(self, asked: Asked, found: Readings) -> None:
-        """Keep what a run came to."""
+    def write(self, asked: Asked, found: Sequence[Readings]) -> None:
+        """Keep what runs came to."""
         entry = {
             "run": self._next,
             "asked": list(asked),
-            "columns": [one.tolist() for one in found.columns],
-            "lead": found.lead.tolist(),
-            "end": found.end.tolist(),
-            "failed": found.failed,
+            "found": [_lists(one) for one in found],
         }
         if self._journal is not None:
             self._journal.add(entry)
@@ -84,9 +80,43 @@ class Notebook:
         self.folder.rmdir()
 
 
+def _lists(found: Readings) -> dict[str, Any]:
+    """Return what came of a run as JSON takes it."""
+    lists: dict[str, Any] = _plain({name: getattr(found, name) for name in ("columns", "lead", "end")})
+    lists["failed"] = found.failed
+    if found.slopes is not None:
+        lists["slopes"] = _plain(found.slopes._asdict())
+        lists["fitted"] = found.slopes.lead.shape[1]
+    return lists
+
+
+def _plain(found: Any) -> Any:
+    if isinstance(found, dict):
+        return {name: _plain(one) for name, one in found.items()}
+    if isinstance(found, tuple):
+        return [_plain(one) for one in found]
+    return found.tolist() if isinstance(found, np.ndarray) else found
+
+
+def _readings(lists: dict[str, Any]) -> Readings:
+    """Return what came of a run from what was kept."""
+    found = Readings(_arrays(lists["columns"]), np.array(lists["lead"]), np.array(lists["end"]))
+    slopes = lists.get("slopes")
+    if slopes is not None:
+        lead, end = (np.array(slopes[name]).reshape(-1, lists["fitted"]) for name in ("lead", "end"))
+        columns = tuple(one.reshape(-1, lists["fitted"]) for one in _arrays(slopes["columns"]))
+        clock = None if slopes["clock"] is None else _arrays(slopes["clock"])
+        found = found._replace(slopes=Slopes(columns, lead, end, clock))
+    return found._replace(failed=lists["failed"])
+
+
+def _arrays(lists: list[Any]) -> tuple[np.ndarray, ...]:
+    return tuple(np.array(one) for one in lists)
+
+
 def _key(asked: Any) -> tuple[Any, ...]:
-    record, values, shift, piece, start = asked
-    return record, tuple(values), shift, piece, tuple(start)
+    record, values, shift, starts, *rest = asked
+    return record, tuple(values), shift, tuple((piece, tuple(start)) for piece, start in starts), *rest
 
 
 def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
@@ -112,4 +142,4 @@ def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
                 one.pop(number)
         time = hashlib.sha256(rig.time.tobytes()).hexdigest()
         records[rig.name] = [scenario, rig.keys, rig.units, columns, time, rig.pieces, rig.origins]
-    return {"records": records, "versions": library_versions()}
+    return {"form": _FORM, "records": records, "versions": library_versions()}

@@ -8,61 +8,26 @@ that is fitted (Bock 1981, Springer Series in Chemical Physics 18, 102-125).
 from __future__ import annotations
 
 import functools
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.assemble import build_system
 from antenna_pin.dynamics import System
-from antenna_pin.nonlinear import Chart, Flow
+from antenna_pin.nonlinear import Chart
 from antenna_pin.nonlinear.frames import way_between
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
-from antenna_pin.simulation.run import settings_of
 from antenna_pin.state import State
 
-__all__ = ["Cut", "cut", "from_origin", "piece_start", "ways_of"]
+__all__ = ["from_origin", "instants_of", "piece_start", "ways_of"]
 
 Array = NDArray[np.float64]
 
 
-class Cut(NamedTuple):
-    """Where a record is cut.
-
-    Attributes:
-        instants: At which pieces begin, and the last one ends [s].
-        origins: Of each piece but the first the state about which its start is told, as text.
-    """
-
-    instants: tuple[float, ...]
-    origins: tuple[str, ...]
-
-
-def cut(scenario: Scenario, length: float, until: float, place: str) -> Cut:
-    """Return a record's pieces, each beginning where the motion of the start values is.
-
-    Args:
-        scenario: With those values.
-        length: Of a piece [s].
-        until: Where the last one ends [s].
-        place: Of the record, for messages.
-
-    Raises:
-        InvalidParameterError: The scenario has controllers, whose memory is no part of a state.
-        FlowError: Its run does not come to the end.
-    """
-    check_without_controllers(place, scenario)
+def instants_of(length: float, until: float) -> tuple[float, ...]:
+    """Return when pieces of a length [s] begin and the last one ends [s]; it may be shorter, or longer."""
     count = max(1, round(until / length))
-    instants = [*(k * length for k in range(count)), until]
-    system = build_system(scenario)
-    flow = Flow(system, settings_of(scenario), events_of(scenario), scenario)
-    q, v = initial_state(scenario, system)
-    state, origins = flow.first(q, v, initial_angles(scenario, system)), []
-    for begin, end in zip(instants[:-2], instants[1:-1], strict=True):
-        state = flow.after(state, end - begin)
-        origins.append(state.to_json())
-    return Cut(tuple(instants), tuple(origins))
+    return (*(k * length for k in range(count)), until)
 
 
 @functools.lru_cache(maxsize=4)

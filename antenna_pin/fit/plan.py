@@ -32,7 +32,7 @@ __all__ = [
 #: Of a record's own numbers: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")
 
-Jacobian = Literal["differences"]
+Jacobian = Literal["differences", "equation"]
 
 
 def place_in_record(key: str) -> tuple[str, str, str] | None:
@@ -194,7 +194,8 @@ class FitPlan(RunsFile):
         loss: How a residual counts, as SciPy's ``least_squares`` has it: ``linear`` by its square, the others
             less where it is large.
         loss_scale: Where it begins to be large, in standard deviations [-].
-        jacobian: Whence derivatives come: central ``differences`` of runs.
+        jacobian: Whence derivatives come: central ``differences`` of runs, or the variational ``equation``
+            along one run, for where runs differ too much or are too many.
         difference_step: Of those, over a parameter's scale: its start's size, or the bounds' distance [-].
         tolerance: Relative change of the sum, and of parameters, below which the search has ended [-].
         most: Evaluations by steps of a search after which it is given up [-].
@@ -218,6 +219,15 @@ class FitPlan(RunsFile):
     starts: StartsSpec | None = None
     name: str = "fit"
     folder: Path = Path()
+
+    @model_validator(mode="after")
+    def _check_jacobian(self) -> Self:
+        every = [(name, *pair) for name, one in self.records.items() for pair in one.columns.items()]
+        for name, column, spec in every if self.jacobian == "equation" else ():
+            if spec.compare == "blows":
+                rule = 'must be "differences" where blows are compared, which are found anew in each run'
+                refuse(f"{rule}, as records.{name}.columns.{column} does", "jacobian")
+        return self
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:

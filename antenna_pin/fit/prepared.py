@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,13 +10,18 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.errors import AntennaPinError, ScenarioError
+from antenna_pin.fit.bench import Bench
+from antenna_pin.fit.columns import ColumnSpec
+from antenna_pin.fit.followed import followed
 from antenna_pin.fit.measured import measured
-from antenna_pin.fit.pieces import cut, ways_of
+from antenna_pin.fit.pieces import instants_of, ways_of
 from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
-from antenna_pin.fit.runs import Rig, run_at
-from antenna_pin.fit.sensors import amount, check_sensor, unit_of
+from antenna_pin.fit.runs import Rig
+from antenna_pin.fit.sensors import amount, check_sensor, reading, unit_of
 from antenna_pin.fit.statistics import Target, target_of
+from antenna_pin.fit.unknowns import size_of
 from antenna_pin.scenario import Scenario
+from antenna_pin.simulation.from_scenario import check_without_controllers
 from antenna_pin.sweep.design import put_value
 
 __all__ = ["Prepared", "prepared"]
@@ -93,50 +99,67 @@ def prepared(plan: FitPlan) -> Prepared:
         where = f"{place}: records.{name}"
         base = plan.scenario_of(name)
         begun = _at_start(plan, name, base)
-        data = _glance(begun, where)
+        data, counted = _glance(begun, where)
         read_in = {}
         for column, one in spec.columns.items():
             at = f"{where}.columns.{column}"
             read_in[column] = unit_of(data, one, at)
             check_sensor(one, read_in[column], at)
+            if spec.pieces is not None or plan.jacobian == "equation":
+                _check_of_states(one, read_in[column], counted, at, "pieces" if spec.pieces else "jacobian")
         found = measured(spec, plan.folder, read_in, where)
         for column, one in spec.columns.items():
+            _check_pace(one, found.time, f"{where}.columns.{column}")
             full = f"{name}.{column}"
             at = f"{where}.columns.{column}"
             targets[full] = target_of(one, read_in[column], found.time, found.values[column], at)
             units[full], offsets[full] = read_in[column], amount(one.offset, read_in[column], f"{at}.offset")
-        pieces, origins = _pieces(spec, begun, float(found.time[-1]), where)
         own = [one for one in plan.parameters.values() if one.records is None or name in one.records]
         fitted = [one for one in own if place_in_record(one.keys_set[0]) is None]
-        rigs.append(
-            Rig(
-                name=name,
-                scenario=base.model_dump_json(),
-                keys=tuple(one.keys_set for one in fitted),
-                units=tuple(one.numbers()[3] for one in fitted),
-                columns=dict(spec.columns),
-                read_in=read_in,
-                time=found.time,
-                pieces=pieces,
-                origins=origins,
-                begun=begun.model_dump_json() if pieces else "",
-            )
+        rig = Rig(
+            name=name,
+            scenario=base.model_dump_json(),
+            keys=tuple(one.keys_set for one in fitted),
+            units=tuple(one.numbers()[3] for one in fitted),
+            sizes=tuple(size_of(*one.numbers()[:3]) for one in fitted),
+            columns=dict(spec.columns),
+            read_in=read_in,
+            time=found.time,
         )
-        ways.append(tuple(ways_of(rigs[-1].begun, origin) for origin in origins))
-        joints.append(2 * data.sizes["coordinate"] * len(origins))
+        if spec.pieces is not None:
+            curves = [
+                (one.gain, offsets[f"{name}.{column}"], *targets[f"{name}.{column}"][2:4])
+                for column, one in spec.columns.items()
+            ]
+            rig = _in_pieces(rig, spec, begun, curves, where)
+        rigs.append(rig)
+        ways.append(tuple(ways_of(rig.begun, origin) for origin in rig.origins))
+        joints.append(2 * data.sizes["coordinate"] * len(rig.origins))
     return Prepared(place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints))
 
 
-def _pieces(
-    spec: RecordSpec, begun: Scenario, last: float, place: str
-) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    if spec.pieces is None:
-        return (), ()
-    if not spec.pieces.length < last:
+def _check_pace(column: ColumnSpec, time: np.ndarray, place: str) -> None:
+    """Refuse a filter of which rows are too far apart to show what it passes."""
+    pace = 1.0 / float(np.median(np.diff(time)))
+    if column.filter is not None and column.filter.corner > 0.5 * pace:
+        raise ScenarioError(
+            f"{place}.filter.corner must be at most half of the record's {pace:g} rows per second, got "
+            f"{column.filter.corner:g} Hz; give that of the recorder, or leave the filter out"
+        )
+
+
+def _in_pieces(rig: Rig, spec: RecordSpec, begun: Scenario, curves: list[Any], place: str) -> Rig:
+    """Return a record's test in pieces, each beginning where its record is about."""
+    assert spec.pieces is not None
+    length, last = spec.pieces.length, float(rig.time[-1])
+    if not length < last:
         rule = f"must be shorter than the record, whose last row is at {last:g} s"
-        raise ScenarioError(f"{place}.pieces.length {rule}, got {spec.pieces.length:g} s")
-    found = cut(begun, spec.pieces.length, last + spec.clock_shift, place)
-    return found.instants, found.origins
+        raise ScenarioError(f"{place}.pieces.length {rule}, got {length:g} s")
+    check_without_controllers(place, begun)
+    cut = dataclasses.replace(
+        rig, pieces=instants_of(length, last + spec.clock_shift), begun=begun.model_dump_json()
+    )
+    return dataclasses.replace(cut, origins=followed(cut, Bench(begun), spec.clock_shift, curves, place))
 
 
 def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
@@ -160,10 +183,22 @@ def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
     return found if overrides else base
 
 
-def _glance(scenario: Scenario, place: str) -> xr.Dataset:
-    """Return a run's data of next to no time, which has all its variables."""
+def _glance(scenario: Scenario, place: str) -> tuple[xr.Dataset, xr.Dataset]:
+    """Return a run's data of next to no time, which has all its variables, and what counts along a run."""
     try:
-        run = run_at(scenario, np.zeros(1), max(_GLANCE * scenario.duration, 1e-9))
+        bench = Bench(scenario)
+        chunk = bench.run(np.zeros(1), max(_GLANCE * scenario.duration, 1e-9)).chunk
+        return bench.data(chunk), bench.data(bench.counted(chunk))
     except AntennaPinError as error:
         raise ScenarioError(f"{place}: {error}") from None
-    return run.data
+
+
+def _check_of_states(column: ColumnSpec, unit: str, counted: xr.Dataset, place: str, beside: str) -> None:
+    """Refuse a column of what is integrated along a run where runs begin anew, or states are displaced."""
+    here, other = reading(counted, column.model_copy(update={"filter": None}), unit, np.zeros(2))
+    if here != other and not (np.isnan(here) and np.isnan(other)):
+        way_out = "leave the pieces out" if beside == "pieces" else 'take jacobian = "differences"'
+        raise ScenarioError(
+            f"{place} must follow from the state of a moment, not count from a run's start as "
+            f"{column.of} does; {way_out}"
+        )

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.jacobian import by_differences
+from antenna_pin.fit.jacobian import APART, Derived, by_differences
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.plan import FitPlan, place_in_record
 from antenna_pin.fit.prepared import Prepared, prepared
+from antenna_pin.fit.rows import Rows
 from antenna_pin.fit.runs import Asked, NoRunError, Readings, scenario_with
-from antenna_pin.fit.statistics import Target, compared
 from antenna_pin.fit.unknowns import Unknowns
 from antenna_pin.scenario import Scenario
 
@@ -27,12 +28,18 @@ __all__ = ["NoRunError", "Problem"]
 Array = NDArray[np.float64]
 
 
-class _Number(NamedTuple):
-    """A number of a record as a parameter: which, of which record and column ("" of the record itself)."""
+#: Runs of pieces that are made together at most: their sensors are read at once, and what that rounds is
+#: not to hang on how many hands there are.
+_TOGETHER = 16
+
+
+class _Run(NamedTuple):
+    """A run of the fit: of which record, of which piece of it, and where its start stands among unknowns."""
 
     record: int
-    column: str
-    name: str
+    piece: int
+    first: int
+    size: int
 
 
 class Problem:
@@ -49,6 +56,8 @@ class Problem:
         plan: The fit's file.
         unknowns: Parameters and the pieces' starts, with bounds and sizes.
         states: Coordinates of the pieces' starts, (h,), in the run's error scales.
+        rows: What of the records is compared.
+        derived: By what derivatives were found so far.
 
     Raises:
         AntennaPinError: Something of plan, records or scenarios is not valid: before any run of any length.
@@ -68,13 +77,15 @@ class Problem:
             [i for i, one in enumerate(specs) if _is_of(one.records, name) and not _is_number(one.keys_set)]
             for name in plan.records
         ]
-        order = {name: r for r, name in enumerate(plan.records)}
-        self._numbers: list[tuple[int, _Number]] = []
-        for i, one in enumerate(specs):
-            for key in one.keys_set:
-                place = place_in_record(key)
-                if place is not None:
-                    self._numbers.append((i, _Number(order[place[0]], place[1], place[2])))
+        self.rows = Rows(plan, self._prepared)
+        self.derived = Derived()
+        self._runs: list[_Run] = []
+        first = self.unknowns.count
+        for r, ways in enumerate(self._prepared.ways):
+            rig = self._prepared.rigs[r]
+            for k, size in enumerate((0, *ways)):
+                self._runs.append(_Run(r, k if rig.pieces else -1, first, size))
+                first += size
         self._check_times()
 
     @property
@@ -110,9 +121,8 @@ class Problem:
     @property
     def count(self) -> int:
         """How many residuals there are."""
-        return int(
-            sum(len(target.data) for _, target in self._targets()) + sum(self._prepared.sizes_of_joints())
-        )
+        rows = sum(len(target.data) for target in self._prepared.targets.values())
+        return rows + sum(self._prepared.sizes_of_joints())
 
     @takes()
     def residuals(self, values: ArrayLike) -> Array:
@@ -148,24 +158,7 @@ class Problem:
             frequency or a bin's middle.
         """
         whole = self._whole(values)
-        found = self.laboratory.readings(self._asked(whole))
-        models = self._models(whole, found)
-        parts: dict[str, list[Array]] = {name: [] for name in ("model", "data", "sd", "at", "residual")}
-        words: dict[str, list[str]] = {"record": [], "column": [], "measure": [], "unit": []}
-        for (name, target), model in zip(self._targets(), models, strict=True):
-            record, _, column = name.partition(".")
-            spec = self.plan.records[record].columns[column]
-            shift = self._shift(whole, list(self.plan.records).index(record))
-            at = target.at + shift if target.unit == "s" and spec.compare != "blows" else target.at
-            rows = (model, target.data, target.sd, at, (model - target.data) * spec.weight / target.sd)
-            for key, row in zip(parts, rows, strict=True):
-                parts[key].append(row)
-            unit = self._prepared.units[name] if target.measure in ("reading", "rms") else "1"
-            for key, text in zip(words, (record, column, target.measure, unit), strict=True):
-                words[key] += [text] * len(model)
-        columns = {name: ("row", np.concatenate(one)) for name, one in parts.items()}
-        data = xr.Dataset({name: columns[name] for name in ("model", "data", "sd", "residual")})
-        return data.assign_coords({"at": columns["at"]} | {name: ("row", one) for name, one in words.items()})
+        return self.rows.table(whole, self._readings([whole])[0])
 
     # --- what searches and derivatives ask for
 
@@ -175,24 +168,26 @@ class Problem:
         Raises:
             NoRunError: One of them has none.
         """
-        asked = [self._asked(whole) for whole in wholes]
-        self.laboratory.readings([one for several in asked for one in several])
-        return [
-            self._residuals(whole, self.laboratory.readings(one))
-            for whole, one in zip(wholes, asked, strict=True)
-        ]
+        found = self._readings(wholes)
+        return [self.rows.residuals(whole, one) for whole, one in zip(wholes, found, strict=True)]
 
     def tried(self, wholes: Sequence[Array]) -> list[Array | None]:
         """Return what :meth:`residuals_at` does, and None where there is no run."""
-        asked = [self._asked(whole) for whole in wholes]
-        self.laboratory.readings([one for several in asked for one in several])
-        found: list[Array | None] = []
-        for whole in wholes:
+        answers: list[Array | None] = []
+        for whole, found in zip(wholes, self._readings(wholes), strict=True):
             try:
-                found.append(self.residuals_at([whole])[0])
+                answers.append(self.rows.residuals(whole, found))
             except NoRunError:
-                found.append(None)
-        return found
+                answers.append(None)
+        return answers
+
+    def curves(self, whole: Array) -> dict[str, tuple[Array, Array]]:
+        """Return times, (rows,), and curves over their noise, (columns, rows), of records that are one run.
+
+        Raises:
+            NoRunError: One has none.
+        """
+        return self.rows.curves(whole, self._readings([whole])[0])
 
     def scenario(self, record: str, values: Array) -> Scenario:
         """Return the scenario of a record with values of the parameters, (p,) [SI]."""
@@ -200,13 +195,84 @@ class Problem:
         return scenario_with(self._prepared.rigs[r], tuple(float(values[i]) for i in self._of_rig[r]))
 
     def slopes(self, searched: Array) -> Array:
-        """Return the derivatives of the residuals by what is searched for, (m, p + h)."""
-        return by_differences(
-            lambda ends: self.residuals_at([self.unknowns.natural(end) for end in ends]),
-            searched,
-            *self.unknowns.bounds(),
-            self.plan.difference_step,
-        )
+        """Return the derivatives of the residuals by what is searched for, (m, p + h).
+
+        By what they were found is told by :attr:`derived`.
+        """
+        found, why = None, ""
+        if self.plan.jacobian == "equation":
+            found, why = self._by_equation(self.unknowns.natural(searched))
+        runs = None if found is not None and self.derived.apart <= APART else self._by_runs(searched)
+        if found is not None and runs is not None:  # for the first time
+            self.derived = self.derived.held(found, runs)
+            found = found if self.derived.apart <= APART else None
+        self.derived = self.derived.once_more(found is not None, why)
+        answer = runs if found is None else found
+        assert answer is not None
+        return answer
+
+    def _by_equation(self, whole: Array) -> tuple[Array | None, str]:
+        """Return the derivatives by the variational equation, or None and why there are none."""
+        if self.derived.apart > APART:
+            return None, self.derived.why
+        asked = [
+            one._replace(slopes=True, clock=self.rows.has_clock(one.record)) for one in self._asked(whole)
+        ]
+        found = self._flat(self.laboratory.readings(asked))
+        failed = next((one.failed for one in found if one.failed), "")
+        if failed:
+            return None, failed
+        fitted = [
+            np.array([*self._of_rig[one.record], *range(one.first, one.first + one.size)], dtype=int)
+            for one in self._runs
+        ]
+        return self.rows.slopes(whole, found, fitted) / self.unknowns.rates(whole), ""
+
+    def _by_runs(self, searched: Array) -> Array:
+        """Return the derivatives by differences of runs."""
+        p, step = self.unknowns.count, self.plan.difference_step
+        lower, upper = (one[:p] for one in self.unknowns.bounds())
+
+        def of_parameters(ends: Sequence[Array]) -> list[Array]:
+            starts = searched[p:]
+            return self.residuals_at([self.unknowns.natural(np.concatenate([one, starts])) for one in ends])
+
+        found = by_differences(of_parameters, searched[:p], lower, upper, step)
+        return np.hstack([found, self._by_starts(searched, step)]) if len(searched) > p else found
+
+    def _by_starts(self, searched: Array, step: float) -> Array:
+        """Return the derivatives by the starts of pieces, (m, h); to one side where the other has no run.
+
+        A start acts on its own piece only: one run of all pieces is a neighbour in a coordinate of each.
+        """
+        whole, p = self.unknowns.natural(searched), self.unknowns.count
+        (here,) = self._readings([whole])
+        middle = self.rows.residuals(whole, here)
+        slopes = np.zeros((len(middle), len(searched) - p))
+        ends = []
+        for i in range(max(one.size for one in self._runs)):
+            own = [n for n, one in enumerate(self._runs) if i < one.size]
+            for sign in (-1.0, 1.0):
+                end = searched.copy()
+                end[[self._runs[n].first + i for n in own]] += sign * step
+                ends.append((i, own, end, self._asked(self.unknowns.natural(end), own)))
+        self.laboratory.readings([one for *_, asked in ends for one in asked])
+        for below, above in zip(ends[::2], ends[1::2], strict=True):
+            i, own = below[:2]
+            made = [self._flat(self.laboratory.readings(side[3])) for side in (below, above)]
+            for k, n in enumerate(own):
+                at, sides = self._runs[n].first + i, []
+                for side, found in zip((below, above), made, strict=True):
+                    if found[k].failed:
+                        sides.append((float(searched[at]), middle))
+                        continue
+                    there = [*here[:n], found[k], *here[n + 1 :]]
+                    sides.append((float(side[2][at]), self.rows.residuals(whole, there)))
+                (left, lower), (right, upper) = sides
+                if not right > left:
+                    raise NoRunError(f"state {at - p + 1} of pieces has no run a step of {step:g} away")
+                slopes[:, at - p] = (upper - lower) / (right - left)
+        return slopes
 
     # --- one evaluation
 
@@ -220,68 +286,35 @@ class Problem:
             raise InvalidParameterError("Problem", "values", rule, said=str(given.shape))
         return given
 
-    def _shift(self, whole: Array, record: int) -> float:
-        for i, number in self._numbers:
-            if number.record == record and number.name == "clock_shift":
-                return float(whole[i])
-        return list(self.plan.records.values())[record].clock_shift
-
-    def _asked(self, whole: Array) -> list[Asked]:
-        asked, at = [], len(self.names)
-        for r, rig in enumerate(self._prepared.rigs):
+    def _asked(self, whole: Array, only: Sequence[int] | None = None) -> list[Asked]:
+        """Return the runs, all or some by their numbers, of each record so many together."""
+        numbers = range(len(self._runs)) if only is None else only
+        asked = []
+        for r, own in itertools.groupby(numbers, lambda n: self._runs[n].record):
             values = tuple(float(whole[i]) for i in self._of_rig[r])
-            shift = self._shift(whole, r)
-            if not rig.pieces:
-                asked.append(Asked(r, values, shift))
-                continue
-            asked.append(Asked(r, values, shift, 0))
-            for k, size in enumerate(self._prepared.ways[r]):
-                asked.append(Asked(r, values, shift, k + 1, tuple(whole[at : at + size].tolist())))
-                at += size
+            shift, starts = self.rows.shift(whole, r), []
+            for n in own:
+                one = self._runs[n]
+                starts.append((one.piece, tuple(whole[one.first : one.first + one.size].tolist())))
+            for k in range(0, len(starts), _TOGETHER):
+                asked.append(Asked(r, values, shift, tuple(starts[k : k + _TOGETHER])))
         return asked
 
-    def _targets(self) -> Iterable[tuple[str, Target]]:
-        return self._prepared.targets.items()
+    def _flat(self, answers: Sequence[Sequence[Readings]]) -> list[Readings]:
+        return [one for several in answers for one in several]
 
-    def _models(self, whole: Array, found: Sequence[Readings]) -> list[Array]:
-        """Return the numbers of each column that are compared with the record's."""
-        models, at = [], 0
-        for r, (record, rig) in enumerate(zip(self.plan.records, self._prepared.rigs, strict=True)):
-            pieces = found[at : at + max(1, len(rig.pieces) - 1)]
-            at += len(pieces)
-            for one in pieces:
-                if one.failed:
-                    raise NoRunError(f"fit {self.plan.name}: records.{record}: {one.failed}")
-            for c, (name, column) in enumerate(rig.columns.items()):
-                gain, offset = column.gain, self._prepared.offsets[f"{record}.{name}"]
-                for i, number in self._numbers:
-                    if (number.record, number.column) == (r, name):
-                        gain = float(whole[i]) if number.name == "gain" else gain
-                        offset = float(whole[i]) if number.name == "offset" else offset
-                read = gain * np.concatenate([one.columns[c] for one in pieces]) + offset
-                models.append(compared(column, rig.read_in[name], rig.time, read))
-        return models
-
-    def _residuals(self, whole: Array, found: Sequence[Readings]) -> Array:
-        parts = []
-        for (name, target), model in zip(self._targets(), self._models(whole, found), strict=True):
-            record, _, column = name.partition(".")
-            weight = self.plan.records[record].columns[column].weight
-            parts.append((model - target.data) * weight / target.sd)
-        at = 0
-        for spec, rig in zip(self.plan.records.values(), self._prepared.rigs, strict=True):
-            pieces = found[at : at + max(1, len(rig.pieces) - 1)]
-            at += len(pieces)
-            for one, other in zip(pieces, pieces[1:], strict=False):
-                assert spec.pieces is not None
-                parts.append(spec.pieces.weight * (one.end - other.lead))
-        return np.concatenate(parts)
+    def _readings(self, wholes: Sequence[Array]) -> list[list[Readings]]:
+        """Return what comes of all runs, at each of several values with states."""
+        asked = [self._asked(whole) for whole in wholes]
+        answers = iter(self.laboratory.readings([one for several in asked for one in several]))
+        return [self._flat([next(answers) for _ in several]) for several in asked]
 
     def _check_times(self) -> None:
         """Refuse a record that goes beyond its run, at whatever shift of its clock that may be fitted."""
         for r, (name, rig) in enumerate(zip(self.plan.records, self._prepared.rigs, strict=True)):
-            shifts = [self._shift(self.start, r)]
-            for i, number in self._numbers:
+            shifts = [self.rows.shift(self.start, r)]
+            for number in self.rows.numbers:
+                i = number.parameter
                 if number.record == r and number.name == "clock_shift":
                     if not (math.isfinite(self.lower[i]) and math.isfinite(self.upper[i])):
                         rule = "given: a clock that is fitted must keep its record within the run"

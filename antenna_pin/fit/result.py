@@ -59,6 +59,7 @@ class Fit:
         message: How it ended, in words.
         evaluations: By steps of all searches.
         searches: All of them, the best first.
+        notes: What is to be known besides, a line each.
     """
 
     __repr__ = brief
@@ -73,6 +74,7 @@ class Fit:
     message: str
     evaluations: int
     searches: tuple[Search, ...]
+    notes: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -238,6 +240,8 @@ class Fit:
             "converged": int(self.converged),
             "runs": self.runs,
             "evaluations": self.evaluations,
+            "derivatives": self.problem.derived.words(),
+            "notes": "\n".join(self.notes),
         }
         return found
 

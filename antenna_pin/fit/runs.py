@@ -2,31 +2,38 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError
+from antenna_pin.fit.bench import Bench, Ran, at_times
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.sensors import instants, reading
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation import simulate
-from antenna_pin.simulation.from_scenario import controllers_of, events_of
-from antenna_pin.simulation.run import settings_of
-from antenna_pin.state import State
+from antenna_pin.simulation.samples import Chunk
 from antenna_pin.sweep.design import put_value
-from antenna_pin.trajectory import Outcome, Trajectory
 
-__all__ = ["Asked", "NoRunError", "Readings", "Rig", "make", "make_all", "run_at", "scenario_with"]
+__all__ = [
+    "WHOLE",
+    "Asked",
+    "NoRunError",
+    "Readings",
+    "Rig",
+    "Slopes",
+    "bench_of",
+    "make",
+    "nothing",
+    "rows_of",
+    "scenario_with",
+    "sensed",
+    "until_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -44,6 +51,7 @@ class Rig:
         scenario: Its scenario as JSON, before what is fitted.
         keys: Of the scenario that are fitted, one tuple for each of :attr:`Asked.values`.
         units: Of those values.
+        sizes: Of those values: what a change is small beside [SI].
         columns: What is read, by name.
         read_in: SI unit of each.
         time: Of the rows, by the file's clock [s].
@@ -56,6 +64,7 @@ class Rig:
     scenario: str
     keys: tuple[tuple[str, ...], ...]
     units: tuple[str, ...]
+    sizes: tuple[float, ...]
     columns: Mapping[str, ColumnSpec]
     read_in: Mapping[str, str]
     time: Array
@@ -64,38 +73,62 @@ class Rig:
     begun: str = ""
 
 
+#: The one start of a run that is in no pieces.
+WHOLE: tuple[tuple[int, tuple[float, ...]], ...] = ((-1, ()),)
+
+
 class Asked(NamedTuple):
-    """One run that is asked for: of which record, with which numbers.
+    """Runs that are asked for together, of one test: what they are run on is built once.
 
     Attributes:
         record: Number of its rig.
         values: Of its scenario's fitted keys [SI].
         shift: Of its clock [s].
-        piece: Number of the piece; -1 for the whole.
-        start: Of the piece: coordinates about its origin.
+        starts: Number of a piece, -1 for the whole, and where it starts: coordinates about its origin.
+        slopes: Whether with derivatives, by the variational equation.
+        clock: Whether with those over time.
     """
 
     record: int
     values: tuple[float, ...]
     shift: float
-    piece: int = -1
-    start: tuple[float, ...] = ()
+    starts: tuple[tuple[int, tuple[float, ...]], ...] = WHOLE
+    slopes: bool = False
+    clock: bool = False
+
+
+class Slopes(NamedTuple):
+    """Derivatives of what came of a run by the scenario's fitted numbers [1/SI], and by its start.
+
+    Attributes:
+        columns: Of what each sensor reads, (rows, fitted).
+        lead: (ways, fitted).
+        end: Likewise.
+        clock: Of what each sensor reads over time [1/s]; None if not asked for.
+    """
+
+    columns: tuple[Array, ...]
+    lead: Array
+    end: Array
+    clock: tuple[Array, ...] | None = None
 
 
 class Readings(NamedTuple):
-    """What came of it.
+    """What came of one run.
 
     Attributes:
         columns: What each sensor reads at the rows, before gain and offset.
         lead: Of a piece: the way from its origin to where it starts, in error scales; () of the first.
         end: Of a piece that another follows: the way from that one's origin to its end; () of the last.
         failed: Why there is nothing, in words; "" if there is.
+        slopes: Derivatives, if they were asked for.
     """
 
     columns: tuple[Array, ...]
     lead: Array
     end: Array
     failed: str = ""
+    slopes: Slopes | None = None
 
 
 @functools.lru_cache(maxsize=16)
@@ -105,110 +138,129 @@ def _scenario(text: str) -> Scenario:
 
 def scenario_with(rig: Rig, values: tuple[float, ...]) -> Scenario:
     """Return a record's scenario with values of its fitted keys [SI]."""
-    base, found = _scenario(rig.scenario), dict[str, Any]()
-    for keys, unit, value in zip(rig.keys, rig.units, values, strict=True):
+    return _scenario_with(rig.scenario, rig.keys, rig.units, values)
+
+
+def _scenario_with(
+    text: str, every: tuple[tuple[str, ...], ...], units: tuple[str, ...], values: tuple[float, ...]
+) -> Scenario:
+    base, found = _scenario(text), dict[str, Any]()
+    for keys, unit, value in zip(every, units, values, strict=True):
         for key in keys:
             put_value(found, key, f"{value!r} {unit}" if unit not in ("", "1") else value, base)
     return base.with_overrides(found) if found else base
 
 
-def run_at(
-    scenario: Scenario,
-    times: Array,
-    until: float,
-    start: State | None = None,
-    system: System | None = None,
-) -> Trajectory:
-    """Return a run that is sampled at times, rising [s], and goes on until an instant [s].
-
-    Args:
-        scenario: What is run.
-        times: Of its samples.
-        until: Its end [s].
-        start: From where; the scenario's start if left out.
-        system: The scenario's; made if left out.
-    """
-    system = system or build_system(scenario)
-    begin = 0.0 if start is None else start.reached
-    within = times[(times >= begin) & (times <= until)]
-    settings = dataclasses.replace(
-        settings_of(scenario),
-        accuracy=None,
-        output_rate=0.5 / (until - begin),
-        output_times=tuple(within.tolist()),
-        output_form="full",
-    )
-    more: dict[str, Any] = {"start": start}
-    if start is None:
-        q, v = initial_state(scenario, system)
-        more = {"q": q, "v": v, "angles": initial_angles(scenario, system)}
-    return simulate(
-        system,
-        duration=until - begin,
-        settings=settings,
-        events=events_of(scenario),
-        controllers=controllers_of(scenario),
-        **more,
-    )
+@functools.lru_cache(maxsize=4)
+def _bench(*test: Any) -> Bench:
+    return Bench(_scenario_with(*test))
 
 
-def at_instants(data: xr.Dataset, times: Array) -> xr.Dataset:
-    """Return a result's samples at times that are among them; of two at an instant, the one after it."""
-    found = np.searchsorted(data["time"].values, times, side="right") - 1
-    return data.isel(time=found)
+def bench_of(rig: Rig, values: tuple[float, ...]) -> Bench:
+    """Return a record's test with values of its fitted keys [SI], set up."""
+    return _bench(rig.scenario, rig.keys, rig.units, values)
 
 
-def make(rig: Rig, asked: Asked) -> Readings:
-    """Make one run and read its sensors.
+def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
+    """Make some runs and read their sensors, one answer a start.
 
     Raises:
         KeyboardInterrupt: It was interrupted.
     """
     try:
-        return _made(rig, asked)
+        bench = bench_of(rig, asked.values)
+        rows = [rows_of(rig, asked.shift, piece) for piece, _ in asked.starts]
+        made = [_ran(rig, bench, one, *start) for one, start in zip(rows, asked.starts, strict=True)]
+        good = [k for k, one in enumerate(made) if isinstance(one, _Made)]
+        chunks = [one.ran.chunk for one in made if isinstance(one, _Made)]
+        read = dict(zip(good, sensed(rig, bench, [rows[k] for k in good], chunks), strict=True))
     except AntennaPinError as error:
-        return _nothing(str(error))
-
-
-def _made(rig: Rig, asked: Asked) -> Readings:
-    scenario = scenario_with(rig, asked.values)
-    system = build_system(scenario)
-    rows, start, end = rig.time + asked.shift, None, scenario.duration
-    if rig.pieces:
-        begin, end = rig.pieces[asked.piece : asked.piece + 2]
-        last = asked.piece == len(rig.pieces) - 2
-        rows = rows[(rows >= begin) & ((rows <= end) if last else (rows < end))]
-        if asked.piece > 0:
-            start = piece_start(rig.begun, rig.origins[asked.piece - 1], np.array(asked.start), system)
-    else:
-        end = min(end, float(rows[-1])) if rows[-1] > 0.0 else end
-    wanted = [instants(column, rows) for column in rig.columns.values()]
-    run = run_at(scenario, np.unique(np.concatenate(wanted)), end, start, system)
-    if run.outcome is Outcome.INTERRUPTED:
-        raise KeyboardInterrupt
-    if float(run.data.attrs["end_time"]) < rows[-1] - 1e-12:
-        return _nothing(run.message)
-    seen: dict[bytes, xr.Dataset] = {}  # of columns without filters the same, which takes longer than the run
-    for times in wanted:
-        if times.tobytes() not in seen:
-            seen[times.tobytes()] = at_instants(run.data, times)
-    columns = tuple(
-        reading(seen[times.tobytes()], column, rig.read_in[name], rows)
-        for (name, column), times in zip(rig.columns.items(), wanted, strict=True)
+        return tuple(nothing(str(error)) for _ in asked.starts)
+    return tuple(
+        Readings(tuple(read[k]), one.lead, one.end) if isinstance(one, _Made) else nothing(one)
+        for k, one in enumerate(made)
     )
-    lead = joint = np.zeros(0)
-    if start is not None:
-        lead = from_origin(rig.begun, rig.origins[asked.piece - 1], start.q, start.v)
-    if rig.pieces and asked.piece < len(rig.pieces) - 2:
-        q, v = (run.data[name].values[-1] for name in "qv")
-        joint = from_origin(rig.begun, rig.origins[asked.piece], q, v)
-    return Readings(columns, lead, joint)
 
 
-def _nothing(why: str) -> Readings:
+class _Made(NamedTuple):
+    """A run that came to its end.
+
+    Attributes:
+        ran: The run.
+        lead: As of :class:`Readings`.
+        end: Likewise.
+    """
+
+    ran: Ran
+    lead: Array
+    end: Array
+
+
+def rows_of(rig: Rig, shift: float, piece: int) -> Array:
+    """Return the rows of a piece, -1 for the whole, by the run's clock [s]."""
+    rows = rig.time + shift
+    if not rig.pieces:
+        return rows
+    begin, end = rig.pieces[piece : piece + 2]
+    last = piece == len(rig.pieces) - 2
+    return rows[(rows >= begin) & ((rows <= end) if last else (rows < end))]
+
+
+def until_of(rig: Rig, bench: Bench, piece: int, rows: Array) -> float:
+    """Return when the run of a piece, -1 for the whole, ends [s]."""
+    if rig.pieces:
+        return rig.pieces[piece + 1]
+    until = bench.scenario.duration
+    return min(until, float(rows[-1])) if rows[-1] > 0.0 else until
+
+
+def _ran(rig: Rig, bench: Bench, rows: Array, piece: int, at: tuple[float, ...]) -> _Made | str:
+    """Make one run, or return why there is none."""
+    start, lead, joint = None, np.zeros(0), np.zeros(0)
+    wanted = [instants(column, rows) for column in rig.columns.values()]
+    try:
+        if piece > 0:
+            start = piece_start(rig.begun, rig.origins[piece - 1], np.array(at), bench.system)
+            lead = from_origin(rig.begun, rig.origins[piece - 1], start.q, start.v)
+        ran = bench.run(np.unique(np.concatenate(wanted)), until_of(rig, bench, piece, rows), start)
+    except AntennaPinError as error:
+        return str(error)
+    if rig.pieces and piece < len(rig.pieces) - 2:
+        joint = from_origin(rig.begun, rig.origins[piece], ran.end.q, ran.end.v)
+    return ran.failed or _Made(ran, lead, joint)
+
+
+def sensed(rig: Rig, bench: Bench, rows: Sequence[Array], chunks: Sequence[Chunk]) -> list[list[Array]]:
+    """Return what sensors read of some runs, by run and sensor.
+
+    They are read all at once, which takes longer than a short run does.
+
+    Args:
+        rig: Whose sensors.
+        bench: Of whose system the runs are.
+        rows: Of each, by the run's clock [s].
+        chunks: Samples of each, those among them at which its sensors are asked for.
+    """
+    seen: dict[bytes, Any] = {}  # of columns without filters the same
+    read: list[list[Array]] = [[] for _ in rows]
+    ends = np.cumsum([len(one) for one in rows])
+    for name, column in rig.columns.items() if rows else ():
+        wanted = [instants(column, one) for one in rows]
+        if column.filter is not None and len(rows) > 1:  # a filter goes along one run
+            for k, one in enumerate(rows):
+                data = bench.data(at_times(chunks[k], wanted[k]))
+                read[k].append(reading(data, column, rig.read_in[name], one))
+            continue
+        key = b"|".join(one.tobytes() for one in wanted)
+        if key not in seen:
+            found = [at_times(one, times) for one, times in zip(chunks, wanted, strict=True)]
+            seen[key] = bench.data(Chunk.joined(found))
+        whole = reading(seen[key], column, rig.read_in[name], np.concatenate(rows))
+        for k, part in enumerate(np.split(whole, ends[:-1])):
+            read[k].append(part)
+    return read
+
+
+def nothing(why: str) -> Readings:
+    """Return what came of a run of which nothing did, with why."""
     return Readings((), np.zeros(0), np.zeros(0), why)
-
-
-def make_all(rigs: tuple[Rig, ...], batch: list[Asked]) -> list[Readings]:
-    """Make several runs, one after the other: what an executor calls."""
-    return [make(rigs[asked.record], asked) for asked in batch]

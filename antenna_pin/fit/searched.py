@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 Columns = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 
 #: Relative error that columns of a Jacobian are taken to have [-]: differences of runs at 1e-4 of a size lose
-#: four digits of what runs are good to.
+#: four digits of what runs are good to. Those of the equation are nearer; by how much is not known of each.
 DOUBT = 1e-5
 
 _SIDES = ("below", "above")

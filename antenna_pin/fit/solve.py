@@ -16,6 +16,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.errors import MissingToolError
 from antenna_pin.files import check_writable
 from antenna_pin.fit.covariance import bands_of
+from antenna_pin.fit.growth import Growth, growth_of
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.losses import cost
 from antenna_pin.fit.notebook import Notebook
@@ -28,6 +29,15 @@ from antenna_pin.sweep import Executor
 __all__ = ["run_fit"]
 
 Array = NDArray[np.float64]
+
+# By what joints of pieces count more in the next search, and at most in the first: one that is open by a
+# hundredth of an error scale is as a row that is off by its noise; and the relative change of the sum below
+# which those before the last have ended.
+_TIGHTER, _ROUGHLY = 100.0, 1e-2
+
+# Sum of squares over degrees of freedom from which on an end is a bad one; and how many steps of differences
+# a start may be off by, then.
+_BAD, _REACH = 4.0, 100.0
 
 # How SciPy's search has ended, by its status.
 _ENDS = {
@@ -113,22 +123,74 @@ def _found(problem: Problem) -> Fit:
         start, end = ends[k]
         values = np.full(p, math.nan) if end is None else unknowns.natural(end.x)[:p]
         searches.append(Search(start[:p], values, math.nan if end is None else float(end.cost)))
+    bands = bands_of(problem.plan, unknowns, whole, residuals, slopes)
+    bad = best.status <= 0 or bands.chi2 > _BAD * bands.freedoms
+    grown = _grown(problem, first, whole, bad)
     return Fit(
         problem=problem,
         values=whole[:p],
         states=whole[p:],
-        bands=bands_of(problem.plan, unknowns, whole, residuals, slopes),
+        bands=bands,
         residuals=residuals,
         slopes=(slopes * unknowns.rates(whole))[:, :p],
         converged=best.status > 0,
         message=_ENDS.get(int(best.status), str(best.message)),
         evaluations=int(sum(end.nfev for _, end in ends if end is not None)),
         searches=tuple(searches),
+        notes=(*grown, *_of_derivatives(problem)),
     )
 
 
+def _of_derivatives(problem: Problem) -> list[str]:
+    """Return by what derivatives were found, where that was asked for."""
+    asked = problem.plan.jacobian == "equation"
+    return [f"derivatives by {problem.derived.words()}"] if asked else []
+
+
+def _grown(problem: Problem, first: Array, last: Array, bad: bool) -> list[str]:
+    """Return a line for each record that one run does not hold.
+
+    By neighbours that a search has anyway, at its start and its end; of one that has come to no good end also
+    by how far its start may be off.
+    """
+    found: dict[str, str] = {}
+    for reach in (1.0, _REACH) if bad else (1.0,):
+        for whole in (first, last):
+            for record, words in _grown_at(problem, whole, reach).items():
+                found.setdefault(record, words)
+    return list(found.values())
+
+
+def _grown_at(problem: Problem, whole: Array, reach: float) -> dict[str, str]:
+    """Return the same by record, from neighbours of these values with states."""
+    plan, unknowns, found = problem.plan, problem.unknowns, dict[str, tuple[Growth, str]]()
+    searched, (lower, upper) = unknowns.searched(whole), unknowns.bounds()
+    here = problem.curves(whole)
+    for k, name in enumerate(unknowns.names) if here else ():
+        ends = [searched.copy(), searched.copy()]
+        for end, sign in zip(ends, (-1.0, 1.0), strict=True):
+            end[k] += sign * plan.difference_step
+        if not (lower[k] <= ends[0][k] and ends[1][k] <= upper[k]):
+            continue
+        try:
+            sides = [problem.curves(unknowns.natural(end)) for end in ends]
+        except NoRunError:
+            continue
+        for record, (time, rows) in here.items():
+            one = growth_of(time, sides[0][record][1], rows, sides[1][record][1], reach)
+            if one is not None and (record not in found or one.since < found[record][0].since):
+                found[record] = one, name
+    step = reach * plan.difference_step
+    return {record: one.words(record, name, step) for record, (one, name) in found.items()}
+
+
 def _searched(problem: Problem, start: Array) -> Any:
-    """Return what SciPy's search from values with states comes to."""
+    """Return what SciPy's search from values with states comes to.
+
+    Pieces that are tied to one motion from the beginning leave it nothing but that motion's valleys, along
+    which it creeps. So each first finds its own way to the record, next to free; then joints count more and
+    more.
+    """
     from scipy.optimize import least_squares
 
     plan, unknowns = problem.plan, problem.unknowns
@@ -140,18 +202,33 @@ def _searched(problem: Problem, start: Array) -> Any:
             return np.full(problem.count, math.nan)
 
     problem.residuals_at([start])
-    return least_squares(
-        residuals,
-        unknowns.searched(start),
-        jac=problem.slopes,
-        bounds=unknowns.bounds(),
-        loss=plan.loss,
-        f_scale=plan.loss_scale,
-        ftol=plan.tolerance,
-        xtol=plan.tolerance,
-        gtol=plan.tolerance,
-        max_nfev=plan.most,
-    )
+    at, evaluations = unknowns.searched(start), 0
+    for tie in _ties(plan):
+        problem.rows.tie = tie
+        found = least_squares(
+            residuals,
+            at,
+            jac=problem.slopes,
+            bounds=unknowns.bounds(),
+            loss=plan.loss,
+            f_scale=plan.loss_scale,
+            ftol=plan.tolerance if tie == 1.0 else max(plan.tolerance, _ROUGHLY),
+            xtol=plan.tolerance,
+            gtol=plan.tolerance,
+            max_nfev=plan.most,
+        )
+        at, evaluations = found.x, evaluations + int(found.nfev)
+    found.nfev = evaluations
+    return found
+
+
+def _ties(plan: FitPlan) -> list[float]:
+    """Return by what joints of pieces count in one search after the other, beside their weights."""
+    most = max((one.pieces.weight for one in plan.records.values() if one.pieces), default=1.0)
+    ties = [1.0]
+    while ties[0] * most > _TIGHTER:
+        ties.insert(0, ties[0] / _TIGHTER)
+    return ties
 
 
 def _starts(problem: Problem, first: Array) -> list[Array]:

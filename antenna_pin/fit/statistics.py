@@ -12,7 +12,7 @@ from antenna_pin.errors import ScenarioError
 from antenna_pin.fit.columns import BlowsSpec, ColumnSpec, SpectrumSpec
 from antenna_pin.fit.sensors import amount, noise_of
 
-__all__ = ["Target", "compared", "target_of"]
+__all__ = ["Target", "compared", "slopes_of", "target_of"]
 
 Array = NDArray[np.float64]
 
@@ -104,6 +104,34 @@ def compared(column: ColumnSpec, unit: str, time: Array, values: Array) -> Array
         counts = _spread(_blows(column.blows, unit, time, values), edges)
         return 2.0 * np.sqrt(counts + _ANSCOMBE)
     return values
+
+
+def slopes_of(column: ColumnSpec, time: Array, values: Array, slopes: Array) -> Array:
+    """Return the derivatives of what :func:`compared` makes of a curve, (numbers, fitted).
+
+    Not of blows, which are found anew in each run.
+
+    Args:
+        column: As the fit file has it.
+        time: Of its rows [s].
+        values: Of the model, (rows,).
+        slopes: Their derivatives, (rows, fitted).
+    """
+    assert column.blows is None
+    if column.compare == "rms":
+        return np.asarray(values @ slopes / (len(values) * math.sqrt(float(np.mean(values**2)))))[np.newaxis]
+    if column.spectrum is None:
+        return slopes
+    here, columns = np.exp(_band_powers(column.spectrum, time, values)), []
+    for way in slopes.T:
+        # Powers are of second degree in a curve: central differences of any step are exact but for round-off.
+        largest = float(np.abs(way).max(initial=0.0))
+        step = float(np.abs(values).max()) / largest if largest > 0.0 else 1.0
+        ahead, behind = (
+            np.exp(_band_powers(column.spectrum, time, values + sign * step * way)) for sign in (1, -1)
+        )
+        columns.append((ahead - behind) / (2.0 * step * here))
+    return np.column_stack(columns) if columns else np.zeros((len(here), 0))
 
 
 def _pace(time: Array) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.fit.plan import FitPlan
 
-__all__ = ["Unknowns"]
+__all__ = ["Unknowns", "size_of"]
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class Unknowns:
             start=start,
             lower=lower,
             upper=upper,
-            scale=np.array([_size(*n[:3]) for n in numbers]),
+            scale=np.array([size_of(*n[:3]) for n in numbers]),
             logarithmic=np.array([one.scale == "log" for one in specs.values()]),
             states=states,
         )
@@ -104,7 +104,8 @@ class Unknowns:
             )
 
 
-def _size(start: float, low: float, high: float) -> float:
+def size_of(start: float, low: float, high: float) -> float:
+    """Return what a change of a parameter is small beside: its start, or the way between its bounds [SI]."""
     if start != 0.0:
         return abs(start)
     return high - low if math.isfinite(high - low) else 1.0

@@ -30,7 +30,7 @@ from antenna_pin.trajectory.schema import VARIABLES
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Recording", "at_present", "recorded", "series_at"]
+__all__ = ["Recording", "at_present", "labelled_at", "recorded", "series_at"]
 
 Values = Mapping[str, Any]
 
@@ -86,12 +86,30 @@ def series_at(run: Run, chunk: Chunk) -> Values:
         run: Any run of the system.
         chunk: The states, and what held there besides.
     """
+    return _implied(run, chunk)[1]
+
+
+def labelled_at(run: Run, chunk: Chunk) -> xr.Dataset:
+    """Return the same as a result has it; the states may be those of several runs, one after the other.
+
+    What is integrated along a run counts from the first of them on.
+
+    Args:
+        run: Any run of the system.
+        chunk: The states, and what held there besides.
+    """
+    recording, values = _implied(run, chunk)
+    return recording.unlabelled(values, {}).labelled()
+
+
+def _implied(run: Run, chunk: Chunk) -> tuple[Recording, Values]:
     outcome = run.outcome, run.message
     samples = Samples(run.workspace, 1.0, (), float(chunk.times[0]), float(chunk.times[-1]))
     samples.take_up(chunk)
-    blocks = [values for _, values in Recording(run, samples=samples).blocks()]
+    recording = Recording(run, samples=samples)
+    blocks = [values for _, values in recording.blocks()]
     run.outcome, run.message = outcome  # what is recorded of a few states is no judgement of the run
-    return {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]}
+    return recording, {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]}
 
 
 class Recording:

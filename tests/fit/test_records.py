@@ -98,6 +98,10 @@ def swapped(time):
             {"record": 'window = ["2 s", "3 s"]'},
             "window must hold 2 rows at least of 0 s to 1 s, got 2 s to 3 s",
         ),
+        (
+            {"column": 'filter = { corner = "1 kHz" }'},
+            "angle.filter.corner must be at most half of the record's 200 rows per second, got 1000 Hz; give",
+        ),
         ({"column": 'column = "angel"'}, "swing.csv: column 'angel' is unknown; did you mean angle?"),
         ({"record": 'time = "clock"'}, "swing.csv: column 'clock' is unknown"),
         (

@@ -6,31 +6,35 @@ from scipy import signal
 
 from antenna_pin import load_scenario
 from antenna_pin.analysis import quantity
+from antenna_pin.fit.bench import Bench, at_times
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.filters import PER_PERIOD, filtered_means, filtered_points
-from antenna_pin.fit.runs import at_instants, run_at
 from antenna_pin.fit.sensors import instants, noise_of, reading
 from antenna_pin.fit.statistics import compared, target_of
 
 TIME = np.linspace(0.01, 0.3, 59)
 
 
+def seen(scenario, times, until):
+    bench = Bench(scenario)
+    return bench.data(at_times(bench.run(times, until).chunk, times))
+
+
 @pytest.fixture(scope="module")
 def swing():
     """The bar of the pendulum on an ideal hinge, let go at 10 degrees."""
-    return run_at(load_scenario("pendulum", case="ideal"), TIME, 0.3)
+    return seen(load_scenario("pendulum", case="ideal"), TIME, 0.3)
 
 
 def test_accelerometer_reads_the_specific_force_of_a_swing(swing):
     """Along the bar it is omega^2 r + g cos; across it alpha r + g sin: what a plumb bob's owner feels."""
     angle, rate, acceleration = (
-        at_instants(swing.data, TIME)[f"motion_{name}"].sel(joint="hinge").values
-        for name in ("angle", "rate", "acceleration")
+        swing[f"motion_{name}"].sel(joint="hinge").values for name in ("angle", "rate", "acceleration")
     )
     at_tip = {"sensor": "accelerometer", "link": "bar", "point": [0, 0, "-0.4 m"], "sd": 1.0}
     along = ColumnSpec(**at_tip, direction=(0.0, 0.0, 1.0))
     across = ColumnSpec(**at_tip, direction=(1.0, 0.0, 0.0))
-    data, g = at_instants(swing.data, TIME), 9.80665
+    data, g = swing, 9.80665
     # Round-off of numbers of the size of g.
     np.testing.assert_allclose(
         reading(data, along, "m/s^2", TIME), 0.4 * rate**2 + g * np.cos(angle), rtol=1e-12
@@ -44,7 +48,7 @@ def test_accelerometer_reads_the_specific_force_of_a_swing(swing):
 
 def test_force_cell_reads_what_holds_the_bar(swing):
     """Along the bar the hinge carries m (g cos + omega^2 l)."""
-    data = at_instants(swing.data, TIME)
+    data = swing
     angle, rate = (data[f"motion_{name}"].sel(joint="hinge").values for name in ("angle", "rate"))
     cell = ColumnSpec(sensor="force-cell", joint="hinge", link="bar", direction=(0.0, 0.0, 1.0), sd=1.0)
     expected = 1.872 * (9.80665 * np.cos(angle) + 0.2 * rate**2)
@@ -52,7 +56,7 @@ def test_force_cell_reads_what_holds_the_bar(swing):
 
 
 def test_encoder_that_rounds_down_is_half_a_step_behind(swing):
-    data = at_instants(swing.data, TIME)
+    data = swing
     encoder = {"sensor": "encoder", "of": "motion_angle[hinge]", "resolution": "1 deg", "sd": "1e-9 deg"}
     nearest, down = ColumnSpec(**encoder), ColumnSpec(**encoder, rounding="down")
     step = np.radians(1.0)
@@ -97,8 +101,7 @@ def test_filtered_accelerometer_keeps_the_impulse_of_blows():
     )  # fmt: skip
     rows = np.linspace(0.0, 0.003, 3001)
     grid = instants(column, rows)
-    run = run_at(scenario, grid, 0.003)
-    data = at_instants(run.data, grid)
+    data = seen(scenario, grid, 0.003)
     velocity = quantity(data, "body_velocity[disc].x").values
     read = reading(data, column, "m/s^2", rows)
     assert np.ptp(velocity) > 0.01  # there was a blow
