@@ -85,9 +85,16 @@ class Field:
         out[clock] = 1.0
         return out
 
-    def frame(self, y: Array) -> Frame:
+    def frame(self, y: Array, clock: bool = False) -> Frame:
         """Return the axes of coordinates in a state, with the contacts of the moment."""
-        return frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
+        frame = frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
+        return frame._replace(clock=clock)
+
+    def bristles_of(self, c: int) -> NDArray[np.int_]:
+        """Return which bristles are those of a contact."""
+        strides = [joint.stride for joint in self.system.clearances for _ in joint.contact_names]
+        first = self.system.impulse_x[c]
+        return np.flatnonzero((self.bristles >= first) & (self.bristles < first + strides[c]))
 
     # --- derivatives ----------------------------------------------------------------------------------------
 
@@ -287,9 +294,8 @@ class Field:
         """Return the displacements of parameters alone, (displacement, parameters)."""
         return np.eye(self.displacement)[:, self.parts[-3]]
 
-    def _gaps(self, time: float, y: Array) -> Array:
-        """Return the derivatives of how far constraints are violated over parameters, (rows, parameters)."""
-        ways = self._of_numbers()
+    def _gaps(self, time: float, y: Array, ways: Array) -> Array:
+        """Return the derivatives of how far constraints are violated along displacements, (rows, k)."""
         return self.along(self._near.violated("every_gap"), time, y, ways)[0]
 
     def _opening(self, y: Array, c: int) -> Array:
