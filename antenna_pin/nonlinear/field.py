@@ -11,6 +11,7 @@ from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
+from antenna_pin.nonlinear.level import level
 from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.nonlinear.near import STEP, Function, Near
 from antenna_pin.nonlinear.numbers import Numbers
@@ -300,16 +301,33 @@ class Field:
 
     def _opening(self, y: Array, c: int) -> Array:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""
-        ways = self._of_numbers()
-        if ways.shape[1] == 0:
+        if self.numbers is None:
             return np.zeros(0)
+        if self._opened is None or self._opened[0] != c:  # it hardly changes while a contact lasts
+            self._opened = c, self._opening_here(y, c)
+        return self._opened[1]
+
+    def _opening_here(self, y: Array, c: int) -> Array:
+        """Return how far a contact's gap opens with each parameter, (parameters,) [m]."""
 
         def gap(_: float, state: Array) -> Array:
             return np.array([self.workspace.along_normal(state, c)[1]])
 
-        if self._opened is None or self._opened[0] != c:  # it hardly changes while a contact lasts
-            self._opened = c, self.along(gap, 0.0, y, ways)[0][0]
-        return self._opened[1]
+        return self.along(gap, 0.0, y, self._of_numbers())[0][0]
+
+    def _level(self, frame: Frame, y: Array, up: Array) -> Array | None:
+        """Return in what basis rates are differentiated next to where contacts begin or end, (size, size)."""
+        touching = np.flatnonzero(self.workspace.memory["touching"]).tolist()
+        if not (frame.clock and touching):
+            return None
+        rows = []
+        for c in touching:
+            normal, gap = self.workspace.along_normal(y, c)
+            row = normal @ up[self.parts[0]]
+            if self.numbers is not None:
+                row = row + self._opening_here(y, c) @ up[self.parts[-3]]
+            rows.append((-gap, c, row))
+        return level([row for *_, row in sorted(rows, key=lambda one: one[:2])], frame.ways)
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
         """Return the derivative of the coordinates' rates over the coordinates.
@@ -326,11 +344,14 @@ class Field:
         nq, nv = self.system.model.nq, self.system.model.nv
         own, rate, bristles, *_ = self.parts
         v, count = y[nq : nq + nv], lift.up.shape[1]
-        ways = np.column_stack([lift.up, way])
+        basis = self._level(frame, y, lift.up)
+        ways = np.column_stack([lift.up if basis is None else lift.up @ basis, way])
         first = self._steps(y, ways, True)
         sixth, fourth, steps = self.slopes(time, y, ways, first)
         both = []
         for found in (sixth[:, :count], fourth[:, :count]):
+            if basis is not None:
+                found = found @ np.linalg.inv(basis)
             change = np.zeros((self.displacement, count))
             change[own] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[own])
             change[rate], change[bristles] = found[:nv], found[nv + self.bristles]
