@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System
 from antenna_pin.engine import Slopes, Tangents
+from antenna_pin.nonlinear.depths import Depths
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
-from antenna_pin.nonlinear.level import level
 from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.nonlinear.near import STEP, Function, Near
 from antenna_pin.nonlinear.numbers import Numbers
@@ -49,6 +49,7 @@ class Field:
         units: Of displacements.
         kept: What elements keep.
         bristles: Where these stand in x, (bristles,).
+        depths: How far contacts open along displacements.
         round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
 
@@ -65,7 +66,7 @@ class Field:
         self._tangents = Tangents(near.system, self._stepper, units, WEIGHTS) if tree else None
         #: Size of a displacement.
         self.displacement = self.parts[-1].stop
-        self._coarse = near.coarseness(self.units)
+        self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
         self._opened: tuple[int, Array] | None = None
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
@@ -304,30 +305,8 @@ class Field:
         if self.numbers is None:
             return np.zeros(0)
         if self._opened is None or self._opened[0] != c:  # it hardly changes while a contact lasts
-            self._opened = c, self._opening_here(y, c)
+            self._opened = c, self.depths.over_numbers(y, c)
         return self._opened[1]
-
-    def _opening_here(self, y: Array, c: int) -> Array:
-        """Return how far a contact's gap opens with each parameter, (parameters,) [m]."""
-
-        def gap(_: float, state: Array) -> Array:
-            return np.array([self.workspace.along_normal(state, c)[1]])
-
-        return self.along(gap, 0.0, y, self._of_numbers())[0][0]
-
-    def _level(self, frame: Frame, y: Array, up: Array) -> Array | None:
-        """Return in what basis rates are differentiated next to where contacts begin or end, (size, size)."""
-        touching = np.flatnonzero(self.workspace.memory["touching"]).tolist()
-        if not (frame.clock and touching):
-            return None
-        rows = []
-        for c in touching:
-            normal, gap = self.workspace.along_normal(y, c)
-            row = normal @ up[self.parts[0]]
-            if self.numbers is not None:
-                row = row + self._opening_here(y, c) @ up[self.parts[-3]]
-            rows.append((-gap, c, row))
-        return level([row for *_, row in sorted(rows, key=lambda one: one[:2])], frame.ways)
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
         """Return the derivative of the coordinates' rates over the coordinates.
@@ -344,7 +323,7 @@ class Field:
         nq, nv = self.system.model.nq, self.system.model.nv
         own, rate, bristles, *_ = self.parts
         v, count = y[nq : nq + nv], lift.up.shape[1]
-        basis = self._level(frame, y, lift.up)
+        basis = self.depths.level(frame, y, lift.up)
         ways = np.column_stack([lift.up if basis is None else lift.up @ basis, way])
         first = self._steps(y, ways, True)
         sixth, fourth, steps = self.slopes(time, y, ways, first)

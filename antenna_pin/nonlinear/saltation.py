@@ -200,7 +200,9 @@ class Saltation:
         """
         field = self._field
         lift = field.lift(carried.frame, time, y)
-        flow, late = lift.down @ field.flow(time, y), self._late(self._located("gap", c), time, y, lift.up)
+        opening, rate = field.depths.opening(y, c, lift.up)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            flow, late = lift.down @ field.flow(time, y), -opening / rate
         ways = [one + np.outer(flow, late @ one) for one in carried[:2]]
         clock = lift.up[field.parts[-1].start]
         self._note("onset", str(c), time, clock @ ways[0])
@@ -210,8 +212,8 @@ class Saltation:
 
         kept: dict[int, tuple[Function, float]] = {2: (mass, float(memory["effective_mass"]))}
         if memory["approach_speed"] > field.system.approach_speed_floors[c]:
-            kept[1] = self._located("rate", c), float(memory["approach_speed"])
-        slopes = {k: field.along(one, time, y, lift.up)[0][0] / size for k, (one, size) in kept.items()}
+            kept[1] = self._rate(c), float(memory["approach_speed"])
+        slopes = {k: field.depths.along(one, time, y, lift.up) / size for k, (one, size) in kept.items()}
         for one in ways:
             one[carried.frame.first_bristle + field.bristles_of(c)] = 0.0
         frame = self._let(c, memory, y)
@@ -238,7 +240,7 @@ class Saltation:
         """
         field = self._field
         lift = field.lift(carried.frame, time, y)
-        opening = self.opening(c, carried.frame, time, y)
+        opening, _ = field.depths.opening(y, c, lift.up)
         ways = []
         for one in carried[:2]:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -250,21 +252,16 @@ class Saltation:
         turn = field.lift(frame, time, y).down @ lift.up
         return Carried(turn @ ways[0], turn @ ways[1], frame)
 
-    def opening(self, c: int, frame: Frame, time: float, y: Array) -> Array:
-        """Return the derivative of a contact's gap over coordinates along a frame's axes, (size,) [m]."""
-        up = self._field.lift(frame, time, y).up
-        return np.asarray(self._field.along(self._located("gap", c), time, y, up)[0][0])
-
     def _let(self, c: int, memory: Any, y: Array) -> Frame:
         """Let a contact remember something from now on; return the axes then, with time."""
         self._field.workspace.memory[c] = memory
         return self._field.frame(y, clock=True)
 
-    def _located(self, name: str, c: int) -> Function:
-        """Return a number of a contact's table as a function of the state."""
+    def _rate(self, c: int) -> Function:
+        """Return how fast a contact closes [m/s] as a function of the state."""
 
         def function(_: float, state: Array) -> Array:
             self._field.workspace.locate(state, self._table)
-            return np.array([self._table[name][c]])
+            return np.array([self._table["rate"][c]])
 
         return function

@@ -194,7 +194,8 @@ class Carrier:
         whole = self._at(1.0)
         if parting:
             self._carry_flow(begin)
-            self._opening = self._saltation.opening(parting[0], self._all.frame, end, whole)
+            up = self.field.lift(self._all.frame, end, whole).up
+            self._opening = self.field.depths.opening(whole, parting[0], up)[0]
         self._part(Piece(begin, 1.0, begins, ends_in_change, (broken, last)))
         self._opening = None
         off = self._again.off(end, whole)
