@@ -1,4 +1,4 @@
-"""What random mechanisms get besides play: stops, friction that holds or bends, gears, closures, modes, masses."""
+"""What random mechanisms get besides play: stops, friction that holds or bends, gears, closures, modes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from antenna_pin import Scenario, build_system, initial_state
 __all__ = ["with_more"]
 
 _KINDS = ("none", "stop", "rigid stop", "sticking", "lugre", "gear", "closure", "modes", "motion")
-# Of a mechanism's link, the part of its mass that a mode has; of a step, rates at which elements are stiff [Hz].
+# Part of its link's mass that a mode has, and how stiff elements are [Hz].
 _OF_MODE, _STIFF = 0.2, 100.0
 
 
@@ -45,12 +45,13 @@ def _more(
     turning = [name for name in starts if system.mechanism.joints[name].kind == "revolute"]
     if kind == "modes":
         link = sorted(masses)[-1]
+        centres = re.findall(f'<link name="{link}">.*?<origin xyz="([^"]+)"', scenario.urdf_text or "")
         mode = {
             "frequency": 0.5 * _STIFF,
             "damping_ratio": 0.01,
             "mass": _OF_MODE * masses[link],
             "direction": [1.0, 0.0, 0.0],
-            "place": [0.0, 0.0, 0.0],
+            "place": [float(word) for word in centres[0].split()],
         }
         return {f"flexible.{link}": {"kind": "modes", "modes": {"bend": mode}}}, ()
     if kind == "none" or not starts:

@@ -3,14 +3,14 @@
 
 The mechanisms are those of ``random_scenarios.py``: 2 to 8 links, of whose joints 1 to 3 have play, all laws,
 gaps in closed form; with a stop, friction that holds or bends, a gear, a closure, a mode or a motion besides
-(``random_additions.py``). Up to behind the third contact (``--contacts``) the velocities are differentiated over
-a radial clearance, a rate that a joint starts with, a mass, and a number of what is besides: by the equation,
-with its jumps at every onset, release and event, and by differences of sixth order of runs, each of which locates
-its own. They are to agree to ``--apart`` of the largest, beyond what runs say of their own doubt; a graze is to
-be refused, with its instant, by both.
+(``random_additions.py``). Up to behind the third contact (``--contacts``) the velocities are differentiated
+over a radial clearance, a rate that a joint starts with, a mass, and a number of what is besides: by the
+equation, with its jumps at every onset, release and event, and by differences of sixth order of runs, each of
+which locates its own. They are to agree to ``--apart`` of the largest, beyond what runs say of their own
+doubt; a graze is to be refused, with its instant, by both.
 
-A line for each mechanism, with both doubts. Exit code 1 if any is apart. Told to stop (Ctrl-C) it sums up what it
-has; ``--first`` goes on from there.
+A line for each mechanism, with both doubts. Exit code 1 if any is apart. Told to stop (Ctrl-C) it sums up
+what it has; ``--first`` goes on from there.
 """
 
 from __future__ import annotations
