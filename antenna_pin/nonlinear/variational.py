@@ -182,7 +182,7 @@ class Carrier:
         dense.attempt(size)
         dense.prepare_dense()
         self._again.begin(self._time, self._y)
-        if self._changed or self._made % _LOOKS == 0:
+        if self._changed or self._young or self._made % _LOOKS == 0:
             self.field.look_at(self._time, self._y, self._along()[0])
         self._made += 1
         begin, begins, broken = 0.0, self._changed, self._changed or self._broken
@@ -256,13 +256,13 @@ class Carrier:
         self._all = Carried(turn @ old.matrix, turn @ old.other, frame)
 
     def _along(self) -> tuple[Array, Array]:
-        """Return the displacement along which breaks are looked for, some of every coordinate, and these."""
+        """Return the displacement along which breaks are looked for, some of every state, and its parts."""
         frame = self._all.frame
         if self._way is None or self._way[0] is not frame:
             up = self.field.lift(frame, self._time, self._y).up
-            some = np.random.default_rng(0).standard_normal(up.shape[1] - int(frame.clock))
-            if frame.clock:
-                some = np.insert(some, 2 * frame.ways, 0.0)
+            some = np.random.default_rng(0).standard_normal(up.shape[1])
+            *_, numbers, _, clock = self.field.parts
+            some[up[numbers].any(axis=0) | up[clock].any(axis=0)] = 0.0  # what breaks does so in states
             unit = np.asarray(some / np.linalg.norm(some))
             self._way = frame, up @ unit, unit
         return self._way[1:]
