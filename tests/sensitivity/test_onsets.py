@@ -1,7 +1,8 @@
 """Derivatives through contacts whose damping begins with infinite slope, and bristles under them.
 
-A disc of mass m meets a wall at v under ``F = K d^1.5 + c d^s d'``, s = 1/2 (Kuwabara and Kono) or 1/4 (Tsuji),
-never pulling. With ``d = x^p``, p = 1 / s, and ``dt = x^(p-1) ds`` depth, speed and time go by polynomials:
+A disc of mass m meets a wall at v under ``F = K d^1.5 + c d^s d'``, s = 1/2 (Kuwabara and Kono) or 1/4
+(Tsuji), never pulling. With ``d = x^p``, p = 1 / s, and ``dt = x^(p-1) ds`` depth, speed and time go by
+polynomials:
 
     dx/ds = v / p,   dv/ds = -x^(p-1) (K x^(1.5 p) + c x v) / m,   dt/ds = x^(p-1)
 
@@ -93,6 +94,8 @@ def test_an_impact_that_begins_with_infinite_slope(law):
         _, velocity = left_at(power, mass, stiffness, play, damping(mass, stiffness))
         exact = velocity.imag / 1e-30
         ours = found.derivative("v")[0, 0, k] * value
-        # Ten of the run's tolerances of 1e-12, beside speeds of some 0.1.
-        assert ours == pytest.approx(exact, abs=1e-11)
+        # Ten of the run's tolerances, beside speeds of some 0.1; over the play, the radii's round-off of
+        # 2e-18 m over steps of differences of 1e-10 m: 2e-8 of a slope at each of some hundred nodes.
+        least = 2e-9 if key.endswith("radial_clearance") else 1e-11
+        assert ours == pytest.approx(exact, abs=least)
         assert velocity.real == pytest.approx(found.run.data["v"].values[-1, 0], abs=1e-11)
