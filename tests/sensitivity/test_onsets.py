@@ -109,8 +109,8 @@ def test_an_impact_that_begins_with_infinite_slope(law):
 def test_random_mechanisms_with_bristles_and_laws_of_infinite_slope(number, monkeypatch):
     """Those that the equation was off by 1e-5 in or refused, while a contact counted from some depth on.
 
-    They are a free joint of Kuwabara's and Kono's law under Gonthier's bristles, and others with two and three
-    joints with play of nine laws. What runs say of their own doubt is what their tolerances leave of it.
+    One has a joint of Kuwabara's and Kono's law under Gonthier's bristles, the others two and three joints of
+    nine laws. What runs say of their own doubt is what their tolerances leave of it.
     """
     monkeypatch.syspath_prepend(str(ROOT / "scripts"))
     campaign = importlib.import_module("random_sensitivities")
