@@ -260,7 +260,7 @@ class Carrier:
         frame = self._all.frame
         if self._way is None or self._way[0] is not frame:
             up = self.field.lift(frame, self._time, self._y).up
-            some: Array = np.random.default_rng(0).standard_normal(up.shape[1])
+            some = np.asarray(np.random.default_rng(0).standard_normal(up.shape[1]))
             *_, numbers, _, clock = self.field.parts
             some[up[numbers].any(axis=0) | up[clock].any(axis=0)] = 0.0  # what breaks does so in states
             unit = np.asarray(some / np.linalg.norm(some))
