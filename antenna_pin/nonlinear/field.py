@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System
 from antenna_pin.engine import Slopes, Tangents
+from antenna_pin.nonlinear.depths import Depths
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
 from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.nonlinear.near import STEP, Function, Near
@@ -48,6 +49,7 @@ class Field:
         units: Of displacements.
         kept: What elements keep.
         bristles: Where these stand in x, (bristles,).
+        depths: How far contacts open along displacements.
         round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
 
@@ -64,7 +66,7 @@ class Field:
         self._tangents = Tangents(near.system, self._stepper, units, WEIGHTS) if tree else None
         #: Size of a displacement.
         self.displacement = self.parts[-1].stop
-        self._coarse = near.coarseness(self.units)
+        self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
         self._opened: tuple[int, Array] | None = None
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
@@ -85,9 +87,16 @@ class Field:
         out[clock] = 1.0
         return out
 
-    def frame(self, y: Array) -> Frame:
+    def frame(self, y: Array, clock: bool = False) -> Frame:
         """Return the axes of coordinates in a state, with the contacts of the moment."""
-        return frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
+        frame = frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
+        return frame._replace(clock=clock)
+
+    def bristles_of(self, c: int) -> NDArray[np.int_]:
+        """Return which bristles are those of a contact."""
+        strides = [joint.stride for joint in self.system.clearances for _ in joint.contact_names]
+        first = self.system.impulse_x[c]
+        return np.flatnonzero((self.bristles >= first) & (self.bristles < first + strides[c]))
 
     # --- derivatives ----------------------------------------------------------------------------------------
 
@@ -287,22 +296,16 @@ class Field:
         """Return the displacements of parameters alone, (displacement, parameters)."""
         return np.eye(self.displacement)[:, self.parts[-3]]
 
-    def _gaps(self, time: float, y: Array) -> Array:
-        """Return the derivatives of how far constraints are violated over parameters, (rows, parameters)."""
-        ways = self._of_numbers()
+    def _gaps(self, time: float, y: Array, ways: Array) -> Array:
+        """Return the derivatives of how far constraints are violated along displacements, (rows, k)."""
         return self.along(self._near.violated("every_gap"), time, y, ways)[0]
 
     def _opening(self, y: Array, c: int) -> Array:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""
-        ways = self._of_numbers()
-        if ways.shape[1] == 0:
+        if self.numbers is None:
             return np.zeros(0)
-
-        def gap(_: float, state: Array) -> Array:
-            return np.array([self.workspace.along_normal(state, c)[1]])
-
         if self._opened is None or self._opened[0] != c:  # it hardly changes while a contact lasts
-            self._opened = c, self.along(gap, 0.0, y, ways)[0][0]
+            self._opened = c, self.depths.over_numbers(y, c)
         return self._opened[1]
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
@@ -320,11 +323,14 @@ class Field:
         nq, nv = self.system.model.nq, self.system.model.nv
         own, rate, bristles, *_ = self.parts
         v, count = y[nq : nq + nv], lift.up.shape[1]
-        ways = np.column_stack([lift.up, way])
+        basis = self.depths.level(frame, y, lift.up)
+        ways = np.column_stack([lift.up if basis is None else lift.up @ basis, way])
         first = self._steps(y, ways, True)
         sixth, fourth, steps = self.slopes(time, y, ways, first)
         both = []
         for found in (sixth[:, :count], fourth[:, :count]):
+            if basis is not None:
+                found = found @ np.linalg.inv(basis)
             change = np.zeros((self.displacement, count))
             change[own] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[own])
             change[rate], change[bristles] = found[:nv], found[nv + self.bristles]

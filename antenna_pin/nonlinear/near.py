@@ -62,13 +62,19 @@ class Near:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self.stepper.rates(time, y)
 
-    def coarseness(self, units: Units) -> Array:
-        """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
+    def coarseness(self, units: Units, in_play: float | None = None) -> Array:
+        """Return over what a step of each part of a displacement must be one at most, (displacement,).
+
+        Args:
+            units: Of displacements.
+            in_play: Steps at joints with play, over their units; those of forces if left out.
+        """
         way, rate, bristles, *_, numbers, kept, _ = self.parts
         out = np.zeros(self.parts[-1].stop)
         out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
         out[kept] = 1.0 / (STEP * self.kept.units(units.way, units.rate))
-        steps, finer = np.full(self.system.model.nv, STEP), _IN_LOOPS if self.system.plan else _IN_PLAY
+        of_forces = _IN_LOOPS if self.system.plan else _IN_PLAY
+        steps, finer = np.full(self.system.model.nv, STEP), of_forces if in_play is None else in_play
         for joint in self.system.clearances:
             steps[self.system.mechanism.joint(joint.name).v] = finer
         out[way] /= steps

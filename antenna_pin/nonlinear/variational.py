@@ -7,9 +7,15 @@ comes there later by ``dt = -(dg w) / g'``, and behind it is displaced by the *s
     w+ = DR w + (DR f- + R_t - f+) dt
 
 (Aizerman and Gantmakher 1958, J. Mech. Appl. Math. 11; Leine and Nijmeijer 2004, Dynamics and Bifurcations of
-Non-Smooth Mechanical Systems, section 7.4). A contact's onset does more: the approach speed (and the
-effective mass) that it remembers are those of the neighbour's own instant, ``log s+ = d(log s) w + (log s)'
-dt``. A release lets them go.
+Non-Smooth Mechanical Systems, section 7.4).
+
+Where contacts begin and end the derivative of a force over the depth may have no bounds. So from an onset on
+displacements are those at equal times since the neighbours' own, ``w + f dt``, with time as one more
+coordinate: they go by the same equation, their depth begins at zero, and what there is without bounds is
+multiplied by that. What is remembered of the onset is of the same instant. Deep in the contact, or behind it,
+they are brought back to equal times. To a release the flow is carried beside them, which goes by their
+equation too: the two, put together so that the depth vanishes there, are free of what carrying is off by on
+the way (:meth:`antenna_pin.nonlinear.saltation.Saltation.release`).
 
 Where a force has a kink, A jumps: displacements go on as they are, but the step must be cut there. Where one
 is told of, the run's own steps end; others are found (:mod:`antenna_pin.nonlinear.breaks`), and what the run
@@ -22,17 +28,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import NODES, Propagator, method_named
 from antenna_pin.nonlinear.breaks import BETWEEN, SAMPLES, left_over, located
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame, Lift
+from antenna_pin.nonlinear.instants import Carried, at_equal_times, with_time, wrong_by
 from antenna_pin.nonlinear.missed import Kink, Missed, StepAnew
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.pieces import HALVINGS, Piece
-from antenna_pin.nonlinear.saltation import Carried, Onset, Passed, Saltation
+from antenna_pin.nonlinear.saltation import Passed, Saltation
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.stretches import stepper_of
 
@@ -49,13 +55,12 @@ _LOOKS = 8
 _AT_ONCE = 1e-12
 # How often round-off may be what a piece's derivatives are off by.
 _NOISY = 30.0
+# From which depth on a contact is deep, over what its onset is located to.
+_DEEP = 1e6
 
 
 class Carrier:
     """Carries displacements along a run: what the run shows itself to between its steps.
-
-    A contact's force counts from a depth of ten times what its onset is located to: up to there it is a step.
-    So laws are taken whose derivative is without bounds where they begin, as Tsuji's is.
 
     Args:
         run: Before its first step; its steps are made one by one.
@@ -86,14 +91,15 @@ class Carrier:
         self._dense = stepper_of(self._own, method_named(settings.method), run.stepper.scales, settings)
         self._again = StepAnew(self.field, settings, run.stepper.scales, self._own)
         self._good = _GOOD * settings.rtol
-        self._shallow = 10.0 * np.array(run.search.tolerances)
-        self._coming: dict[int, Onset] = {}
+        self._deep = _DEEP * np.array(run.search.tolerances)
+        self._young: set[int] = set()
         self._changed = False
         self._broken = False
         self._made = 0
         self._left_over = 0.0
         self._way: tuple[Frame, Array, Array] | None = None
         self._propagator = Propagator(0)
+        self._opening: Array | None = None
         self._looks = list(looks)
         #: Told of each look: ``(time, y, displacements)``, the last (displacement, k).
         self.seen: Callable[[float, Array, Array], None] | None = None
@@ -107,8 +113,8 @@ class Carrier:
 
     @property
     def carried(self) -> Carried:
-        """Displacements in the present state."""
-        return self._missed.own(self._all)
+        """Displacements in the present state, at equal times."""
+        return self._missed.own(at_equal_times(self.field, self._all, *self._here))
 
     @property
     def passed(self) -> tuple[Passed, ...]:
@@ -122,7 +128,7 @@ class Carrier:
 
     def _take_over(self, run: Run) -> None:
         """Begin the next step where the run is."""
-        self._time, self._y = run.stepper.t, run.here.copy()
+        self._time, self._y = self._here = run.stepper.t, run.here.copy()
         self._own.memory[:], self._own.program[:] = run.workspace.memory, run.workspace.program
 
     def look(self, run: Run) -> None:
@@ -132,29 +138,36 @@ class Carrier:
         happened = self._saltation.has_happened()
         broken = any(one.last == run.stepper.t for one in run.watch.value())
         if run.stepper.t > self._time:
-            self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened, broken)
+            parting = [c for c in flipped if touching[c] == 0.0]
+            self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened, broken, parting)
+            for c in parting:
+                self._all = self._saltation.release(c, self._missed.flow, self._all, self._time, self._y)
+            for one in self._all[:2]:
+                one[:, self._missed.flow] = 0.0
         if happened:
             self._all = self._saltation.through_events(self._all, self._time, self._y)
         for c in flipped:
             if touching[c] != 0.0:
+                self._all = with_time(self._all)
                 now = self._all, self._time, self._y
-                self._coming[c] = self._saltation.onset(c, run.workspace.memory[c], *now)
-            elif self._coming.pop(c, None) is None:
-                self._all = self._saltation.through_contact(c, None, self._all, self._time, self._y)
+                self._all = self._saltation.onset(c, run.workspace.memory[c], *now)
         self._changed = self._changed or bool(flipped) or happened
         self._take_over(run)
+        self._young = {c for c in {*self._young, *flipped} if touching[c] != 0.0 and self._is_shallow(c)}
+        if not self._young:
+            self._all = at_equal_times(self.field, self._all, *self._here)
 
     def end(self, run: Run) -> None:
         """Carry them to the end."""
         self.look(run)
-        for c in list(self._coming):
-            self._let_count(c, self._time, self._y)
 
-    def _let_count(self, c: int, time: float, y: Array) -> None:
-        """Let a contact that has begun count."""
-        self._all = self._saltation.through_contact(c, self._coming.pop(c), self._all, time, y)
+    def _is_shallow(self, c: int) -> bool:
+        """Whether a contact has just begun."""
+        return self.field.workspace.along_normal(self._y, c)[1] > -float(self._deep[c])
 
-    def _step(self, end: float, size: float, ends_in_change: bool, ends_in_break: bool) -> None:
+    def _step(
+        self, end: float, size: float, ends_in_change: bool, ends_in_break: bool, parting: Sequence[int]
+    ) -> None:
         """Carry the displacements over a step that the run has made.
 
         Args:
@@ -162,39 +175,45 @@ class Carrier:
             size: Its size [s].
             ends_in_change: Whether contacts or drives change there.
             ends_in_break: Whether an event or a kink that is told of is there.
+            parting: Contacts that end there.
         """
         dense = self._dense
         dense.restart(self._time, self._y)
         dense.attempt(size)
         dense.prepare_dense()
         self._again.begin(self._time, self._y)
-        if self._changed or self._made % _LOOKS == 0:
+        if self._changed or self._young or self._made % _LOOKS == 0:
             self.field.look_at(self._time, self._y, self._along()[0])
         self._made += 1
         begin, begins, broken = 0.0, self._changed, self._changed or self._broken
-        for theta, c in sorted((self._counts_from(c), c) for c in self._coming):
-            if theta > 1.0:
-                break
-            if theta > begin:
-                self._part(Piece(begin, theta, known=(broken, True)))
-            self._let_count(c, self._time + theta * size, self._at(theta))
-            self.field.look_at(self._time + theta * size, self._at(theta), self._along()[0])
-            begin, begins, broken = theta, True, True
         last = ends_in_change or ends_in_break
         if begins and ends_in_change:
             middle = 0.5 * (begin + 1.0)
             self._part(Piece(begin, middle, True, False, (broken, False)))
             begin, begins, broken = middle, False, False
-        self._part(Piece(begin, 1.0, begins, ends_in_change, (broken, last)))
         whole = self._at(1.0)
+        if parting:
+            self._carry_flow(begin)
+            up = self.field.lift(self._all.frame, end, whole).up
+            self._opening = self.field.depths.opening(whole, parting[0], up)[0]
+        self._part(Piece(begin, 1.0, begins, ends_in_change, (broken, last)))
+        self._opening = None
         off = self._again.off(end, whole)
         if off.any():
             self._all = self._missed.off(self._all, self._down(end, whole) @ off)
-        if not self._coming:
-            self._all = self._missed.merged(self._all)
+        self._all = self._missed.merged(self._all)
         self._time, self._y, self._changed, self._broken = end, whole, False, ends_in_break
+        self._here = end, whole
         if self.field.workspace.constraints is not None:
-            self.turn(self.field.frame(self._y))
+            self.turn(self.field.frame(self._y, self._all.frame.clock))
+
+    def _carry_flow(self, theta: float) -> None:
+        """Begin to carry the flow beside displacements, from a fraction of the step on."""
+        self._all = with_time(self._all)
+        time, y = self._time + theta * self._dense.h, self._at(theta)
+        flow = self._down(time, y) @ self.field.flow(time, y)
+        for one in self._all[:2]:
+            one[:, self._missed.flow] = flow
 
     def _part(self, piece: Piece) -> None:
         """Carry the displacements over a part of a step, and show them where they are to be looked at."""
@@ -209,7 +228,7 @@ class Carrier:
 
     def _show(self, theta: float) -> None:
         """Show the displacements at a fraction of the step."""
-        time, y = self._looks.pop(0), self._at(theta)
+        time, y = self._here = self._looks.pop(0), self._at(theta)
         if self.seen is not None:
             matrix, _, frame = self.carried
             self.seen(time, y, self.field.lift(frame, time, y).up @ matrix)
@@ -224,32 +243,26 @@ class Carrier:
         self._dense.interpolate(theta, y)
         return y
 
-    def _counts_from(self, c: int) -> float:
-        """Return the fraction of the step from which a contact that has begun counts, or 2."""
-
-        def lacking(theta: float) -> float:
-            return self.field.workspace.along_normal(self._at(theta), c)[1] + float(self._shallow[c])
-
-        if lacking(1.0) > 0.0:
-            return 2.0
-        return 0.0 if lacking(0.0) <= 0.0 else float(brentq(lacking, 0.0, 1.0, xtol=1e-15))
-
     def turn(self, frame: Frame) -> None:
         """Take other axes in the present state.
 
         Args:
             frame: The axes; of the contacts that count.
         """
+        if not frame.clock:
+            self._all = at_equal_times(self.field, self._all, *self._here)
         field, old = self.field, self._all
         turn = field.lift(frame, self._time, self._y).down @ field.lift(old.frame, self._time, self._y).up
         self._all = Carried(turn @ old.matrix, turn @ old.other, frame)
 
     def _along(self) -> tuple[Array, Array]:
-        """Return the displacement along which breaks are looked for, some of every coordinate, and these."""
+        """Return the displacement along which breaks are looked for, some of every state, and its parts."""
         frame = self._all.frame
         if self._way is None or self._way[0] is not frame:
             up = self.field.lift(frame, self._time, self._y).up
-            some = np.random.default_rng(0).standard_normal(up.shape[1])
+            some = np.asarray(np.random.default_rng(0).standard_normal(up.shape[1]))
+            *_, numbers, _, clock = self.field.parts
+            some[up[numbers].any(axis=0) | up[clock].any(axis=0)] = 0.0  # what breaks does so in states
             unit = np.asarray(some / np.linalg.norm(some))
             self._way = frame, up @ unit, unit
         return self._way[1:]
@@ -274,7 +287,8 @@ class Carrier:
         off = length * rest if length * rest <= self._good else max(length * rest - noise, 0.0)
         found_break = self._break(piece, way, low, high, seen) if off > self._good else None
         searching = off > self._good and piece.halvings > HALVINGS - _SEARCHES
-        if piece.halvings > 0 and (found_break is not None or searching or not step.off <= self._good):
+        rough = not wrong_by(piece, step, self._all, self._missed.flow, self._opening) <= self._good
+        if piece.halvings > 0 and (found_break is not None or searching or rough):
             cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break[0]
             before, behind = piece.cut(cut, found_break is not None)
             self._piece(before)
@@ -328,5 +342,6 @@ class Carrier:
     def doubt(self) -> Array:
         """By how much the displacements are in doubt, of each, (k,)."""
         matrix, other, _ = self.carried
+        missed = self._missed.sizes(at_equal_times(self.field, self._all, *self._here))
         left_over = self._left_over * np.linalg.norm(matrix, axis=0)
-        return np.asarray(np.linalg.norm(matrix - other, axis=0) + left_over + self._missed.sizes(self._all))
+        return np.asarray(np.linalg.norm(matrix - other, axis=0) + left_over + missed)
