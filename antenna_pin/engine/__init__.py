@@ -7,6 +7,7 @@ from antenna_pin._lazy import loaded_when_used
 if TYPE_CHECKING:
     from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
     from antenna_pin.engine.pace import Pace, Sizes
+    from antenna_pin.engine.shifts import SystemSlopes
     from antenna_pin.engine.slopes import Slopes
     from antenna_pin.engine.tangents import Tangents
 
@@ -16,6 +17,7 @@ __all__ = [
     "Pace",
     "Sizes",
     "Slopes",
+    "SystemSlopes",
     "Tangents",
     "check_compiled",
 ]
@@ -25,6 +27,7 @@ loaded_when_used(
     {
         "compiled": "Compiled CompiledStepper check_compiled",
         "pace": "Pace Sizes",
+        "shifts": "SystemSlopes",
         "slopes": "Slopes",
         "tangents": "Tangents",
     },

@@ -62,6 +62,7 @@ class Field:
         tree = Tangents.takes(near.system)
         units = np.concatenate(self.units)
         self._tangents = Tangents(near.system, self._stepper, units, WEIGHTS) if tree else None
+        self._follow()
         #: Size of a displacement.
         self.displacement = self.parts[-1].stop
         self._coarse = near.coarseness(self.units)
@@ -71,6 +72,16 @@ class Field:
         self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds, self._gaps)
         self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
+
+    def _follow(self) -> None:
+        """Let derivatives that are put together from parts go with the system's own numbers, too."""
+        self._by_parts = self._tangents is not None and self._tangents.follow(self._near.slopes_of_numbers(self.units))
+
+    def let_go(self, words: NDArray[np.int_]) -> None:
+        """Let words of the program go with parameters no more: an event has set them."""
+        if self.numbers is not None and len(words):
+            self.numbers.let_go(words)
+            self._follow()
 
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
@@ -181,6 +192,8 @@ class Field:
         They are of the rates as a whole, or by what is given.
         """
         found = np.array((by or self._slopes).rates(time, y, np.ascontiguousarray(ways), steps))
+        if by is self._tangents and self._by_parts:
+            return found
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
         own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
         kept, displaced = ways[self.parts[-2]][own], ways[self.parts[-3]]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System, Workspace
+from antenna_pin.engine import SystemSlopes
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Units, parts_of
 from antenna_pin.nonlinear.kept import Kept
@@ -61,6 +62,15 @@ class Near:
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self.stepper.rates(time, y)
+
+    def slopes_of_numbers(self, units: Units) -> SystemSlopes:
+        """Return how the system's numbers go with parameters, and with what elements keep."""
+        own, numbers = self.stepper.numbers, self.numbers
+        tree = own.tree.view(np.float64).reshape(-1)
+        found = np.zeros((0, len(own.program))), np.zeros((0, len(tree))), np.zeros((0, 3))
+        if numbers is not None:
+            found = numbers.program, numbers.tree, numbers.gravity
+        return SystemSlopes(*found, self.kept.words, self.kept.units(units.way, units.rate))
 
     def coarseness(self, units: Units) -> Array:
         """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
