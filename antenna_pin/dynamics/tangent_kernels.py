@@ -198,7 +198,7 @@ def add_link_changes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: An
         room: What to compute with.
         out: (kinds, k, nv + nx).
     """
-    nv, numbers = room.tau.shape[0], room.numbers
+    numbers = room.numbers
     for d in range(ways.shape[0]):
         if not _moves(ways[d], room.first_number[0]) and ways[d, ways.shape[1] - 1] == 0.0:
             continue

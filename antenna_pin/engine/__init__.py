@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from antenna_pin._lazy import loaded_when_used
 
 if TYPE_CHECKING:
+    from antenna_pin.engine.carrying import Along, Carrying
     from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
     from antenna_pin.engine.pace import Pace, Sizes
     from antenna_pin.engine.shifts import SystemSlopes
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     from antenna_pin.engine.tangents import Tangents
 
 __all__ = [
+    "Along",
+    "Carrying",
     "Compiled",
     "CompiledStepper",
     "Pace",
@@ -25,6 +28,7 @@ __all__ = [
 loaded_when_used(
     __name__,
     {
+        "carrying": "Along Carrying",
         "compiled": "Compiled CompiledStepper check_compiled",
         "pace": "Pace Sizes",
         "shifts": "SystemSlopes",

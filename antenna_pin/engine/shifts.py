@@ -49,7 +49,12 @@ def takes_slopes(slopes: SystemSlopes) -> bool:
 
 
 def shifts_of(
-    system: System, stepper: CompiledStepper, parts: NDArray[np.void], looked: int, said: int, slopes: SystemSlopes
+    system: System,
+    stepper: CompiledStepper,
+    parts: NDArray[np.void],
+    looked: int,
+    said: int,
+    slopes: SystemSlopes,
 ) -> Shifts:
     """Return them, laid out.
 

@@ -9,8 +9,8 @@ from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.dynamics.tangent_kernels import PART
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.shifts import SystemSlopes, shifts_of, takes_slopes
-from antenna_pin.engine.tangent_kernels import Shifts, TangentRoom, write_tangent
 from antenna_pin.engine.step_kernels import Numbers
+from antenna_pin.engine.tangent_kernels import Shifts, TangentRoom, write_tangent
 from antenna_pin.integrate import manifold_kernels
 from antenna_pin.joints import layout_kernels, slope_kernels
 from antenna_pin.mechanism import CHANGE, PLACE, ROOM, freedoms_below
@@ -35,6 +35,9 @@ class Tangents:
         stepper: Its; contact memory and program are those of the moment.
         units: Of ways, rates and bristles, (2 nv + bristles,).
         weights: Of differences at 1, 2, ... steps, of sixth and of fourth order, (2, points).
+
+    Attributes:
+        room: What the kernels work on.
     """
 
     def __init__(self, system: System, stepper: CompiledStepper, units: Array, weights: Array) -> None:
@@ -52,7 +55,7 @@ class Tangents:
         said = slope_kernels.V_BRISTLE + slope_kernels.STATES
         self._answers = stepper.answers
         self._system, self._stepper, self._looked, self._said = system, stepper, looked, said
-        self._room = TangentRoom(
+        self.room = TangentRoom(
             numbers=numbers,
             parts=parts,
             links_x=np.array([links_x]),
@@ -102,9 +105,9 @@ class Tangents:
         """
         if not takes_slopes(slopes):
             return False
-        shifts = self._shifts(slopes, self._room.parts)
+        shifts = self._shifts(slopes, self.room.parts)
         seen = np.zeros(len(shifts.steps), dtype=np.int64)
-        self._room = self._room._replace(shifts=shifts, seen=seen)
+        self.room = self.room._replace(shifts=shifts, seen=seen)
         return True
 
     @staticmethod
@@ -125,8 +128,8 @@ class Tangents:
             ways: Displacements as :mod:`antenna_pin.engine.slope_kernels` lays them out, (displacement, k).
             steps: Of differences along them, (k,), for time and for elements on links.
         """
-        out = np.zeros((len(self._room.weights), ways.shape[1], self._rates))
-        write_tangent(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self._room, out)
+        out = np.zeros((len(self.room.weights), ways.shape[1], self._rates))
+        write_tangent(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self.room, out)
         self._answers.check()
         return np.asarray(out.transpose(0, 2, 1))
 

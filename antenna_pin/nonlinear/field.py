@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System
-from antenna_pin.engine import Slopes, Tangents
+from antenna_pin.engine import Carrying, Slopes, Tangents
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
 from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.nonlinear.near import STEP, Function, Near
@@ -75,7 +75,15 @@ class Field:
 
     def _follow(self) -> None:
         """Let derivatives that are put together from parts go with the system's own numbers, too."""
-        self._by_parts = self._tangents is not None and self._tangents.follow(self._near.slopes_of_numbers(self.units))
+        self._by_parts = self._tangents is not None and self._tangents.follow(
+            self._near.slopes_of_numbers(self.units)
+        )
+
+    def carrying(self) -> Carrying | None:
+        """Return what carries displacements by the stages of the run's method; None where nothing does."""
+        if self._tangents is None or not self._by_parts or not Carrying.takes(self._stepper):
+            return None
+        return Carrying(self._stepper, self._tangents, self._coarse)
 
     def let_go(self, words: NDArray[np.int_]) -> None:
         """Let words of the program go with parameters no more: an event has set them."""

@@ -26,6 +26,7 @@ from scipy.optimize import brentq
 
 from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import NODES, Propagator, method_named
+from antenna_pin.nonlinear.along import AlongStages
 from antenna_pin.nonlinear.breaks import BETWEEN, SAMPLES, left_over, located
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame, Lift
@@ -43,6 +44,9 @@ Array = NDArray[np.float64]
 # What a piece of a step may be wrong by, over the displacements and over the run's tolerance; and how often a
 # step is halved to find where it breaks: what is wrong then is in the doubt.
 _GOOD, _SEARCHES = 1e2, 8
+# How often a step is halved along which the run's own stages carry displacements, until whole matrices are
+# looked at for what breaks there.
+_TRIES = 4
 # In how many steps the round-off of rates is looked at once, where nothing changes.
 _LOOKS = 8
 # In parts of a step, what counts as the same instant.
@@ -86,18 +90,22 @@ class Carrier:
         self._dense = stepper_of(self._own, method_named(settings.method), run.stepper.scales, settings)
         self._again = StepAnew(self.field, settings, run.stepper.scales, self._own)
         self._good = _GOOD * settings.rtol
+        carrying, bristles = self.field.carrying(), self.field.parts[2]
+        #: What carries displacements by the run's own stages; None where nothing does.
+        self.stages = None if carrying is None else AlongStages(carrying, slice(bristles.stop))
         self._shallow = 10.0 * np.array(run.search.tolerances)
         self._coming: dict[int, Onset] = {}
         self._changed = False
         self._broken = False
-        self._made = 0
+        self._looked_at = self._made = 0
+        # Where round-off is to be looked at before it is asked for.
+        self._unseen: tuple[float, Array] | None = self._take_over(run)
         self._left_over = 0.0
         self._way: tuple[Frame, Array, Array] | None = None
         self._propagator = Propagator(0)
         self._looks = list(looks)
         #: Told of each look: ``(time, y, displacements)``, the last (displacement, k).
         self.seen: Callable[[float, Array, Array], None] | None = None
-        self._take_over(run)
         lift = self.field.lift(first, self._time, self._y)
         start = np.eye(lift.up.shape[1]) if ways is None else ways(lift) if callable(ways) else ways
         self._saltation = Saltation(self.field, run, start.shape[1])
@@ -120,10 +128,11 @@ class Carrier:
         """How many directions of the displacements are left: where a joint comes to rest one is lost."""
         return self._saltation.rank
 
-    def _take_over(self, run: Run) -> None:
-        """Begin the next step where the run is."""
+    def _take_over(self, run: Run) -> tuple[float, Array]:
+        """Begin the next step where the run is; return where that is."""
         self._time, self._y = run.stepper.t, run.here.copy()
         self._own.memory[:], self._own.program[:] = run.workspace.memory, run.workspace.program
+        return self._time, self._y
 
     def look(self, run: Run) -> None:
         """Carry the displacements over the step and the changes since the last look."""
@@ -132,6 +141,7 @@ class Carrier:
         happened = self._saltation.has_happened()
         broken = any(one.last == run.stepper.t for one in run.watch.value())
         if run.stepper.t > self._time:
+            self._end = None if happened else run.here.copy()
             self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened, broken)
         if happened:
             self._all = self._saltation.through_events(self._all, self._time, self._y)
@@ -163,14 +173,11 @@ class Carrier:
             ends_in_change: Whether contacts or drives change there.
             ends_in_break: Whether an event or a kink that is told of is there.
         """
-        dense = self._dense
-        dense.restart(self._time, self._y)
-        dense.attempt(size)
-        dense.prepare_dense()
+        self._size, self._has_dense = size, False
         self._again.begin(self._time, self._y)
-        if self._changed or self._made % _LOOKS == 0:
-            self.field.look_at(self._time, self._y, self._along()[0])
         self._made += 1
+        if self._changed or self._made > self._looked_at + _LOOKS:
+            self._unseen = self._time, self._y
         begin, begins, broken = 0.0, self._changed, self._changed or self._broken
         for theta, c in sorted((self._counts_from(c), c) for c in self._coming):
             if theta > 1.0:
@@ -178,7 +185,7 @@ class Carrier:
             if theta > begin:
                 self._part(Piece(begin, theta, known=(broken, True)))
             self._let_count(c, self._time + theta * size, self._at(theta))
-            self.field.look_at(self._time + theta * size, self._at(theta), self._along()[0])
+            self._unseen = self._time + theta * size, self._at(theta)
             begin, begins, broken = theta, True, True
         last = ends_in_change or ends_in_break
         if begins and ends_in_change:
@@ -198,13 +205,13 @@ class Carrier:
 
     def _part(self, piece: Piece) -> None:
         """Carry the displacements over a part of a step, and show them where they are to be looked at."""
-        while self._looks and (theta := (self._looks[0] - self._time) / self._dense.h) < piece.b - _AT_ONCE:
+        while self._looks and (theta := (self._looks[0] - self._time) / self._size) < piece.b - _AT_ONCE:
             if theta > piece.a + _AT_ONCE:
                 before, piece = piece.cut(theta, False)
                 self._piece(before)
             self._show(piece.a)
         self._piece(piece)
-        while self._looks and (self._looks[0] - self._time) / self._dense.h < piece.b + _AT_ONCE:
+        while self._looks and (self._looks[0] - self._time) / self._size < piece.b + _AT_ONCE:
             self._show(piece.b)
 
     def _show(self, theta: float) -> None:
@@ -220,7 +227,16 @@ class Carrier:
 
     def _at(self, theta: float) -> Array:
         """Return the state at a fraction of the step."""
+        if theta == 0.0:
+            return self._y
+        if theta == 1.0 and self._end is not None:
+            return self._end
         y = np.zeros_like(self._y)
+        if not self._has_dense:
+            self._dense.restart(self._time, self._y)
+            self._dense.attempt(self._size)
+            self._dense.prepare_dense()
+            self._has_dense = True
         self._dense.interpolate(theta, y)
         return y
 
@@ -255,8 +271,31 @@ class Carrier:
         return self._way[1:]
 
     def _piece(self, piece: Piece) -> None:
+        """Carry the displacements over a part of the step, by the run's own stages where these can."""
+        if self.stages is None:
+            self._by_matrices(piece)
+            return
+        start, lift = (self._time, self._size, self._at(piece.a)), self._lift()
+        found = self.stages.over(piece, start, lift, self._all, self._good)
+        if found is not None:
+            self._all = found
+        elif piece.halvings > HALVINGS - _TRIES:
+            for half in piece.cut(0.5 * (piece.a + piece.b), False):
+                self._piece(half)
+        else:
+            self.stages.left += 1
+            self._by_matrices(piece)
+
+    def _lift(self) -> Lift:
+        """Return the coordinates of the moment as displacements."""
+        return self.field.lift(self._all.frame, self._time, self._y)
+
+    def _by_matrices(self, piece: Piece) -> None:
         """Carry the displacements over a part of the step, cut where it breaks and as short as it must be."""
-        field, start, whole = self.field, self._time, self._dense.h
+        if self._unseen is not None:
+            self.field.look_at(*self._unseen, self._along()[0])
+            self._unseen, self._looked_at = None, self._made
+        field, start, whole = self.field, self._time, self._size
         frame, length, way = self._all.frame, (piece.b - piece.a) * whole, self._along()[0]
         thetas, slopes = piece.at(NODES)
         found = [field.matrix(frame, start + s * whole, self._at(s), way) for s in thetas.tolist()]
@@ -305,16 +344,16 @@ class Carrier:
             return None
         (cut, before, behind), (slope, *_) = piece.at(np.array([found.place, *found.beside]))
         one, other = (
-            field.matrix(self._all.frame, self._time + s * self._dense.h, self._at(s), way).sixth
+            field.matrix(self._all.frame, self._time + s * self._size, self._at(s), way).sixth
             for s in (float(before), float(behind))
         )
-        step = field.across_kinks(self._time + cut * self._dense.h, self._at(float(cut)), way)[1]
-        later = found.later * slope * (piece.b - piece.a) * self._dense.h / step
+        step = field.across_kinks(self._time + cut * self._size, self._at(float(cut)), way)[1]
+        later = found.later * slope * (piece.b - piece.a) * self._size / step
         return float(cut), Kink.of(other - one, self._along()[1], later)
 
     def _pass(self, theta: float, kink: Kink) -> None:
         """Count what displacements miss of a kink at a fraction of the step."""
-        time, y = self._time + theta * self._dense.h, self._at(theta)
+        time, y = self._time + theta * self._size, self._at(theta)
         self._again.to(time)
         error = self._missed.error(self._all) + self._down(time, y) @ self._again.off(time, y)
         self._all = self._missed.passed(kink, error, self._all)
@@ -322,7 +361,7 @@ class Carrier:
     def _looked(self, piece: Piece, place: float, look: Callable[[float, Array], Array]) -> Array:
         """Return what a look at a place of a piece shows, per what is integrated over."""
         (theta,), (slope,) = piece.at(np.array([place]))
-        return float(slope) * look(self._time + float(theta) * self._dense.h, self._at(float(theta)))
+        return float(slope) * look(self._time + float(theta) * self._size, self._at(float(theta)))
 
     @property
     def doubt(self) -> Array:

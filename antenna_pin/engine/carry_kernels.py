@@ -1,0 +1,193 @@
+"""Displacements of a state carried along a step of a run, by the run's own method, compiled.
+
+State and displacements w are one set of equations, y' = f(y) and ``w' = dv - [v, w]``, ``dv' = Df w``, and go
+by the same stages: what comes of w is of the order of the method, and its embedded weights tell the error.
+Next to where contacts begin or end the derivative Df goes with a root of time; there time goes with a power
+of what is integrated over (:class:`antenna_pin.nonlinear.pieces.Piece`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from antenna_pin._by_address import by_address
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.engine.tangent_kernels import write_tangent
+from antenna_pin.integrate.kernels import RATES, STATE, begin, stage, store
+from antenna_pin.integrate.manifold_kernels import space_of, write_bracket
+
+
+@by_address
+class CarryRoom(NamedTuple):
+    """What displacements are carried with.
+
+    Attributes:
+        tangent: What the derivative of the rates is computed with.
+        tableau: The method's.
+        work: The rows of a stepper; START, STATE and RATES are those of the state.
+        ways: Displacements at the start, (k, displacement).
+        now: Those at the stage; at the end those at the end.
+        slopes: Rates of their ways, rates and bristles, by stage, (stages, k, moving).
+        coarse: Over what a step of differences of each part must be one at most, (displacement,).
+        steps: Of differences along them, (k,).
+        bracket: Scratch, (nv,).
+        one: Derivatives of the rates, (1, k, nv + nx).
+        both: By differences of two orders, (2, k, nv + nx).
+        errors: By how much the end is off, (k, moving).
+        rough: By how much the two orders of differences differ there, (k, moving).
+        sizes: Of these two, in units, (2, k).
+    """
+
+    tangent: Any
+    tableau: Any
+    work: Any
+    ways: Any
+    now: Any
+    slopes: Any
+    coarse: Any
+    steps: Any
+    bracket: Any
+    one: Any
+    both: Any
+    errors: Any
+    rough: Any
+    sizes: Any
+
+
+@inlined
+def _place(node: float, grade: int, power: int) -> tuple[float, float]:
+    """Return which part of the time has gone by at a node, and how fast it goes there."""
+    if grade > 0:
+        return node**power, power * node ** (power - 1)
+    if grade < 0:
+        rest = 1.0 - node
+        return 1.0 - rest**power, power * rest ** (power - 1)
+    return node, 1.0
+
+
+@inlined
+def _displace(i: int, h: float, room: Any) -> None:
+    """Write the displacements at stage i."""
+    weights, slopes, now = room.tableau.weights, room.slopes, room.now
+    for d in range(now.shape[0]):
+        for k in range(slopes.shape[2]):
+            total = 0.0
+            for j in range(i):
+                if weights[i, j] != 0.0:
+                    total += weights[i, j] * slopes[j, d, k]
+            now[d, k] = room.ways[d, k] + h * total
+
+
+@inlined
+def _note(i: int, speed: float, y: Any, room: Any) -> None:
+    """Note how fast the displacements change at stage i, over what is integrated over."""
+    tangent, now = room.tangent, room.now
+    space = space_of(tangent.layout)
+    nq, nv = space.nq, space.nv
+    v = y[nq : nq + nv]
+    for d in range(now.shape[0]):
+        out = room.slopes[i, d]
+        write_bracket(tangent.layout, v, now[d], room.bracket)
+        for k in range(nv):
+            out[k] = speed * (now[d, nv + k] - room.bracket[k])
+            out[nv + k] = speed * room.one[0, d, k]
+        for k in range(tangent.bristles.shape[0]):
+            out[2 * nv + k] = speed * room.one[0, d, nv + tangent.bristles[k]]
+
+
+@inlined
+def _roughness(h: float, room: Any) -> None:
+    """Write what the two orders of differences make of a step, and let the first be the one that counts."""
+    tangent, both = room.tangent, room.both
+    nv = tangent.tau.shape[0]
+    for d in range(both.shape[1]):
+        for k in range(both.shape[2]):
+            room.one[0, d, k] = both[0, d, k]
+        total = 0.0
+        for k in range(nv):
+            room.rough[d, nv + k] = h * (both[1, d, k] - both[0, d, k])
+        for k in range(tangent.bristles.shape[0]):
+            at = nv + tangent.bristles[k]
+            room.rough[d, 2 * nv + k] = h * (both[1, d, at] - both[0, d, at])
+        for k in range(room.rough.shape[1]):
+            total += (room.rough[d, k] / tangent.units[k]) ** 2
+        room.sizes[1, d] = math.sqrt(total)
+
+
+@inlined
+def _judge(h: float, room: Any) -> None:
+    """Write by how much displacements are off, and its size."""
+    weights, slopes, units = room.tableau.errors, room.slopes, room.tangent.units
+    for d in range(slopes.shape[1]):
+        first, second = 0.0, 0.0
+        for k in range(slopes.shape[2]):
+            one, other = 0.0, 0.0
+            for j in range(room.tableau.last + 1):
+                one += weights[0, j] * slopes[j, d, k]
+                if weights.shape[0] == 2:
+                    other += weights[1, j] * slopes[j, d, k]
+            room.errors[d, k] = h * one
+            first += (one / units[k]) ** 2
+            second += (other / units[k]) ** 2
+        share = 1.0
+        if weights.shape[0] == 2 and first + second > 0.0:
+            # Of order 8(5,3), as the run's own.
+            share = math.sqrt(first / (first + 0.01 * second))
+        for k in range(slopes.shape[2]):
+            room.errors[d, k] *= share
+        room.sizes[0, d] = abs(h) * math.sqrt(first) * share
+
+
+@inlined
+def _prepare(room: Any) -> None:
+    """Choose steps of differences of what is differentiated as a whole, and let constant parts be."""
+    for d in range(room.ways.shape[0]):
+        largest = 0.0
+        for k in range(room.ways.shape[1]):
+            room.now[d, k] = room.ways[d, k]
+            largest = max(largest, room.coarse[k] * abs(room.ways[d, k]))
+        room.steps[d] = 1.0 / largest if largest > 0.0 else 1.0
+
+
+@kernel
+def carry_along(t: float, h: float, grade: int, power: int, room: Any) -> None:
+    """Carry displacements along a step.
+
+    Args:
+        t: Where it begins [s]; the state is in the row STATE of the work rows.
+        h: Its size [s].
+        grade: Whether time goes with a power of what is integrated over from the start on, 1, or back from
+            the end, -1, or evenly, 0.
+        power: This power.
+        room: What to carry with.
+    """
+    tableau, work, tangent = room.tableau, room.work, room.tangent
+    layout = tangent.layout
+    space, stages, last = space_of(layout), tableau.weights.shape[0], tableau.last
+    size, n = space.nq + space.nv + space.nx, 2 * space.nv + space.nx
+    y, rates = work[stages + STATE, :size], work[stages + RATES]
+    _prepare(room)
+    for i in range(last + 1):
+        place, speed = _place(tableau.nodes[i], grade, power)
+        if i > 0:
+            stage(i, h, tableau.weights, layout, work, False)
+            _displace(i, h, room)
+        if speed != 0.0:
+            if i == last // 2:
+                write_tangent(t + place * h, y, room.now, room.steps, tangent, room.both)
+                _roughness(h, room)
+            else:
+                write_tangent(t + place * h, y, room.now, room.steps, tangent, room.one)
+            for k in range(space.nv):
+                rates[k] = tangent.acceleration[k]
+            for k in range(space.nx):
+                rates[space.nv + k] = tangent.rates[space.nv + k]
+        _note(i, speed, y, room)
+        if i == 0:
+            begin(stages, layout, work)
+        else:
+            store(i, stages, layout, work)
+        for k in range(n):
+            work[i, k] *= speed
+    _judge(h, room)
