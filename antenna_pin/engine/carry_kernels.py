@@ -2,8 +2,8 @@
 
 State and displacements w are one set of equations, y' = f(y) and ``w' = dv - [v, w]``, ``dv' = Df w``, and go
 by the same stages: what comes of w is of the order of the method, and its embedded weights tell the error.
-Next to where contacts begin or end the derivative Df goes with a root of time; there time goes with a power
-of what is integrated over (:class:`antenna_pin.nonlinear.pieces.Piece`).
+Next to where contacts begin or end the derivative Df goes with a root of time; there time goes with the
+square of what is integrated over.
 """
 
 from __future__ import annotations
@@ -56,14 +56,14 @@ class CarryRoom(NamedTuple):
 
 
 @inlined
-def _place(node: float, grade: int, power: int) -> tuple[float, float]:
-    """Return which part of the time has gone by at a node, and how fast it goes there."""
-    if grade > 0:
-        return node**power, power * node ** (power - 1)
-    if grade < 0:
-        rest = 1.0 - node
-        return 1.0 - rest**power, power * rest ** (power - 1)
-    return node, 1.0
+def _place(s: float, grade: int, origin: float) -> tuple[float, float]:
+    """Return which part of the time has gone by at s, from 0 to 1, and how fast it goes there."""
+    if grade == 0:
+        return s, 1.0
+    root = origin + (1.0 - origin) * (s if grade > 0 else 1.0 - s)
+    rest = 1.0 - origin * origin
+    place, speed = (root * root - origin * origin) / rest, 2.0 * (1.0 - origin) * root / rest
+    return (place, speed) if grade > 0 else (1.0 - place, speed)
 
 
 @inlined
@@ -151,15 +151,16 @@ def _prepare(room: Any) -> None:
 
 
 @kernel
-def carry_along(t: float, h: float, grade: int, power: int, room: Any) -> None:
+def carry_along(t: float, h: float, grade: int, origin: float, room: Any) -> None:
     """Carry displacements along a step.
 
     Args:
         t: Where it begins [s]; the state is in the row STATE of the work rows.
         h: Its size [s].
-        grade: Whether time goes with a power of what is integrated over from the start on, 1, or back from
-            the end, -1, or evenly, 0.
-        power: This power.
+        grade: Whether time goes with the square of what is integrated over, from an instant before the start
+            on, 1, or back from one behind the end, -1; or evenly, 0.
+        origin: Where that instant is: the root of the time from there to the nearer end of the step over
+            that to the other, [0, 1).
         room: What to carry with.
     """
     tableau, work, tangent = room.tableau, room.work, room.tangent
@@ -169,7 +170,7 @@ def carry_along(t: float, h: float, grade: int, power: int, room: Any) -> None:
     y, rates = work[stages + STATE, :size], work[stages + RATES]
     _prepare(room)
     for i in range(last + 1):
-        place, speed = _place(tableau.nodes[i], grade, power)
+        place, speed = _place(tableau.nodes[i], grade, origin)
         if i > 0:
             stage(i, h, tableau.weights, layout, work, False)
             _displace(i, h, room)

@@ -54,7 +54,9 @@ class Carrying:
         """Whether a stepper's method is one of which displacements go by the stages."""
         return stepper.newton is None and stepper.method.adaptive
 
-    def along(self, time: float, y: Array, h: float, ways: Array, *, grade: int = 0, power: int = 1) -> Along:
+    def along(
+        self, time: float, y: Array, h: float, ways: Array, *, grade: int = 0, origin: float = 0.0
+    ) -> Along:
         """Carry displacements along a step.
 
         Args:
@@ -62,9 +64,10 @@ class Carrying:
             y: State there.
             h: Its size [s].
             ways: Displacements there, (displacement, k).
-            grade: Whether time goes with a power of what is integrated over from the start on, 1, or back
-                from the end, -1, or evenly, 0.
-            power: This power.
+            grade: Whether time goes with the square of what is integrated over, from an instant before the
+                start on, 1, or back from one behind the end, -1; or evenly, 0.
+            origin: Where that instant is: the root of the time from there to the nearer end of the step over
+                that to the other, [0, 1).
         """
         count = ways.shape[1]
         room = self._rooms.get(count)
@@ -73,7 +76,7 @@ class Carrying:
         work = room.work[self._stepper.method.stages + STATE]
         work[: len(y)] = y
         room.ways[:] = ways.T
-        carry_along(time, h, grade, power, room)
+        carry_along(time, h, grade, origin, room)
         self._stepper.answers.check()
         return Along(room.now.T.copy(), room.errors.T, room.rough.T, room.sizes)
 

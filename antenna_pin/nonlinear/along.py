@@ -6,17 +6,22 @@ whole matrices; and errors are carried with it: what it is off by is a displacem
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.engine import Carrying
 from antenna_pin.nonlinear.frames import Lift
-from antenna_pin.nonlinear.pieces import GRADE, Piece
+from antenna_pin.nonlinear.pieces import Piece
 from antenna_pin.nonlinear.saltation import Carried
 
 __all__ = ["AlongStages"]
 
 Array = NDArray[np.float64]
+
+# How near an instant is from which on derivatives go with a root of time: of that to the ends of a step.
+_EVEN = 0.9
 
 
 class AlongStages:
@@ -27,6 +32,7 @@ class AlongStages:
         moving: Parts of a displacement that change between events: ways, rates and bristles.
 
     Attributes:
+        since: When contacts or drives have changed last [s].
         made: Pieces along which displacements were carried.
         left: Pieces that were left to whole matrices.
     """
@@ -34,7 +40,20 @@ class AlongStages:
     def __init__(self, carrying: Carrying, moving: slice) -> None:
         """Begin with nothing."""
         self._carrying, self._moving = carrying, moving
+        self.since = -math.inf
         self.made = self.left = 0
+
+    def _grade(self, piece: Piece, time: float, whole: float) -> tuple[int, float]:
+        """Return how time goes along a piece of a step from a time [s], of a size [s].
+
+        Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time since,
+        and likewise before a release.
+        """
+        if piece.falling:
+            return -1, 0.0
+        gone = max(time + piece.a * whole - self.since, 0.0)
+        origin = math.sqrt(gone / (gone + (piece.b - piece.a) * whole)) if gone < math.inf else 1.0
+        return (1, origin) if origin < _EVEN else (0, 0.0)
 
     def over(
         self, piece: Piece, start: tuple[float, float, Array], lift: Lift, carried: Carried, good: float
@@ -53,8 +72,8 @@ class AlongStages:
         there, behind = (np.flatnonzero(one.any(axis=0)) for one in (matrix, off))
         ways = lift.up @ np.hstack([matrix[:, there], off[:, behind]])
         size = (piece.b - piece.a) * whole
-        grade = 1 if piece.graded else -1 if piece.falling else 0
-        found = self._carrying.along(time + piece.a * whole, y, size, ways, grade=grade, power=GRADE)
+        grade, origin = self._grade(piece, time, whole)
+        found = self._carrying.along(time + piece.a * whole, y, size, ways, grade=grade, origin=origin)
         down, moved = lift.down, lift.down @ found.ways
         count = len(there)
         sizes = np.linalg.norm(moved[:, :count], axis=0)

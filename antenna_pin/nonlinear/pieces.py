@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["GRADE", "HALVINGS", "Piece"]
+__all__ = ["HALVINGS", "Piece"]
 
 Array = NDArray[np.float64]
 
 # How often a step is halved; and the power of what is integrated over that time goes with next to where a
 # contact begins or ends.
-HALVINGS, GRADE = 30, 4
+HALVINGS, _GRADE = 30, 4
 
 
 class Piece(NamedTuple):
@@ -43,10 +43,10 @@ class Piece(NamedTuple):
         """
         size = self.b - self.a
         if self.graded:
-            return self.a + size * places**GRADE, GRADE * places ** (GRADE - 1)
+            return self.a + size * places**_GRADE, _GRADE * places ** (_GRADE - 1)
         if self.falling:
             rest = 1.0 - places
-            return self.b - size * rest**GRADE, GRADE * rest ** (GRADE - 1)
+            return self.b - size * rest**_GRADE, _GRADE * rest ** (_GRADE - 1)
         return self.a + size * places, np.ones(len(places))
 
     def cut(self, at: float, known: bool) -> tuple[Piece, Piece]:

@@ -47,6 +47,7 @@ _GOOD, _SEARCHES = 1e2, 8
 # How often a step is halved along which the run's own stages carry displacements, until whole matrices are
 # looked at for what breaks there.
 _TRIES = 4
+GOODS = 10.0
 # In how many steps the round-off of rates is looked at once, where nothing changes.
 _LOOKS = 8
 # In parts of a step, what counts as the same instant.
@@ -152,6 +153,8 @@ class Carrier:
             elif self._coming.pop(c, None) is None:
                 self._all = self._saltation.through_contact(c, None, self._all, self._time, self._y)
         self._changed = self._changed or bool(flipped) or happened
+        if self._changed and self.stages is not None:
+            self.stages.since = run.stepper.t
         self._take_over(run)
 
     def end(self, run: Run) -> None:
@@ -276,7 +279,7 @@ class Carrier:
             self._by_matrices(piece)
             return
         start, lift = (self._time, self._size, self._at(piece.a)), self._lift()
-        found = self.stages.over(piece, start, lift, self._all, self._good)
+        found = self.stages.over(piece, start, lift, self._all, GOODS * self._good)
         if found is not None:
             self._all = found
         elif piece.halvings > HALVINGS - _TRIES:
