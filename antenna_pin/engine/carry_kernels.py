@@ -32,10 +32,9 @@ class CarryRoom(NamedTuple):
         coarse: Over what a step of differences of each part must be one at most, (displacement,).
         steps: Of differences along them, (k,).
         bracket: Scratch, (nv,).
-        one: Derivatives of the rates, (1, k, nv + nx).
-        both: By differences of two orders, (2, k, nv + nx).
+        both: Derivatives of the rates, by differences of two orders, (2, k, nv + nx).
         errors: By how much the end is off, (k, moving).
-        rough: By how much the two orders of differences differ there, (k, moving).
+        rough: By how much it would be by the other order of differences, (k, moving).
         sizes: Of these two, in units, (2, k).
     """
 
@@ -48,7 +47,6 @@ class CarryRoom(NamedTuple):
     coarse: Any
     steps: Any
     bracket: Any
-    one: Any
     both: Any
     errors: Any
     rough: Any
@@ -80,44 +78,32 @@ def _displace(i: int, h: float, room: Any) -> None:
 
 
 @inlined
-def _note(i: int, speed: float, y: Any, room: Any) -> None:
-    """Note how fast the displacements change at stage i, over what is integrated over."""
-    tangent, now = room.tangent, room.now
+def _note(i: int, h: float, speed: float, y: Any, room: Any) -> None:
+    """Note how fast the displacements change at stage i, over what is integrated over.
+
+    By how much the two orders of differences part there is added up, by the stage's share in the step.
+    """
+    tangent, now, both = room.tangent, room.now, room.both
     space = space_of(tangent.layout)
     nq, nv = space.nq, space.nv
     v = y[nq : nq + nv]
+    share = abs(h * speed * room.tableau.weights[room.tableau.last, i])
     for d in range(now.shape[0]):
-        out = room.slopes[i, d]
+        out, rough = room.slopes[i, d], room.rough[d]
         write_bracket(tangent.layout, v, now[d], room.bracket)
         for k in range(nv):
             out[k] = speed * (now[d, nv + k] - room.bracket[k])
-            out[nv + k] = speed * room.one[0, d, k]
-        for k in range(tangent.bristles.shape[0]):
-            out[2 * nv + k] = speed * room.one[0, d, nv + tangent.bristles[k]]
-
-
-@inlined
-def _roughness(h: float, room: Any) -> None:
-    """Write what the two orders of differences make of a step, and let the first be the one that counts."""
-    tangent, both = room.tangent, room.both
-    nv = tangent.tau.shape[0]
-    for d in range(both.shape[1]):
-        for k in range(both.shape[2]):
-            room.one[0, d, k] = both[0, d, k]
-        total = 0.0
-        for k in range(nv):
-            room.rough[d, nv + k] = h * (both[1, d, k] - both[0, d, k])
+            out[nv + k] = speed * both[0, d, k]
+            rough[nv + k] += share * abs(both[1, d, k] - both[0, d, k])
         for k in range(tangent.bristles.shape[0]):
             at = nv + tangent.bristles[k]
-            room.rough[d, 2 * nv + k] = h * (both[1, d, at] - both[0, d, at])
-        for k in range(room.rough.shape[1]):
-            total += (room.rough[d, k] / tangent.units[k]) ** 2
-        room.sizes[1, d] = math.sqrt(total)
+            out[2 * nv + k] = speed * both[0, d, at]
+            rough[2 * nv + k] += share * abs(both[1, d, at] - both[0, d, at])
 
 
 @inlined
 def _judge(h: float, room: Any) -> None:
-    """Write by how much displacements are off, and its size."""
+    """Write by how much displacements are off by the method, and the sizes of that and of roughness."""
     weights, slopes, units = room.tableau.errors, room.slopes, room.tangent.units
     for d in range(slopes.shape[1]):
         first, second = 0.0, 0.0
@@ -130,13 +116,15 @@ def _judge(h: float, room: Any) -> None:
             room.errors[d, k] = h * one
             first += (one / units[k]) ** 2
             second += (other / units[k]) ** 2
-        share = 1.0
+        share, parted = 1.0, 0.0
         if weights.shape[0] == 2 and first + second > 0.0:
             # Of order 8(5,3), as the run's own.
             share = math.sqrt(first / (first + 0.01 * second))
         for k in range(slopes.shape[2]):
             room.errors[d, k] *= share
+            parted += (room.rough[d, k] / units[k]) ** 2
         room.sizes[0, d] = abs(h) * math.sqrt(first) * share
+        room.sizes[1, d] = math.sqrt(parted)
 
 
 @inlined
@@ -169,22 +157,19 @@ def carry_along(t: float, h: float, grade: int, origin: float, room: Any) -> Non
     size, n = space.nq + space.nv + space.nx, 2 * space.nv + space.nx
     y, rates = work[stages + STATE, :size], work[stages + RATES]
     _prepare(room)
+    room.rough[:] = 0.0
     for i in range(last + 1):
         place, speed = _place(tableau.nodes[i], grade, origin)
         if i > 0:
             stage(i, h, tableau.weights, layout, work, False)
             _displace(i, h, room)
         if speed != 0.0:
-            if i == last // 2:
-                write_tangent(t + place * h, y, room.now, room.steps, tangent, room.both)
-                _roughness(h, room)
-            else:
-                write_tangent(t + place * h, y, room.now, room.steps, tangent, room.one)
+            write_tangent(t + place * h, y, room.now, room.steps, tangent, room.both)
             for k in range(space.nv):
                 rates[k] = tangent.acceleration[k]
             for k in range(space.nx):
                 rates[space.nv + k] = tangent.rates[space.nv + k]
-        _note(i, speed, y, room)
+        _note(i, h, speed, y, room)
         if i == 0:
             begin(stages, layout, work)
         else:

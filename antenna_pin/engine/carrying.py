@@ -94,7 +94,6 @@ class Carrying:
             coarse=self._coarse,
             steps=np.zeros(count),
             bracket=np.zeros(manifold.nv),
-            one=np.zeros((1, count, rates)),
             both=np.zeros((2, count, rates)),
             errors=np.zeros((count, moving)),
             rough=np.zeros((count, moving)),

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from antenna_pin._lazy import loaded_when_used
 
 if TYPE_CHECKING:
-    from antenna_pin.integrate.collocation import NODES, Propagator
+    from antenna_pin.integrate.collocation import NODES, Propagated, Propagator
     from antenna_pin.integrate.implicit import newton_of
     from antenna_pin.integrate.manifold import KINDS, Manifold
     from antenna_pin.integrate.methods import METHODS, Method, method_named
@@ -18,6 +18,7 @@ __all__ = [
     "Manifold",
     "Method",
     "Problem",
+    "Propagated",
     "Propagator",
     "Stepper",
     "method_named",
@@ -27,7 +28,7 @@ __all__ = [
 loaded_when_used(
     __name__,
     {
-        "collocation": "NODES Propagator",
+        "collocation": "NODES Propagated Propagator",
         "implicit": "newton_of",
         "manifold": "KINDS Manifold",
         "methods": "METHODS Method method_named",

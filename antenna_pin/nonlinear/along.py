@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.engine import Carrying
 from antenna_pin.nonlinear.frames import Lift
+from antenna_pin.nonlinear.instants import Carried
 from antenna_pin.nonlinear.pieces import Piece
-from antenna_pin.nonlinear.saltation import Carried
 
 __all__ = ["AlongStages"]
 
@@ -34,14 +34,13 @@ class AlongStages:
     Attributes:
         since: When contacts or drives have changed last [s].
         made: Pieces along which displacements were carried.
-        left: Pieces that were left to whole matrices.
     """
 
     def __init__(self, carrying: Carrying, moving: slice) -> None:
         """Begin with nothing."""
         self._carrying, self._moving = carrying, moving
         self.since = -math.inf
-        self.made = self.left = 0
+        self.made = 0
 
     def _grade(self, piece: Piece, time: float, whole: float) -> tuple[int, float]:
         """Return how time goes along a piece of a step from a time [s], of a size [s].
@@ -65,7 +64,8 @@ class AlongStages:
             start: When the step begins [s], its size [s], and the state where the piece begins.
             lift: Coordinates as displacements.
             carried: Displacements before the piece.
-            good: What the method may be off by, over a displacement.
+            good: What the method, or differences, may be off by, over a displacement: next to a kink of a
+                force the orders of these part.
         """
         time, whole, y = start
         matrix, off = carried.matrix, carried.other - carried.matrix
@@ -77,7 +77,7 @@ class AlongStages:
         down, moved = lift.down, lift.down @ found.ways
         count = len(there)
         sizes = np.linalg.norm(moved[:, :count], axis=0)
-        if not (found.sizes[0, :count] <= good * sizes).all():
+        if not (found.sizes[:, :count] <= good * sizes).all():
             return None
         self.made += 1
         ends, rests = np.zeros_like(matrix), np.zeros_like(matrix)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System
 from antenna_pin.engine import Carrying, Slopes, Tangents
+from antenna_pin.nonlinear.depths import Depths
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
 from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.nonlinear.near import STEP, Function, Near
@@ -48,6 +49,7 @@ class Field:
         units: Of displacements.
         kept: What elements keep.
         bristles: Where these stand in x, (bristles,).
+        depths: How far contacts open along displacements.
         round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
 
@@ -55,17 +57,18 @@ class Field:
         """Allocate once."""
         self._near = near = Near(system, settings, numbers)
         self.system, self.workspace, self._stepper = near.system, near.workspace, near.stepper
-        self.kept = near.kept
-        self.bristles, self.parts, self.numbers = near.bristles, near.parts, near.numbers
+        self.kept, self.bristles, self.parts, self.numbers = (
+            near.kept,
+            near.bristles,
+            near.parts,
+            near.numbers,
+        )
         self.units = Units.of(near.system)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
-        tree = Tangents.takes(near.system)
-        units = np.concatenate(self.units)
-        self._tangents = Tangents(near.system, self._stepper, units, WEIGHTS) if tree else None
+        self._tangents = near.tangents(self.units)
         self._follow()
-        #: Size of a displacement.
-        self.displacement = self.parts[-1].stop
-        self._coarse = near.coarseness(self.units)
+        self.displacement = self.parts[-1].stop  #: Size of a displacement.
+        self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
         self._opened: tuple[int, Array] | None = None
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
@@ -75,15 +78,12 @@ class Field:
 
     def _follow(self) -> None:
         """Let derivatives that are put together from parts go with the system's own numbers, too."""
-        self._by_parts = self._tangents is not None and self._tangents.follow(
-            self._near.slopes_of_numbers(self.units)
-        )
+        slopes, tangents = self._near.slopes_of_numbers(self.units), self._tangents
+        self._by_parts = tangents is not None and tangents.follow(slopes)
 
     def carrying(self) -> Carrying | None:
         """Return what carries displacements by the stages of the run's method; None where nothing does."""
-        if self._tangents is None or not self._by_parts or not Carrying.takes(self._stepper):
-            return None
-        return Carrying(self._stepper, self._tangents, self._coarse)
+        return self._near.carrying(self._tangents if self._by_parts else None, self._coarse)
 
     def let_go(self, words: NDArray[np.int_]) -> None:
         """Let words of the program go with parameters no more: an event has set them."""
@@ -97,16 +97,18 @@ class Field:
 
     def flow(self, time: float, y: Array) -> Array:
         """Return the displacement per second that the system itself makes, (displacement,)."""
-        nq, nv = self.system.model.nq, self.system.model.nv
-        rates, out = self.rates(time, y), np.zeros(self.displacement)
-        way, rate, bristles, *_, clock = self.parts
-        out[way], out[rate], out[bristles] = y[nq : nq + nv], rates[:nv], rates[nv + self.bristles]
-        out[clock] = 1.0
-        return out
+        return self._near.flow(time, y)
 
-    def frame(self, y: Array) -> Frame:
+    def frame(self, y: Array, clock: bool = False) -> Frame:
         """Return the axes of coordinates in a state, with the contacts of the moment."""
-        return frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
+        frame = frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
+        return frame._replace(clock=clock)
+
+    def bristles_of(self, c: int) -> NDArray[np.int_]:
+        """Return which bristles are those of a contact."""
+        strides = [joint.stride for joint in self.system.clearances for _ in joint.contact_names]
+        first = self.system.impulse_x[c]
+        return np.flatnonzero((self.bristles >= first) & (self.bristles < first + strides[c]))
 
     # --- derivatives ----------------------------------------------------------------------------------------
 
@@ -308,22 +310,16 @@ class Field:
         """Return the displacements of parameters alone, (displacement, parameters)."""
         return np.eye(self.displacement)[:, self.parts[-3]]
 
-    def _gaps(self, time: float, y: Array) -> Array:
-        """Return the derivatives of how far constraints are violated over parameters, (rows, parameters)."""
-        ways = self._of_numbers()
+    def _gaps(self, time: float, y: Array, ways: Array) -> Array:
+        """Return the derivatives of how far constraints are violated along displacements, (rows, k)."""
         return self.along(self._near.violated("every_gap"), time, y, ways)[0]
 
     def _opening(self, y: Array, c: int) -> Array:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""
-        ways = self._of_numbers()
-        if ways.shape[1] == 0:
+        if self.numbers is None:
             return np.zeros(0)
-
-        def gap(_: float, state: Array) -> Array:
-            return np.array([self.workspace.along_normal(state, c)[1]])
-
         if self._opened is None or self._opened[0] != c:  # it hardly changes while a contact lasts
-            self._opened = c, self.along(gap, 0.0, y, ways)[0][0]
+            self._opened = c, self.depths.over_numbers(y, c)
         return self._opened[1]
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
@@ -341,11 +337,14 @@ class Field:
         nq, nv = self.system.model.nq, self.system.model.nv
         own, rate, bristles, *_ = self.parts
         v, count = y[nq : nq + nv], lift.up.shape[1]
-        ways = np.column_stack([lift.up, way])
+        basis = self.depths.level(frame, y, lift.up)
+        ways = np.column_stack([lift.up if basis is None else lift.up @ basis, way])
         first = self._steps(y, ways, True)
         sixth, fourth, steps = self.slopes(time, y, ways, first)
         both = []
         for found in (sixth[:, :count], fourth[:, :count]):
+            if basis is not None:
+                found = found @ np.linalg.inv(basis)
             change = np.zeros((self.displacement, count))
             change[own] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[own])
             change[rate], change[bristles] = found[:nv], found[nv + self.bristles]

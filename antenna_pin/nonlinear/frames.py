@@ -53,17 +53,24 @@ class Frame(NamedTuple):
         bound: What they do not leave, (nv, nv - ways).
         remembered: Contact and column of its memory of each coordinate that a contact's memory is.
         kept: Which numbers of elements are coordinates (:mod:`antenna_pin.nonlinear.kept`).
+        clock: Whether time is one, behind ways and rates: how much later a neighbour's state is its own.
     """
 
     free: Array
     bound: Array
     remembered: tuple[tuple[int, int], ...]
     kept: tuple[int, ...] = ()
+    clock: bool = False
 
     @property
     def ways(self) -> int:
         """How many coordinates are ways, and as many are rates."""
         return int(self.free.shape[1])
+
+    @property
+    def first_bristle(self) -> int:
+        """Where among coordinates those of bristles begin."""
+        return 2 * self.ways + int(self.clock)
 
 
 class Lift(NamedTuple):
@@ -72,7 +79,8 @@ class Lift(NamedTuple):
     A displacement, (2 nv + bristles + 2 contacts + parameters + kept + 1,), is that of the configuration in
     the coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of
     those of effective masses, of parameters of the system in their scales, of what elements keep, of time.
-    Coordinates are ways, rates, bristles, parameters, what elements keep, and what contacts remember.
+    Coordinates are ways, rates, time if it is one, bristles, parameters, what elements keep, and what
+    contacts remember.
 
     Attributes:
         up: Displacement of each coordinate, by columns, (displacement, size).

@@ -91,7 +91,9 @@ class Kept:
         first, then = (dict(state.adjusted) for state in (here, there))
         out = []
         for one in (self.numbers[k] for k in numbers):
-            change = then[one.key] - first[one.key]
+            change = then.get(one.key, 0.0) - first.get(
+                one.key, 0.0
+            )  # nothing is kept as long as nothing was
             out.append(math.remainder(change, 2.0 * math.pi) if one.turns and not one.of_rate else change)
         return np.array(out)
 

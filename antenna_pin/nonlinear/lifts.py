@@ -16,6 +16,7 @@ __all__ = ["Lifts"]
 Array = NDArray[np.float64]
 
 _FAINT = 1e-10  # of what rows of constraints do, over the most: less is what round-off has left
+_CLOCK = 1e-2  # what counts as one of time where it is a coordinate [s]
 
 
 class Lifts:
@@ -28,7 +29,7 @@ class Lifts:
         parts: Of a displacement.
         speeds: ``(time, y, ways) -> (rows, k)``: the derivatives along displacements of how fast constraints
             are violated.
-        gaps: ``(time, y) -> (rows, parameters)``: the same of how far they are, over parameters.
+        gaps: ``(time, y, ways) -> (rows, k)``: the same of how far they are.
     """
 
     def __init__(
@@ -38,7 +39,7 @@ class Lifts:
         kept: Kept,
         parts: tuple[slice, ...],
         speeds: Callable[[float, Array, Array], Array],
-        gaps: Callable[[float, Array], Array],
+        gaps: Callable[[float, Array, Array], Array],
     ) -> None:
         """Begin with none."""
         self._workspace, self._units, self._kept, self._parts = workspace, units, kept, parts
@@ -54,16 +55,17 @@ class Lifts:
         """
         if self._lifted is not None and self._lifted[0] is frame:
             return self._lifted[1]
-        units, (way, rate, bristles, *remembered, numbers, _, _) = self._units, self._parts
+        units, (way, rate, bristles, *remembered, numbers, _, clock) = self._units, self._parts
         n, nb, nk, nm = frame.ways, len(self._units.bristle), len(frame.kept), len(frame.remembered)
-        count = numbers.stop - numbers.start
-        size = 2 * n + nb + count + nk + nm
+        count, first = numbers.stop - numbers.start, frame.first_bristle
+        size = first + nb + count + nk + nm
         up, down = np.zeros((self._parts[-1].stop, size)), np.zeros((size, self._parts[-1].stop))
-        ways, rates, own = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + nb)
+        ways, rates, own = slice(n), slice(n, 2 * n), slice(first, first + nb)
         up[way, ways], down[ways, way] = units.way[:, None] * frame.free, frame.free.T / units.way
         up[rate, rates], down[rates, rate] = units.rate[:, None] * frame.free, frame.free.T / units.rate
         up[bristles, own], down[own, bristles] = np.diag(units.bristle), np.diag(1.0 / units.bristle)
-        parameters = slice(2 * n + nb, 2 * n + nb + count)
+        up[clock, 2 * n : first], down[2 * n : first, clock] = _CLOCK, 1.0 / _CLOCK
+        parameters = slice(own.stop, own.stop + count)
         up[numbers, parameters] = down[parameters, numbers] = np.eye(count)
         for k, number in enumerate(frame.kept, parameters.stop):
             at, unit = self._parts[-2].start + number, self._kept_units[number]
@@ -83,16 +85,18 @@ class Lifts:
         constraints, program = self._workspace.constraints, self._workspace.program
         assert constraints is not None
         way, rate, *_, numbers, _, _ = self._parts
-        n = frame.ways
+        n, clock = frame.ways, list(range(2 * frame.ways, frame.first_bristle))
 
         self._workspace.prepare_motions(time, y)
         constraints.residuals(time, y, program)
         rows = constraints.every_row.copy()
         across = self._units.way[:, None] * frame.bound
-        first = 2 * n + len(self._units.bristle)
-        last = first + numbers.stop - numbers.start + len(frame.kept)
-        places = [*range(n), *range(first, last)]  # of what moves the configuration
-        off = np.hstack([rows @ up[way, :n], self._gaps(time, y), self._gaps_over_kept(frame, time, y)])
+        first = frame.first_bristle + len(self._units.bristle)
+        last = first + numbers.stop - numbers.start
+        explicit = [*clock, *range(first, last)]  # what constraints know of besides the configuration
+        places = [*range(n), *explicit, *range(last, last + len(frame.kept))]
+        gaps = self._gaps(time, y, up[:, explicit])
+        off = np.hstack([rows @ up[way, :n], gaps, self._gaps_over_kept(frame, time, y)])
         up[way, places] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
         moved = up[:, places]
         turned = self._speeds(time, y, moved)

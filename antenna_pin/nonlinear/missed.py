@@ -18,7 +18,7 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper, method_named
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import way_between
-from antenna_pin.nonlinear.saltation import Carried
+from antenna_pin.nonlinear.instants import Carried
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.stretches import stepper_of
 
@@ -61,7 +61,9 @@ class Kink(NamedTuple):
 
 
 class Missed:
-    """Counts what displacements miss, by columns behind them.
+    """Counts what displacements miss, by columns behind them, and has the flow as one more displacement.
+
+    The columns are displacements, what the run is off by, the flow, what is missed.
 
     Args:
         count: How many displacements there are.
@@ -74,8 +76,13 @@ class Missed:
         self._parts: list[Array] = []
 
     def begin(self, ways: Array) -> Array:
-        """Return displacements, (size, count), with the run's own error behind them, which is none yet."""
-        return np.hstack([ways, np.zeros((len(ways), 1))])
+        """Return displacements, (size, count), with what is behind them, which is nothing yet."""
+        return np.hstack([ways, np.zeros((len(ways), 2))])
+
+    @property
+    def flow(self) -> int:
+        """Which column the flow is, where it is carried; else it is zero."""
+        return self._count + 1
 
     def own(self, carried: Carried) -> Carried:
         """Return the displacements alone."""
@@ -103,7 +110,7 @@ class Missed:
     def merged(self, carried: Carried) -> Carried:
         """Return displacements with the oldest of what is missed in one column, where there are too many."""
         while len(self._parts) > _MOST:
-            first = self._count + 1
+            first = self._count + 2
             sizes = np.linalg.norm(carried.matrix[:, first : first + 2], axis=0)
             kept = int(np.argmax(sizes))
             if sizes[kept] > 0.0:
@@ -117,7 +124,7 @@ class Missed:
         """Return how much is missed of each displacement, (count,)."""
         matrix = carried.matrix
         out = np.linalg.norm(matrix[:, : self._count], axis=0) * float(np.linalg.norm(self.error(carried)))
-        for column, parts in zip(matrix.T[self._count + 1 :], self._parts, strict=True):
+        for column, parts in zip(matrix.T[self._count + 2 :], self._parts, strict=True):
             out += float(np.linalg.norm(column)) * parts
         return np.asarray(out)
 

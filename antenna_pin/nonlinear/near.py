@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.engine import SystemSlopes
+from antenna_pin.engine import Carrying, SystemSlopes, Tangents
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Units, parts_of
 from antenna_pin.nonlinear.kept import Kept
@@ -63,6 +63,34 @@ class Near:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self.stepper.rates(time, y)
 
+    def flow(self, time: float, y: Array) -> Array:
+        """Return the displacement per second that the system itself makes, (displacement,)."""
+        nq, nv = self.system.model.nq, self.system.model.nv
+        way, rate, bristles, *_, clock = self.parts
+        rates, out = self.rates(time, y), np.zeros(clock.stop)
+        out[way], out[rate], out[bristles] = y[nq : nq + nv], rates[:nv], rates[nv + self.bristles]
+        out[clock] = 1.0
+        return out
+
+    def tangents(self, units: Units) -> Tangents | None:
+        """Return derivatives of the rates that are put together from parts; None where they cannot be."""
+        if not Tangents.takes(self.system):
+            return None
+        return Tangents(self.system, self.stepper, np.concatenate(units), WEIGHTS)
+
+    def carrying(self, tangents: Tangents | None, coarse: Array) -> Carrying | None:
+        """Return what carries displacements by the stages of the run's method; None where nothing does.
+
+        Args:
+            tangents: Derivatives of the rates, which know the system's numbers; None if there are none.
+            coarse: :meth:`coarseness`.
+        """
+        if tangents is None or not Carrying.takes(self.stepper):
+            return None
+        steps = coarse.copy()
+        steps[self.parts[-1]] = 1.0 / STEP
+        return Carrying(self.stepper, tangents, steps)
+
     def slopes_of_numbers(self, units: Units) -> SystemSlopes:
         """Return how the system's numbers go with parameters, and with what elements keep."""
         own, numbers = self.stepper.numbers, self.numbers
@@ -72,13 +100,19 @@ class Near:
             found = numbers.program, numbers.tree, numbers.gravity
         return SystemSlopes(*found, self.kept.words, self.kept.units(units.way, units.rate))
 
-    def coarseness(self, units: Units) -> Array:
-        """Return over what a step of each part of a displacement must be one at most, (displacement,)."""
+    def coarseness(self, units: Units, in_play: float | None = None) -> Array:
+        """Return over what a step of each part of a displacement must be one at most, (displacement,).
+
+        Args:
+            units: Of displacements.
+            in_play: Steps at joints with play, over their units; those of forces if left out.
+        """
         way, rate, bristles, *_, numbers, kept, _ = self.parts
         out = np.zeros(self.parts[-1].stop)
         out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
         out[kept] = 1.0 / (STEP * self.kept.units(units.way, units.rate))
-        steps, finer = np.full(self.system.model.nv, STEP), _IN_LOOPS if self.system.plan else _IN_PLAY
+        of_forces = _IN_LOOPS if self.system.plan else _IN_PLAY
+        steps, finer = np.full(self.system.model.nv, STEP), of_forces if in_play is None else in_play
         for joint in self.system.clearances:
             steps[self.system.mechanism.joint(joint.name).v] = finer
         out[way] /= steps

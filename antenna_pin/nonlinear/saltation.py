@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.frames import MEMORIES, Frame, way_between
+from antenna_pin.nonlinear.frames import Frame, way_between
+from antenna_pin.nonlinear.instants import Carried
 from antenna_pin.nonlinear.near import Function
 from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.records import CONTACT, MEMORY
@@ -20,39 +21,12 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.own_actions import Switch
 from antenna_pin.simulation.passages import Passage
 
-__all__ = ["Carried", "Onset", "Passed", "Saltation"]
+__all__ = ["Passed", "Saltation"]
 
 Array = NDArray[np.float64]
 
 # Of the largest displacement behind a passage: what round-off leaves of one that is lost there.
 _LOST = 1e-13
-
-
-class Carried(NamedTuple):
-    """Displacements carried along a run, in coordinates along axes in the present state.
-
-    Attributes:
-        matrix: (size, k).
-        other: The same by differences of another order and another rule: what is between tells the doubt.
-        frame: The axes.
-    """
-
-    matrix: Array
-    other: Array
-    frame: Frame
-
-
-class Onset(NamedTuple):
-    """What is remembered of a contact's onset.
-
-    Attributes:
-        memory: By the state itself, MEMORY.
-        rows: By its neighbours, of each column of contact memory by how much in logarithms, (k,), twice, as
-            for :class:`Carried`.
-    """
-
-    memory: NDArray[Any]
-    rows: dict[int, tuple[Array, Array]]
 
 
 class Passed(NamedTuple):
@@ -125,9 +99,9 @@ class Saltation:
         self._passages.clear()
         return carried
 
-    def _note(self, what: str, name: str, time: float, late: Array, carried: Carried) -> None:
-        """Note by how much an instant is displaced."""
-        self.passed.append(Passed(what, name, time, late @ carried.matrix[:, : self.count]))
+    def _note(self, what: str, name: str, time: float, late: Array) -> None:
+        """Note by how much an instant is displaced by each displacement that is carried."""
+        self.passed.append(Passed(what, name, time, late[: self.count].copy()))
 
     # --- events ---------------------------------------------------------------------------------------------
 
@@ -142,10 +116,11 @@ class Saltation:
         def function(t: float, state: Array) -> Array:
             return np.array([event.when(self._moment.set(t, state))])
 
-        late = np.zeros(up.shape[1])
+        clock = up[field.parts[-1].start]
+        late = -clock
         if not isinstance(event.when, Time):
             late = self._late(function, time, y, up, of_forces=True)
-        self._note("event", one.event.name, time, late, carried)
+        self._note("event", one.event.name, time, (clock + late) @ carried.matrix)
         passage = _Way(up, late, field.flow(time, y))
         if isinstance(event.action, Jump) or one.done:
             passage = self._jump(one, time, y, up, late)
@@ -191,7 +166,7 @@ class Saltation:
     def _carry(self, passage: _Way, carried: Carried, time: float, y: Array) -> Carried:
         """Return displacements behind a passage, whose contacts, program and state are the field's now."""
         field = self._field
-        frame = field.frame(y)
+        frame = field.frame(y, carried.frame.clock)
         down = field.lift(frame, time, y).down
         moved, jump = passage.moved, passage.going - field.flow(time, y)
         if jump.any():  # else it matters to none when it comes, as where a joint turns back in a stop
@@ -209,69 +184,83 @@ class Saltation:
 
     # --- contacts -------------------------------------------------------------------------------------------
 
-    def onset(self, c: int, memory: NDArray[Any], carried: Carried, time: float, y: Array) -> Onset:
-        """Return what neighbours will remember of a contact that begins: of their own instants.
+    def onset(self, c: int, memory: NDArray[Any], carried: Carried, time: float, y: Array) -> Carried:
+        """Return displacements at the neighbours' own onsets of a contact, which counts from now on.
+
+        There its depth is the same in all of them; what they remember is of their own instants, and bristles
+        are straight.
 
         Args:
             c: Which.
             memory: What the state itself remembers.
-            carried: Displacements.
+            carried: Displacements, with time.
             time: When [s].
             y: State.
         """
         field = self._field
-        up = field.lift(carried.frame, time, y).up
-        late = self._late(self._located("gap", c), time, y, up)
+        lift = field.lift(carried.frame, time, y)
+        opening, rate = field.depths.opening(y, c, lift.up)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            flow, late = lift.down @ field.flow(time, y), -opening / rate
+        ways = [one + np.outer(flow, late @ one) for one in carried[:2]]
+        clock = lift.up[field.parts[-1].start]
+        self._note("onset", str(c), time, clock @ ways[0])
 
         def mass(_: float, state: Array) -> Array:
             return np.array([field.workspace.effective_mass(state, c)])
 
         kept: dict[int, tuple[Function, float]] = {2: (mass, float(memory["effective_mass"]))}
         if memory["approach_speed"] > field.system.approach_speed_floors[c]:
-            kept[1] = self._located("rate", c), float(memory["approach_speed"])
-        self._note("onset", str(c), time, late, carried)
-        nothing = np.zeros(carried.matrix.shape[1])
-        rows = dict.fromkeys(MEMORIES, (nothing, nothing))
-        for column, (function, value) in kept.items():
-            rate = float(field.per_second(function, time, y)[0])
-            own = (field.along(function, time, y, up)[0][0] + rate * late) / value
-            rows[column] = own @ carried.matrix, own @ carried.other
-        return Onset(memory.copy(), rows)
+            kept[1] = self._rate(c), float(memory["approach_speed"])
+        slopes = {k: field.depths.along(one, time, y, lift.up) / size for k, (one, size) in kept.items()}
+        for one in ways:
+            one[carried.frame.first_bristle + field.bristles_of(c)] = 0.0
+        frame = self._let(c, memory, y)
+        turn = field.lift(frame, time, y).down @ lift.up
+        found = Carried(turn @ ways[0], turn @ ways[1], frame)
+        for k, (contact, column) in enumerate(frame.remembered, len(turn) - len(frame.remembered)):
+            if contact == c and column in slopes:
+                found.matrix[k], found.other[k] = (slopes[column] @ one for one in ways)
+        return found
 
-    def _located(self, name: str, c: int) -> Function:
-        """Return a number of a contact's table as a function of the state."""
+    def release(self, c: int, flow: int, carried: Carried, time: float, y: Array) -> Carried:
+        """Return displacements at the neighbours' own releases of a contact, which counts no more.
 
-        def function(_: float, state: Array) -> Array:
-            self._field.workspace.locate(state, self._table)
-            return np.array([self._table[name][c]])
-
-        return function
-
-    def through_contact(
-        self, c: int, onset: Onset | None, carried: Carried, time: float, y: Array
-    ) -> Carried:
-        """Return displacements behind where a contact begins to count, or where it parts.
+        Where a force begins and ends with its depth the derivative of rates has no bounds. What carrying was
+        off by for it is in the flow, carried alike, as in displacements: to neighbours' own releases, where
+        depths are the same again, it goes out.
 
         Args:
             c: Which.
-            onset: What is remembered of the onset; None where it parts.
-            carried: Displacements before it.
+            flow: In which column the flow is, carried up to here as displacements are.
+            carried: Displacements, with time.
             time: When [s].
             y: State.
         """
         field = self._field
-        up = field.lift(carried.frame, time, y).up
-        late = self._late(self._located("gap", c), time, y, up)
-        if onset is None:
-            self._note("release", str(c), time, late, carried)
-        passage = _Way(up, late, field.flow(time, y))
-        field.workspace.memory[c] = np.zeros(1, MEMORY)[0] if onset is None else onset.memory
-        found = self._carry(passage, carried, time, y)
-        if onset is not None:
-            first = len(found.matrix) - len(found.frame.remembered)
-            for k, (contact, column) in enumerate(found.frame.remembered, first):
-                if contact == c:
-                    # What was missed since the onset is not remembered of it.
-                    for rows, row in zip(found[:2], onset.rows[column], strict=True):
-                        rows[k], rows[k, : len(row)] = 0.0, row
-        return found
+        lift = field.lift(carried.frame, time, y)
+        opening, _ = field.depths.opening(y, c, lift.up)
+        ways = []
+        for one in carried[:2]:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                late = -(opening @ one) / (opening @ one[:, flow])
+            late[flow] = 0.0
+            ways.append(one + np.outer(one[:, flow], late))
+        self._note("release", str(c), time, lift.up[field.parts[-1].start] @ ways[0])
+        frame = self._let(c, np.zeros(1, MEMORY)[0], y)
+        turn = field.lift(frame, time, y).down @ lift.up
+        return Carried(turn @ ways[0], turn @ ways[1], frame)
+
+    def _let(self, c: int, memory: Any, y: Array) -> Frame:
+        """Let a contact remember something from now on; return the axes then, with time."""
+        self._field.workspace.memory[c] = memory
+        return self._field.frame(y, clock=True)
+
+    def _rate(self, c: int) -> Function:
+        """Return how fast a contact closes [m/s] as a function of the state."""
+
+        def function(_: float, state: Array) -> Array:
+            self._field.workspace.locate(state, self._table)
+            return np.array([self._table["rate"][c]])
+
+        return function

@@ -1,0 +1,109 @@
+"""How far contacts open along displacements; coordinates of which all but one each leave depths as they are.
+
+Next to where a contact begins the derivative of its force over the depth is as large as one likes, and what
+it is multiplied by next to nothing: the sum of all coordinates' parts of the depth. It is that to round-off
+if it is taken as one number, and not as the sum of products of which each is large and differentiated by
+itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.nonlinear.frames import Frame, Units
+from antenna_pin.nonlinear.near import STEP, Function, Near
+
+__all__ = ["Depths"]
+
+Array = NDArray[np.float64]
+
+# Steps of differences of what is smooth on the scale of a play, over it, and over a parameter's.
+_STEP = 1e-3
+# Part of a row's largest number that must be left of it beside those before: else it says nothing new.
+_NEW = 1e-3
+
+
+class Depths:
+    """Differentiates what goes with where joints are in their play: with steps far coarser than forces'.
+
+    Args:
+        near: Evaluates it at displaced states.
+        units: Of displacements.
+    """
+
+    def __init__(self, near: Near, units: Units) -> None:
+        """Keep how fine steps must be."""
+        self._near, self._coarse = near, near.coarseness(units, _STEP)
+
+    def along(self, function: Function, time: float, y: Array, ways: Array) -> Array:
+        """Return the derivative of a number along displacements, (displacement, k), (k,)."""
+        steps = 1.0 / np.maximum(1.0 / STEP, np.abs(self._coarse[:, None] * ways).max(axis=0))
+        each = zip(ways.T, steps.tolist(), strict=True)
+        return np.array([self._near.over(function, time, y, way, step)[0, 0] for way, step in each])
+
+    def over_numbers(self, y: Array, c: int) -> Array:
+        """Return how far a contact's gap opens with each parameter, (parameters,) [m]."""
+
+        def gap(_: float, state: Array) -> Array:
+            return np.array([self._near.workspace.along_normal(state, c)[1]])
+
+        parts = self._near.parts
+        ways = np.eye(parts[-1].stop)[parts[-3]]
+        return np.array([self._near.over(gap, 0.0, y, way, _STEP)[0, 0] for way in ways])
+
+    def opening(self, y: Array, c: int, ways: Array) -> tuple[Array, float]:
+        """Return how far a contact's gap opens along displacements, (k,), and per second.
+
+        Args:
+            y: State.
+            c: Which contact.
+            ways: Displacements, (displacement, k).
+        """
+        near = self._near
+        normal, _ = near.workspace.along_normal(y, c)
+        own = normal @ ways[near.parts[0]]
+        if near.numbers is not None:
+            own = own + self.over_numbers(y, c) @ ways[near.parts[-3]]
+        nq = near.system.model.nq
+        return own, float(normal @ y[nq : nq + near.system.model.nv])
+
+    def level(self, frame: Frame, y: Array, up: Array) -> Array | None:
+        """Return in what basis rates are differentiated next to where contacts begin or end, (size, size).
+
+        Args:
+            frame: Axes of coordinates; there is no such basis if time is none of these.
+            y: State.
+            up: Displacements of coordinates, (displacement, size).
+        """
+        workspace = self._near.workspace
+        touching = np.flatnonzero(workspace.memory["touching"]).tolist()
+        if not (frame.clock and touching):
+            return None
+        gaps = [(-workspace.along_normal(y, c)[1], c) for c in touching]
+        return _level([self.opening(y, c, up)[0] for _, c in sorted(gaps)], frame.ways)
+
+
+def _level(rows: Sequence[Array], ways: int) -> Array:
+    """Return the basis, by columns, (size, size).
+
+    Args:
+        rows: Derivatives of gaps over coordinates, the shallowest first, (size,) each.
+        ways: Among how many coordinates, the first ones, that one is chosen which changes a gap.
+    """
+    basis = np.eye(len(rows[0]))
+    taken: list[int] = []
+    for row in rows:
+        here = row @ basis
+        among = np.abs(here[:ways])
+        among[taken] = 0.0
+        one = int(np.argmax(among))
+        if among[one] <= _NEW * np.abs(row[:ways]).max():
+            continue
+        share = here / here[one]
+        share[one] = 0.0
+        basis -= np.outer(basis[:, one], share)
+        taken.append(one)
+    return basis

@@ -1,0 +1,98 @@
+"""Derivatives through contacts whose damping begins with infinite slope, and bristles under them.
+
+A disc of mass m meets a wall at v under ``F = K d^1.5 + c d^s d'``, s = 1/2 (Kuwabara and Kono) or 1/4 (Tsuji),
+never pulling. With ``d = x^p``, p = 1 / s, and ``dt = x^(p-1) ds`` depth, speed and time go by polynomials:
+
+    dx/ds = v / p,   dv/ds = -x^(p-1) (K x^(1.5 p) + c x v) / m,   dt/ds = x^(p-1)
+
+so that a Runge-Kutta method of order 8 with complex numbers has derivatives to round-off, past the instant at
+which the force has come to zero too.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import DOP853
+
+from antenna_pin import load_scenario
+from antenna_pin.sensitivity import sensitivities
+
+MASS, STIFFNESS, SPEED, PLAY, END = 2.0, 1e9, 0.1, 1e-4, 3.5e-3
+RIG = {
+    "integrator.engine": "compiled",
+    "mechanism.base": "fixed",
+    "mechanism.links.disc.mass": MASS,
+    "clearance.bore.geometry": "closed-form",
+}
+KEYS = {
+    "mechanism.links.disc.mass": MASS,
+    "clearance.bore.normal.stiffness": STIFFNESS,
+    "clearance.bore.radial_clearance": PLAY,
+}
+
+
+def stepped(rates, state, h):
+    """Return a state a step later by the method's own tableau."""
+    slopes = np.zeros((12, 3), complex)
+    for k in range(12):
+        slopes[k] = rates(state + h * (DOP853.A[k, :k] @ slopes[:k]))
+    return state + h * (DOP853.B @ slopes)
+
+
+def left_at(power, mass, stiffness, play, damping):
+    """Return place (of the wall: 0) and velocity at END, behind the contact."""
+
+    def push(state):
+        x, v, _ = state
+        return stiffness * x ** (1.5 * power - 1.0) + damping * v  # over x
+
+    def rates(state):
+        x, v, _ = state
+        return np.array([v / power, -(x**power) * push(state) / mass, x ** (power - 1)])
+
+    deepest = (1.25 * MASS * SPEED**2 / STIFFNESS) ** 0.4
+    h = deepest ** (1.0 / power) / SPEED / 300.0  # so short that order 8 is at round-off
+    here = np.array([0.0, SPEED, play / SPEED], complex)
+    while (there := stepped(rates, here, h))[1].real > 0.0 or push(there).real > 0.0:
+        here = there
+    last = 0.5 * h + 0j
+    for _ in range(20):  # Newton's steps to where it presses no more, in complex numbers too
+        off = push(stepped(rates, here, last))
+        change = (push(stepped(rates, here, last + 1e-6 * h)) - off) / (1e-6 * h)
+        last -= off / change
+    x, v, t = stepped(rates, here, last)
+    return x**power + v * (END - t), v
+
+
+def alpha(restitution):
+    """Return Tsuji's, of a Hertz contact."""
+    log = -math.log(restitution)
+    return math.sqrt(5.0) * log / math.hypot(math.pi, log)
+
+
+LAWS = {
+    "kuwabara-kono": ("damping = 1e6", 2, lambda mass, stiffness: 1e6),
+    "tsuji": ("restitution = 0.7", 4, lambda mass, stiffness: alpha(0.7) * np.sqrt(mass * stiffness)),
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_an_impact_that_begins_with_infinite_slope(law):
+    """In mass, stiffness and clearance, behind the release."""
+    said, power, damping = LAWS[law]
+    text = f"{{ law = '{law}', stiffness = {STIFFNESS}, {said}, replace = true }}"
+    changes = [f"{key}={value}" for key, value in RIG.items()]
+    scenario = load_scenario(
+        "impact_pair", case="planar", overrides=[*changes, f"clearance.bore.normal={text}"]
+    )
+    found = sensitivities(scenario, list(KEYS), times=[END], method="equation")
+    for k, (key, value) in enumerate(KEYS.items()):
+        numbers = [one + 1e-30j * value * (other == key) for other, one in KEYS.items()]
+        mass, stiffness, play = numbers
+        _, velocity = left_at(power, mass, stiffness, play, damping(mass, stiffness))
+        exact = velocity.imag / 1e-30
+        ours = found.derivative("v")[0, 0, k] * value
+        # Ten of the run's tolerances of 1e-12, beside speeds of some 0.1.
+        assert ours == pytest.approx(exact, abs=1e-11)
+        assert velocity.real == pytest.approx(found.run.data["v"].values[-1, 0], abs=1e-11)
