@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import System, kernels
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.tangent_kernels import Shifts
+from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate.word_kernels import Words
 from antenna_pin.joints import layout_kernels, slope_kernels
 from antenna_pin.mechanism import BODY
-from antenna_pin.records import place_of, words_of
+from antenna_pin.records import BLOCK, PROGRAM, place_of, words_of
 
 __all__ = ["SystemSlopes", "shifts_of", "takes_slopes"]
 
@@ -80,7 +81,7 @@ def shifts_of(
         bodies=tree.reshape(count, len(numbers.tree), words_of(BODY)).view(BODY)[:, :, 0],
         gravity=gravity,
         heavy=(tree.any(axis=1) | gravity.any(axis=1)).astype(np.int64),
-        acts=_acts(system, parts, program != 0.0, tree.any(axis=1)),
+        acts=_acts(system, parts, program.astype(bool), np.asarray(tree.any(axis=1))),
         steps=np.concatenate([np.full(len(slopes.program), _STEP), _STEP * slopes.units]),
         geometry=np.zeros((count, 2, looked)),
         laws=np.zeros((contacts, count, 2, said)),
@@ -114,10 +115,10 @@ def _acts(
         joint_words = program[block:][: layout_kernels.JOINT_WORDS].view(layout_kernels.JOINT)[0]
         for k in range(int(joint_words["contacts"])):
             normal = layout_kernels.normal_at(0, k)
-            laws[normal : normal + layout_kernels.CANDIDATE_WORDS - layout_kernels.CANDIDATE] = True
+            laws[normal : normal + layout_kernels.CANDIDATE_WORDS - CANDIDATE] = True
         out[p] = slope_kernels.RULES * whole[:, laws].any(axis=1)
         out[p] += slope_kernels.MOVES * whole[:, ~laws].any(axis=1)
-    first = int(program[: kernels.HEADER].view(kernels.PROGRAM)[0]["points"])
+    first = int(program[: kernels.HEADER].view(PROGRAM)[0]["points"])
     out[-1] = changed[:, first:].any(axis=1) | heavier
     # Elements on links may see any joint with play.
     for block in system.clearance_blocks.values():
@@ -127,7 +128,7 @@ def _acts(
 
 def _length(program: Array, block: int) -> int:
     """Return how many words a block of a program has."""
-    return int(program[block:][: kernels.BLOCK_WORDS].view(kernels.BLOCK)[0]["length"])
+    return int(program[block:][: kernels.BLOCK_WORDS].view(BLOCK)[0]["length"])
 
 
 def _joints_known(system: System, block: int) -> list[int]:

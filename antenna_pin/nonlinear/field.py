@@ -57,16 +57,12 @@ class Field:
         """Allocate once."""
         self._near = near = Near(system, settings, numbers)
         self.system, self.workspace, self._stepper = near.system, near.workspace, near.stepper
-        self.kept, self.bristles, self.parts, self.numbers = (
-            near.kept,
-            near.bristles,
-            near.parts,
-            near.numbers,
-        )
+        self.kept, self.numbers = near.kept, near.numbers
+        self.bristles, self.parts = near.bristles, near.parts
         self.units = Units.of(near.system)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._tangents = near.tangents(self.units)
-        self._follow()
+        self._by_parts = near.follows(self._tangents, self.units)
         self.displacement = self.parts[-1].stop  #: Size of a displacement.
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
         self._opened: tuple[int, Array] | None = None
@@ -76,11 +72,6 @@ class Field:
         self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
-    def _follow(self) -> None:
-        """Let derivatives that are put together from parts go with the system's own numbers, too."""
-        slopes, tangents = self._near.slopes_of_numbers(self.units), self._tangents
-        self._by_parts = tangents is not None and tangents.follow(slopes)
-
     def carrying(self) -> Carrying | None:
         """Return what carries displacements by the stages of the run's method; None where nothing does."""
         return self._near.carrying(self._tangents if self._by_parts else None, self._coarse)
@@ -89,7 +80,7 @@ class Field:
         """Let words of the program go with parameters no more: an event has set them."""
         if self.numbers is not None and len(words):
             self.numbers.let_go(words)
-            self._follow()
+            self._by_parts = self._near.follows(self._tangents, self.units)
 
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""

@@ -91,14 +91,15 @@ class Near:
         steps[self.parts[-1]] = 1.0 / STEP
         return Carrying(self.stepper, tangents, steps)
 
-    def slopes_of_numbers(self, units: Units) -> SystemSlopes:
-        """Return how the system's numbers go with parameters, and with what elements keep."""
+    def follows(self, tangents: Tangents | None, units: Units) -> bool:
+        """Let derivatives know the system's numbers and what elements keep; return whether they can."""
         own, numbers = self.stepper.numbers, self.numbers
         tree = own.tree.view(np.float64).reshape(-1)
         found = np.zeros((0, len(own.program))), np.zeros((0, len(tree))), np.zeros((0, 3))
         if numbers is not None:
             found = numbers.program, numbers.tree, numbers.gravity
-        return SystemSlopes(*found, self.kept.words, self.kept.units(units.way, units.rate))
+        kept = self.kept.words, self.kept.units(units.way, units.rate)
+        return tangents is not None and tangents.follow(SystemSlopes(*found, *kept))
 
     def coarseness(self, units: Units, in_play: float | None = None) -> Array:
         """Return over what a step of each part of a displacement must be one at most, (displacement,).

@@ -103,15 +103,12 @@ class Carrier:
         self._young: set[int] = set()
         self._changed = self._broken = False
         self._looked_at = self._made = 0
-        # Where round-off is to be looked at before it is asked for.
         self._unseen: tuple[float, Array] | None = self._take_over(run)
-        #: Over how many parts of steps whole matrices have carried them.
-        self.matrices = 0
-        self._left_over = 0.0
+        self.matrices = 0  #: Over how many parts of steps whole matrices have carried them.
+        self._left_over, self._looks = 0.0, list(looks)
         self._way: tuple[Frame, Array, Array] | None = None
         self._propagator = Propagator(0)
         self._opening: Array | None = None
-        self._looks = list(looks)
         #: Told of each look: ``(time, y, displacements)``, the last (displacement, k).
         self.seen: Callable[[float, Array, Array], None] | None = None
         lift = self.field.lift(first, self._time, self._y)
@@ -229,14 +226,14 @@ class Carrier:
 
     def _part(self, piece: Piece) -> None:
         """Carry the displacements over a part of a step, and show them where they are to be looked at."""
-        while (
-            self._looks and (theta := (self._looks[0] - self._time) / self._within.size) < piece.b - _AT_ONCE
-        ):
+        size = self._within.size
+        while self._looks and (theta := (self._looks[0] - self._time) / size) < piece.b - _AT_ONCE:
             if theta > piece.a + _AT_ONCE:
                 before, piece = piece.cut(theta, False)
                 self._piece(before)
             self._show(piece.a)
         self._piece(piece)
+        size = self._within.size
         while self._looks and (self._looks[0] - self._time) / size < piece.b + _AT_ONCE:
             self._show(piece.b)
 

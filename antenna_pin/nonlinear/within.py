@@ -41,7 +41,8 @@ class Within:
         method = method_named(run.settings.method)
         self._dense = stepper_of(self.workspace, method, run.stepper.scales, run.settings)
         self.time, self.size = run.stepper.t, 0.0
-        self._first, self._end = run.here.copy(), None
+        self._first = run.here.copy()
+        self._end: Array | None = None
         self._made = False
 
     @property
@@ -87,7 +88,7 @@ def kink_in(
     between: tuple[int, int],
     seen: list[tuple[Array, float]],
     within: Within,
-    by: tuple[Any, ...],
+    by: tuple[Field, Frame, Array, Array],
 ) -> tuple[float, Kink] | None:
     """Return where rates break between two samples of a piece, as a fraction of the step, or None.
 
