@@ -54,6 +54,15 @@ class Verdict(NamedTuple):
     parameters: int
 
 
+def drawn(seed: int, number: int) -> tuple[Scenario, dict[str, str | float | None], str]:
+    """Return the scenario of a number, what is varied of it, and what it has besides play."""
+    scenario = draw_scenario(seed, number)
+    plain = {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}
+    scenario = scenario.with_overrides(plain | {"integrator.engine": "compiled"})
+    scenario, more, own = with_more(scenario, seed, number)
+    return scenario, keys_of(scenario) | dict.fromkeys(own), more
+
+
 def keys_of(scenario: Scenario) -> dict[str, str | float | None]:
     """Return what is varied of every mechanism, with scales: a clearance, a rate at the start."""
     found: dict[str, str | float | None] = {}
@@ -121,11 +130,7 @@ def main() -> int:
         for number in range(asked.first, asked.first + asked.count):
             began, more = time.perf_counter(), "plain"
             try:
-                scenario = draw_scenario(asked.seed, number)
-                plain = {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}
-                scenario = scenario.with_overrides(plain | {"integrator.engine": "compiled"})
-                scenario, more, own = with_more(scenario, asked.seed, number)
-                keys = keys_of(scenario) | dict.fromkeys(own)
+                scenario, keys, more = drawn(asked.seed, number)
                 found = compared(scenario, keys, asked.contacts)
             except GrazeError as error:
                 verdict, said = "graze", str(error)

@@ -21,7 +21,7 @@ __all__ = ["Depths"]
 Array = NDArray[np.float64]
 
 # Steps of differences of what is smooth on the scale of a play, over it, and over a parameter's.
-_STEP = 1e-3
+_STEP, _OF_NUMBERS = 1e-3, 1e-2
 # Part of a row's largest number that must be left of it beside those before: else it says nothing new.
 _NEW = 1e-3
 
@@ -52,7 +52,7 @@ class Depths:
 
         parts = self._near.parts
         ways = np.eye(parts[-1].stop)[parts[-3]]
-        return np.array([self._near.over(gap, 0.0, y, way, _STEP)[0, 0] for way in ways])
+        return np.array([self._near.over(gap, 0.0, y, way, _OF_NUMBERS)[0, 0] for way in ways])
 
     def opening(self, y: Array, c: int, ways: Array) -> tuple[Array, float]:
         """Return how far a contact's gap opens along displacements, (k,), and per second.

@@ -192,7 +192,7 @@ class Carrier:
         """
         self._again.begin(self._time, self._y)
         self._made += 1
-        if self._changed or self._made > self._looked_at + _LOOKS:
+        if self._changed or self._young or self._made > self._looked_at + _LOOKS:
             self._unseen = self._time, self._y
         begin, begins, broken = 0.0, self._changed, self._changed or self._broken
         last = ends_in_change or ends_in_break
@@ -261,13 +261,13 @@ class Carrier:
         self._all = Carried(turn @ old.matrix, turn @ old.other, frame)
 
     def _along(self) -> tuple[Array, Array]:
-        """Return the displacement along which breaks are looked for, some of every coordinate, and these."""
+        """Return the displacement along which breaks are looked for, some of every state, and its parts."""
         frame = self._all.frame
         if self._way is None or self._way[0] is not frame:
             up = self.field.lift(frame, self._time, self._y).up
-            some = np.random.default_rng(0).standard_normal(up.shape[1] - int(frame.clock))
-            if frame.clock:
-                some = np.insert(some, 2 * frame.ways, 0.0)
+            some: Array = np.random.default_rng(0).standard_normal(up.shape[1])
+            *_, numbers, _, clock = self.field.parts
+            some[up[numbers].any(axis=0) | up[clock].any(axis=0)] = 0.0  # what breaks does so in states
             unit = np.asarray(some / np.linalg.norm(some))
             self._way = frame, up @ unit, unit
         return self._way[1:]

@@ -1,7 +1,8 @@
 """Derivatives through contacts whose damping begins with infinite slope, and bristles under them.
 
-A disc of mass m meets a wall at v under ``F = K d^1.5 + c d^s d'``, s = 1/2 (Kuwabara and Kono) or 1/4 (Tsuji),
-never pulling. With ``d = x^p``, p = 1 / s, and ``dt = x^(p-1) ds`` depth, speed and time go by polynomials:
+A disc of mass m meets a wall at v under ``F = K d^1.5 + c d^s d'``, s = 1/2 (Kuwabara and Kono) or 1/4
+(Tsuji), never pulling. With ``d = x^p``, p = 1 / s, and ``dt = x^(p-1) ds`` depth, speed and time go by
+polynomials:
 
     dx/ds = v / p,   dv/ds = -x^(p-1) (K x^(1.5 p) + c x v) / m,   dt/ds = x^(p-1)
 
@@ -9,7 +10,9 @@ so that a Runge-Kutta method of order 8 with complex numbers has derivatives to 
 which the force has come to zero too.
 """
 
+import importlib
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +21,7 @@ from scipy.integrate import DOP853
 from antenna_pin import load_scenario
 from antenna_pin.sensitivity import sensitivities
 
+ROOT = Path(__file__).parents[2]
 MASS, STIFFNESS, SPEED, PLAY, END = 2.0, 1e9, 0.1, 1e-4, 3.5e-3
 RIG = {
     "integrator.engine": "compiled",
@@ -93,6 +97,24 @@ def test_an_impact_that_begins_with_infinite_slope(law):
         _, velocity = left_at(power, mass, stiffness, play, damping(mass, stiffness))
         exact = velocity.imag / 1e-30
         ours = found.derivative("v")[0, 0, k] * value
-        # Ten of the run's tolerances of 1e-12, beside speeds of some 0.1.
-        assert ours == pytest.approx(exact, abs=1e-11)
+        # Ten of the run's tolerances, beside speeds of some 0.1; over the play, the radii's round-off of
+        # 2e-18 m over steps of differences of 1e-10 m: 2e-8 of a slope at each of some hundred nodes.
+        least = 2e-9 if key.endswith("radial_clearance") else 1e-11
+        assert ours == pytest.approx(exact, abs=least)
         assert velocity.real == pytest.approx(found.run.data["v"].values[-1, 0], abs=1e-11)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [2, 3, 4, 7])
+def test_random_mechanisms_with_bristles_and_laws_of_infinite_slope(number, monkeypatch):
+    """Those that the equation was off by 1e-5 in or refused, while a contact counted from some depth on.
+
+    One has a joint of Kuwabara's and Kono's law under Gonthier's bristles, the others two and three joints of
+    nine laws. What runs say of their own doubt is what their tolerances leave of it.
+    """
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    campaign = importlib.import_module("random_sensitivities")
+    scenario, keys, _ = campaign.drawn(1, number)
+    found = campaign.compared(scenario, keys, contacts=3)
+    assert found.contacts >= 2
+    assert found.apart < 1e-7 + 2.0 * found.runs and found.runs < 5e-7 and found.equation < 5e-7
