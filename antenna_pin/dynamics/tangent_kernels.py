@@ -14,14 +14,17 @@ from antenna_pin.dynamics.kernels import element_forces
 from antenna_pin.dynamics.link_kernels import add_forces
 from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, apart, clear, goes_on, keep
 from antenna_pin.integrate.manifold_kernels import factor_of, move_by_velocity, space_of
+from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
 from antenna_pin.records import layout
 
-#: What acts, a joint with play (``element`` 0) or an element at joints: its block in the program; the joint's
+#: What acts, a joint with play (``element`` 0) or an element at joints: its number among these; its block in
+#: the program; the joint's
 #: freedoms in v and its factor of the configuration space, twice, the other joint's of an element that knows
 #: two (none: of no freedoms); where in x what it integrates begins and ends, and its bristles among all.
 PART = layout(
     ("element", "i8"),
+    ("number", "i8"),
     ("block", "i8"),
     ("v", "i8", (2,)),
     ("freedoms", "i8", (2,)),
@@ -58,7 +61,10 @@ def _act(part: Any, t: float, room: Any) -> int:
 
 @inlined
 def _move(part: Any, kind: int, s: int, n: int, y: Any, h: float, room: Any) -> None:
-    """Displace one number that an element knows: a way (0) or rate (1) of a joint of its, a state (2)."""
+    """Displace one number that an element knows.
+
+    It is a way (0) or rate (1) of a joint of its, a state (2), or one of the system (4).
+    """
     space, state = space_of(room.layout), room.state[0]
     if kind == 0:
         own = factor_of(room.layout, part.factor[s])
@@ -72,6 +78,8 @@ def _move(part: Any, kind: int, s: int, n: int, y: Any, h: float, room: Any) -> 
     elif kind == 2:
         i = space.nq + space.nv + room.bristles[n]
         state[i] = y[i] + h
+    elif kind == 4:
+        displace_words(room.numbers.program, room.shifts.program, n, h)
 
 
 @kernel
@@ -143,6 +151,14 @@ def add_element_changes(part: Any, t: float, y: Any, ways: Any, steps: Any, room
         if is_moved(ways, at):
             _differentiate(part, (2, 0, n), t, y, _OWN * room.units[at], room)
             _add_column(part, at, ways, room, out)
+    shifts, program = room.shifts, room.numbers.program
+    for m in range(shifts.steps.shape[0]):
+        at = room.first_number[0] + m
+        if shifts.acts[part.number, m] != 0 and is_moved(ways, at):
+            note_words(program, shifts.program, m)
+            _differentiate(part, (4, 0, m), t, y, shifts.steps[m], room)
+            put_back_words(program, shifts.program, m)
+            _add_column(part, at, ways, room, out)
     if room.asks[TIMES] == 0:
         return
     at, step = ways.shape[1] - 1, 0.0
@@ -172,7 +188,7 @@ def _displace(y: Any, way: Any, h: float, room: Any) -> None:
 
 @kernel
 def add_link_changes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
-    """Add how elements on links do, by differences along each displacement.
+    """Add how elements on links do, by differences along each displacement, and over numbers of the system.
 
     Args:
         t: Time [s].
@@ -182,24 +198,63 @@ def add_link_changes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: An
         room: What to compute with.
         out: (kinds, k, nv + nx).
     """
-    nv, numbers = room.tau.shape[0], room.numbers
-    first = nv + room.links_x[0]
+    numbers = room.numbers
     for d in range(ways.shape[0]):
+        if not _moves(ways[d], room.first_number[0]) and ways[d, ways.shape[1] - 1] == 0.0:
+            continue
         for point in range(room.weights.shape[1]):
             for side in (1.0, -1.0):
                 h = side * (point + 1.0) * steps[d]
                 _displace(y, ways[d], h, room)
-                for k in range(nv):
-                    room.tau[k] = 0.0
-                time = t + h * ways[d, ways.shape[1] - 1]
-                add_forces(
-                    time, room.state[0], numbers.program, numbers.tree, numbers.places, room.tau, room.rates
-                )
-                for kind in range(out.shape[0]):
-                    weight = side * room.weights[kind, point] / steps[d]
-                    for k in range(nv):
-                        out[kind, d, k] += weight * room.tau[k]
-                    for k in range(first, out.shape[2]):
-                        out[kind, d, k] += weight * room.rates[k]
+                _pull(t + h * ways[d, ways.shape[1] - 1], room)
+                _add_pull(side / steps[d], point, d, room, out)
     for i in range(y.shape[0]):
         room.state[0, i] = y[i]
+    shifts = room.shifts
+    for m in range(shifts.steps.shape[0]):
+        at = room.first_number[0] + m
+        if shifts.acts[room.parts.shape[0], m] == 0 or not is_moved(ways, at):
+            continue
+        note_words(numbers.program, shifts.program, m)
+        note_words(shifts.flat, shifts.tree, m)
+        for point in range(room.weights.shape[1]):
+            for side in (1.0, -1.0):
+                h = side * (point + 1.0) * shifts.steps[m]
+                displace_words(numbers.program, shifts.program, m, h)
+                displace_words(shifts.flat, shifts.tree, m, h)
+                _pull(t, room)
+                for d in range(ways.shape[0]):
+                    _add_pull(side * ways[d, at] / shifts.steps[m], point, d, room, out)
+        put_back_words(numbers.program, shifts.program, m)
+        put_back_words(shifts.flat, shifts.tree, m)
+
+
+@inlined
+def _moves(way: Any, count: int) -> bool:
+    """Whether a displacement has anything of the state."""
+    found = False
+    for i in range(count):
+        found = found or way[i] != 0.0
+    return found
+
+
+@inlined
+def _pull(t: float, room: Any) -> None:
+    """Write what elements on links do in ``room.state`` to ``room.tau`` and ``room.rates``."""
+    numbers = room.numbers
+    for k in range(room.tau.shape[0]):
+        room.tau[k] = 0.0
+    add_forces(t, room.state[0], numbers.program, numbers.tree, numbers.places, room.tau, room.rates)
+
+
+@inlined
+def _add_pull(share: float, point: int, d: int, room: Any, out: Any) -> None:
+    """Add it to the differences along displacement d."""
+    nv = room.tau.shape[0]
+    for kind in range(out.shape[0]):
+        weight = share * room.weights[kind, point]
+        if weight != 0.0:
+            for k in range(nv):
+                out[kind, d, k] += weight * room.tau[k]
+            for k in range(nv + room.links_x[0], out.shape[2]):
+                out[kind, d, k] += weight * room.rates[k]

@@ -5,17 +5,22 @@ from typing import TYPE_CHECKING
 from antenna_pin._lazy import loaded_when_used
 
 if TYPE_CHECKING:
+    from antenna_pin.engine.carrying import Along, Carrying
     from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
     from antenna_pin.engine.pace import Pace, Sizes
+    from antenna_pin.engine.shifts import SystemSlopes
     from antenna_pin.engine.slopes import Slopes
     from antenna_pin.engine.tangents import Tangents
 
 __all__ = [
+    "Along",
+    "Carrying",
     "Compiled",
     "CompiledStepper",
     "Pace",
     "Sizes",
     "Slopes",
+    "SystemSlopes",
     "Tangents",
     "check_compiled",
 ]
@@ -23,8 +28,10 @@ __all__ = [
 loaded_when_used(
     __name__,
     {
+        "carrying": "Along Carrying",
         "compiled": "Compiled CompiledStepper check_compiled",
         "pace": "Pace Sizes",
+        "shifts": "SystemSlopes",
         "slopes": "Slopes",
         "tangents": "Tangents",
     },

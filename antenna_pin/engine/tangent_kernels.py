@@ -11,13 +11,45 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from antenna_pin._by_address import by_address
-from antenna_pin._compile import kernel
+from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.link_kernels import add_forces
 from antenna_pin.dynamics.tangent_kernels import add_element_changes, add_link_changes
 from antenna_pin.joints.slope_kernels import REMEMBERED, TIMES, is_moved
 from antenna_pin.joints.tangent_kernels import add_joint_changes
+from antenna_pin.mechanism.number_kernels import subtract_number_changes
 from antenna_pin.mechanism.tangent_kernels import prepare_changes, solve_tree, subtract_changes
+
+
+@by_address
+class Shifts(NamedTuple):
+    """How numbers of the system go with parameters, and with what elements keep: all of these by one name.
+
+    Attributes:
+        program: Which words of the program, :class:`antenna_pin.integrate.word_kernels.Words`.
+        tree: Which of the bodies' numbers, likewise.
+        flat: The bodies' numbers, flat, the tree's own.
+        bodies: By how much each body's change, BODY, (numbers, bodies).
+        gravity: By how much gravity does, (numbers, 3) [m/s^2].
+        heavy: Whether the tree or gravity changes, (numbers,).
+        acts: What of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers).
+        steps: First steps of differences, (numbers,).
+        geometry: Derivatives of what is looked at of a joint, scratch, (numbers, kinds, looked).
+        laws: Those of what laws say, scratch, (contacts, numbers, kinds, said).
+        forces: Of the forces that the motion takes, with their sign turned, scratch, (numbers, nv).
+    """
+
+    program: Any
+    tree: Any
+    flat: Any
+    bodies: Any
+    gravity: Any
+    heavy: Any
+    acts: Any
+    steps: Any
+    geometry: Any
+    laws: Any
+    forces: Any
 
 
 @by_address
@@ -56,6 +88,10 @@ class TangentRoom(NamedTuple):
         mass: Factors of the mass matrix, (nv, nv).
         acceleration: (nv,).
         bodies: CHANGE, (bodies,).
+        body: CHANGE, scratch, (1,).
+        first_number: Where in a displacement numbers of the system begin, (1,).
+        seen: Which of them a joint sees, scratch, (numbers,).
+        shifts: How these numbers go.
     """
 
     numbers: Any
@@ -89,6 +125,10 @@ class TangentRoom(NamedTuple):
     mass: Any
     acceleration: Any
     bodies: Any
+    body: Any
+    first_number: Any
+    seen: Any
+    shifts: Any
 
 
 @kernel
@@ -113,6 +153,21 @@ def _prepare(t: float, y: Any, ways: Any, room: Any) -> None:
     prepare_changes(y, head.nq, space, numbers.gravity, tau, scratch, room.bodies)
 
 
+@inlined
+def _shift_tree(ways: Any, room: Any) -> None:
+    """Write to ``room.shifts.forces`` what changes of the tree itself and of gravity do."""
+    shifts, numbers = room.shifts, room.numbers
+    for m in range(shifts.steps.shape[0]):
+        if shifts.heavy[m] == 0 or not is_moved(ways, room.first_number[0] + m):
+            continue
+        own = shifts.forces[m]
+        for k in range(own.shape[0]):
+            own[k] = 0.0
+        pulls, scratch = (numbers.gravity, shifts.gravity[m]), (room.acceleration, room.body)
+        space = numbers.tree, room.places
+        subtract_number_changes(shifts.bodies[m], space, pulls, scratch, room.bodies, own)
+
+
 @kernel
 def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
     """Write the derivatives of the rates along displacements.
@@ -123,7 +178,8 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
         ways: Displacements, row by row, (k, displacement).
         steps: Of differences along these as a whole, where there are any, (k,).
         room: What to compute with.
-        out: To write to, (kinds, k, nv + nx): of sixth and of fourth order where there are differences.
+        out: To write to, (kinds, k, nv + nx): of sixth and of fourth order where there are differences, or
+            of the first alone.
     """
     numbers, nv = room.numbers, room.tau.shape[0]
     out[:] = 0.0
@@ -133,18 +189,27 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
         if part.element != 0:
             add_element_changes(part, t, y, ways, steps, room, out)
         else:
-            add_joint_changes(numbers.program, part.block, part.factor[0], y, ways, room, out)
+            add_joint_changes(numbers.program, part, y, ways, room, out)
     if head_of(numbers.program).points < numbers.program.shape[0]:
         add_link_changes(t, y, ways, steps, room, out)
+    _shift_tree(ways, room)
+    shifts = room.shifts
     for d in range(ways.shape[0]):
         own = out[0, d, :nv]
         differs = False
-        for k in range(nv):
-            out[1, d, k] -= own[k]
-            differs = differs or out[1, d, k] != 0.0
+        for kind in range(1, out.shape[0]):
+            for k in range(nv):
+                out[kind, d, k] -= own[k]
+                differs = differs or out[kind, d, k] != 0.0
         subtract_changes(ways[d], numbers.tree, room.places, numbers.gravity, room.bodies, own)
+        for m in range(shifts.steps.shape[0]):
+            share = ways[d, room.first_number[0] + m]
+            if share != 0.0 and shifts.heavy[m] != 0:
+                for k in range(nv):
+                    own[k] += share * shifts.forces[m, k]
         solve_tree(room.mass, room.below, own)
-        if differs:
-            solve_tree(room.mass, room.below, out[1, d, :nv])
-        for k in range(nv):
-            out[1, d, k] += own[k]
+        for kind in range(1, out.shape[0]):
+            if differs:
+                solve_tree(room.mass, room.below, out[kind, d, :nv])
+            for k in range(nv):
+                out[kind, d, k] += own[k]

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.dynamics.tangent_kernels import PART
 from antenna_pin.engine.compiled import CompiledStepper
-from antenna_pin.engine.tangent_kernels import TangentRoom, write_tangent
+from antenna_pin.engine.shifts import SystemSlopes, shifts_of, takes_slopes
+from antenna_pin.engine.step_kernels import Numbers
+from antenna_pin.engine.tangent_kernels import Shifts, TangentRoom, write_tangent
 from antenna_pin.integrate import manifold_kernels
 from antenna_pin.joints import layout_kernels, slope_kernels
 from antenna_pin.mechanism import CHANGE, PLACE, ROOM, freedoms_below
@@ -33,6 +35,9 @@ class Tangents:
         stepper: Its; contact memory and program are those of the moment.
         units: Of ways, rates and bristles, (2 nv + bristles,).
         weights: Of differences at 1, 2, ... steps, of sixth and of fourth order, (2, points).
+
+    Attributes:
+        room: What the kernels work on.
     """
 
     def __init__(self, system: System, stepper: CompiledStepper, units: Array, weights: Array) -> None:
@@ -49,7 +54,8 @@ class Tangents:
         asked = slope_kernels.A_BRISTLE + slope_kernels.STATES
         said = slope_kernels.V_BRISTLE + slope_kernels.STATES
         self._answers = stepper.answers
-        self._room = TangentRoom(
+        self._system, self._stepper, self._looked, self._said = system, stepper, looked, said
+        self.room = TangentRoom(
             numbers=numbers,
             parts=parts,
             links_x=np.array([links_x]),
@@ -81,8 +87,28 @@ class Tangents:
             mass=np.zeros((nv, nv)),
             acceleration=np.zeros(nv),
             bodies=np.zeros(len(numbers.tree), CHANGE),
+            body=np.zeros(1, CHANGE),
+            first_number=np.array([2 * nv + len(bristles) + 2 * contacts]),
+            seen=np.zeros(0, dtype=np.int64),
+            shifts=self._shifts(_none(numbers), parts),
         )
         self._rates = nv + nx
+
+    def _shifts(self, slopes: SystemSlopes, parts: NDArray[np.void]) -> Shifts:
+        return shifts_of(self._system, self._stepper, parts, self._looked, self._said, slopes)
+
+    def follow(self, slopes: SystemSlopes) -> bool:
+        """Take numbers of the system as parts of displacements, behind what contacts remember.
+
+        Returns:
+            Whether they are ones that it can take; none are taken if not.
+        """
+        if not takes_slopes(slopes):
+            return False
+        shifts = self._shifts(slopes, self.room.parts)
+        seen = np.zeros(len(shifts.steps), dtype=np.int64)
+        self.room = self.room._replace(shifts=shifts, seen=seen)
+        return True
 
     @staticmethod
     def takes(system: System) -> bool:
@@ -102,8 +128,8 @@ class Tangents:
             ways: Displacements as :mod:`antenna_pin.engine.slope_kernels` lays them out, (displacement, k).
             steps: Of differences along them, (k,), for time and for elements on links.
         """
-        out = np.zeros((len(self._room.weights), ways.shape[1], self._rates))
-        write_tangent(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self._room, out)
+        out = np.zeros((len(self.room.weights), ways.shape[1], self._rates))
+        write_tangent(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self.room, out)
         self._answers.check()
         return np.asarray(out.transpose(0, 2, 1))
 
@@ -138,7 +164,16 @@ def _parts(system: System) -> tuple[NDArray[np.void], int]:
             part["v"][0, s], part["factor"][0, s] = one["v"], factor_of[int(one["v"])]
             part["freedoms"][0, s] = _freedoms(system, one)
         found.append(part)
-    return np.concatenate([np.zeros(0, PART), *found]), links_x
+    parts = np.concatenate([np.zeros(0, PART), *found])
+    parts["number"] = np.arange(len(parts))
+    return parts, links_x
+
+
+def _none(numbers: Numbers) -> SystemSlopes:
+    """Return that no numbers of a system are displaced."""
+    tree = np.zeros((0, numbers.tree.view(np.float64).size))
+    nothing = np.zeros(0, dtype=np.int64)
+    return SystemSlopes(np.zeros((0, len(numbers.program))), tree, np.zeros((0, 3)), nothing, np.zeros(0))
 
 
 def _head(system: System, block: int) -> np.void:

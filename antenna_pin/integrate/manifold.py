@@ -106,22 +106,8 @@ class Manifold:
             v: Velocity, (nv,).
             ways: In the coordinates of velocities, by columns, (nv, k).
         """
-        v, whole, j = np.asarray(v, dtype=float), np.zeros((self.nv, self.nv)), 0
-        for kind in self.kinds:
-            nv = KINDS[kind][2]
-            own = whole[j : j + nv, j : j + nv]
-            if kind == "plane":
-                own[0, 1], own[1, 0] = -v[j + 2], v[j + 2]
-                own[0, 2], own[1, 2] = v[j + 1], -v[j]
-            elif kind in ("rotation", "rigid"):
-                own[-3:, -3:] = _skew(v[j + nv - 3 : j + nv])
-            if kind == "rigid":
-                own[:3, :3], own[:3, 3:] = own[3:, 3:], _skew(v[j : j + 3])
-            j += nv
-        return np.asarray(whole @ np.asarray(ways, dtype=float))
-
-
-def _skew(w: Array) -> Array:
-    """Return the matrix of the cross product w x, (3, 3)."""
-    x, y, z = w
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        velocity, columns = np.array(v, dtype=float), np.array(ways, dtype=float).T.copy()
+        out = np.zeros_like(columns)
+        for way, found in zip(columns, out, strict=True):
+            kernels.write_bracket(self.layout, velocity, way, found)
+        return np.asarray(out.T)

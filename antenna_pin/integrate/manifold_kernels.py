@@ -214,3 +214,29 @@ def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) 
             out[r, j + 2] = y[ry, k + 2]
         else:
             out[r, j] = y[ry, k]
+
+
+@kernel
+def write_bracket(layout: Any, v: Any, way: Any, out: Any) -> None:
+    """Write the bracket [v, w] of a velocity with a way w, both from one configuration, (nv,) each."""
+    for f in range(space_of(layout).factors):
+        factor = factor_of(layout, f)
+        kind, j = factor.kind, factor.v
+        if kind == PLANE:
+            out[j] = v[j + 1] * way[j + 2] - v[j + 2] * way[j + 1]
+            out[j + 1] = v[j + 2] * way[j] - v[j] * way[j + 2]
+            out[j + 2] = 0.0
+        elif kind == RIGID or kind == ROTATION:
+            k = j + factor.nv - 3
+            x, y, z = v[k], v[k + 1], v[k + 2]
+            a, b, c = way[k], way[k + 1], way[k + 2]
+            out[k], out[k + 1], out[k + 2] = y * c - z * b, z * a - x * c, x * b - y * a
+            if kind == RIGID:
+                p, q, r = way[j], way[j + 1], way[j + 2]
+                s, t, u = v[j], v[j + 1], v[j + 2]
+                out[j] = y * r - z * q + t * c - u * b
+                out[j + 1] = z * p - x * r + u * a - s * c
+                out[j + 2] = x * q - y * p + s * b - t * a
+        else:
+            for k in range(j, j + factor.nv):
+                out[k] = 0.0

@@ -14,6 +14,7 @@ from antenna_pin.contact.kernels import NORMAL_SIZE
 from antenna_pin.geometry.kernels import FLANGE
 from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, apart, clear, goes_on, keep
 from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor, space_of
+from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.kernels import contact_motion
 from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at, normal_at, primitive_of
 from antenna_pin.joints.pose_kernels import journal_state, onto_joint
@@ -35,6 +36,8 @@ REMEMBERED, TIMES, FEW = 0, 1, 2
 # First steps: of ways, over their units; of depths, over these, and at least over a play; of speeds, over
 # their unit or themselves; of the parts of a normal and of logarithms.
 _WAY, _DEPTH, _SHALLOW, _SPEED, _PURE = 1e-3, 1e-2, 1e-12, 1e-3, 1e-3
+#: What of a joint's block goes with a number of the system, added up: where things are, laws.
+MOVES, RULES = 1, 2
 
 
 @inlined
@@ -134,6 +137,27 @@ def differentiate_geometry(p: Any, b: int, f: int, y: Any, way: Any, room: Any, 
     displace_joint(f, y, 0.0, way, room)
 
 
+@kernel
+def differentiate_geometry_over(p: Any, b: int, m: int, room: Any, out: Any) -> None:
+    """Write the derivatives of what is looked at over number m of the system, (kinds, looked)."""
+    words, count = room.shifts.program, FIRST + joint_at(p, b).contacts * LOOKED
+    step, best = room.shifts.steps[m], -1.0
+    note_words(p, words, m)
+    for _ in range(OFTEN):
+        clear(room.trial, count)
+        for point in range(room.weights.shape[1]):
+            for side in (1.0, -1.0):
+                displace_words(p, words, m, side * (point + 1.0) * step)
+                _look_at_joint(p, b, room)
+                add(room.looked, count, side, point, step, room.weights, room.trial)
+        off = _geometry_apart(p, b, step, room)
+        best = keep(room.trial, count, off, best, out)
+        if not goes_on(off, best):
+            break
+        step /= FINER
+    put_back_words(p, words, m)
+
+
 @inlined
 def _say(p: Any, b: int, k: int, room: Any) -> None:
     """Write what the laws of a contact say of ``room.asked`` to ``room.said``."""
@@ -208,3 +232,28 @@ def differentiate_laws(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: 
                 break
             step /= FINER
         room.asked[i] = here
+
+
+@kernel
+def differentiate_laws_over(p: Any, b: int, k: int, m: int, room: Any, out: Any) -> None:
+    """Write the derivatives of what the laws of a contact say over number m of the system, (kinds, said).
+
+    They are asked with what :func:`differentiate_laws` has left.
+    """
+    words, said = room.shifts.program, V_BRISTLE + joint_at(p, b).stride - BRISTLES
+    step, best = room.shifts.steps[m], -1.0
+    note_words(p, words, m)
+    for _ in range(OFTEN):
+        clear(room.trial, said)
+        for point in range(room.weights.shape[1]):
+            for side in (1.0, -1.0):
+                displace_words(p, words, m, side * (point + 1.0) * step)
+                _say(p, b, k, room)
+                add(room.said, said, side, point, step, room.weights, room.trial)
+        off = apart(room.trial, room.said, step, 0, V_BRISTLE)
+        off = max(off, apart(room.trial, room.said, step, V_BRISTLE, said))
+        best = keep(room.trial, said, off, best, out)
+        if not goes_on(off, best):
+            break
+        step /= FINER
+    put_back_words(p, words, m)

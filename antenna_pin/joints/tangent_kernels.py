@@ -34,16 +34,20 @@ from antenna_pin.joints.slope_kernels import (
     FIRST,
     GAP,
     LOOKED,
+    MOVES,
     NORMAL,
     POINT,
     RATE,
+    RULES,
     SLIP,
     TWIRL,
     V_BRISTLE,
     V_ELASTIC,
     V_FRICTION,
     differentiate_geometry,
+    differentiate_geometry_over,
     differentiate_laws,
+    differentiate_laws_over,
     is_moved,
     look,
 )
@@ -93,6 +97,12 @@ def _sum_up(p: Any, b: int, way: Any, d: int, kind: int, room: Any) -> None:
         at = FIRST + k * LOOKED
         for i in range(at + RATE, at + LOOKED):
             change[i] += room.looked[i]
+    shifts = room.shifts
+    for m in range(shifts.steps.shape[0]):
+        share = way[room.first_number[0] + m]
+        if share != 0.0 and room.seen[m] & MOVES != 0:
+            for i in range(count):
+                change[i] += share * shifts.geometry[m, kind, i]
 
 
 @inlined
@@ -115,6 +125,12 @@ def _answer(p: Any, b: int, k: int, way: Any, kind: int, room: Any) -> None:
         if share != 0.0:
             for i in range(V_BRISTLE + states):
                 said[i] += share * room.laws[k, n, kind, i]
+    shifts = room.shifts
+    for m in range(shifts.steps.shape[0]):
+        share = way[room.first_number[0] + m]
+        if share != 0.0 and room.seen[m] & RULES != 0:
+            for i in range(V_BRISTLE + states):
+                said[i] += share * shifts.laws[k, m, kind, i]
 
 
 @inlined
@@ -174,18 +190,18 @@ def _along(p: Any, b: int, y: Any, way: Any, d: int, room: Any, out: Any) -> Non
 
 
 @kernel
-def add_joint_changes(p: Any, b: int, f: int, y: Any, ways: Any, room: Any, out: Any) -> None:
+def add_joint_changes(p: Any, part: Any, y: Any, ways: Any, room: Any, out: Any) -> None:
     """Add how a joint with play changes generalized forces and rates of x along displacements.
 
     Args:
         p: Program.
-        b: Where the joint's block stands in it.
-        f: Its factor of the configuration space.
+        part: The joint, :data:`antenna_pin.dynamics.tangent_kernels.PART`.
         y: State, for which ``room.numbers.own`` has the contacts.
         ways: Displacements, row by row, (k, displacement).
         room: What to compute with; its ``state`` is y.
         out: (kinds, k, nv + nx).
     """
+    b, f = part.block, part.factor[0]
     j, memory, pose = joint_at(p, b), room.numbers.memory, room.poses[0]
     nq = space_of(room.layout).nq
     touches = False
@@ -214,8 +230,17 @@ def add_joint_changes(p: Any, b: int, f: int, y: Any, ways: Any, room: Any, out:
             for i in range(count):
                 room.freedoms[i] = 1.0 if i == n else 0.0
             differentiate_geometry(p, b, f, y, room.freedoms, room, room.geometry[n])
+    shifts = room.shifts
+    for m in range(shifts.steps.shape[0]):
+        moved = is_moved(ways, room.first_number[0] + m)
+        room.seen[m] = shifts.acts[part.number, m] if moved else 0
+        if room.seen[m] & MOVES != 0:
+            differentiate_geometry_over(p, b, m, room, shifts.geometry[m])
     for k in range(j.contacts):
         if memory[j.row + k].touching != 0.0:
             differentiate_laws(p, b, k, y, nq + room.tau.shape[0], room.numbers.own[j.row + k], room)
+            for m in range(shifts.steps.shape[0]):
+                if room.seen[m] & RULES != 0:
+                    differentiate_laws_over(p, b, k, m, room, shifts.laws[k, m])
     for d in range(ways.shape[0]):
         _along(p, b, y, ways[d], d, room, out)

@@ -17,7 +17,7 @@ Analytical Derivatives of Rigid Body Dynamics Algorithms, RSS, along one directi
 
 The mass matrix is factorized from the leaves on, where it has its zeros (ibid., section 6.5).
 
-It is in numbers in, numbers out: spatial vectors are (linear, angular) or (force, moment), six numbers.
+Of a number of the tree (:mod:`antenna_pin.mechanism.number_kernels`) the same holds.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ import numpy as np
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
-from antenna_pin.mechanism.room_kernels import crossed, symmetric_times, turned, turned_back, turned_symmetric
+from antenna_pin.mechanism.room_kernels import crossed, turned, turned_back, turned_symmetric
+from antenna_pin.mechanism.spatial_kernels import add_six, cross_motion, cross_wrench, set_six, times_inertia
 from antenna_pin.mechanism.tree_kernels import bias_accelerations, place_bodies
 from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout
 
@@ -54,53 +55,6 @@ CHANGE = layout(
 
 
 @inlined
-def _set(out: Any, x: Any) -> None:
-    """Write six numbers."""
-    a, b, c, d, e, f = x
-    out[0], out[1], out[2], out[3], out[4], out[5] = a, b, c, d, e, f
-
-
-@inlined
-def _plus(out: Any, x: Any) -> None:
-    """Add six numbers."""
-    a, b, c, d, e, f = x
-    out[0] += a
-    out[1] += b
-    out[2] += c
-    out[3] += d
-    out[4] += e
-    out[5] += f
-
-
-@inlined
-def _cross(a: Any, b: Any) -> tuple[float, float, float, float, float, float]:
-    """Return a x b of two motions."""
-    x, y, z = crossed(a[3], a[4], a[5], b[3], b[4], b[5])
-    p, q, r = crossed(a[3], a[4], a[5], b[0], b[1], b[2])
-    u, v, w = crossed(a[0], a[1], a[2], b[3], b[4], b[5])
-    return p + u, q + v, r + w, x, y, z
-
-
-@inlined
-def _cross_wrench(a: Any, f: Any) -> tuple[float, float, float, float, float, float]:
-    """Return a x* f of a motion and a wrench."""
-    x, y, z = crossed(a[3], a[4], a[5], f[0], f[1], f[2])
-    p, q, r = crossed(a[3], a[4], a[5], f[3], f[4], f[5])
-    u, v, w = crossed(a[0], a[1], a[2], f[0], f[1], f[2])
-    return x, y, z, p + u, q + v, r + w
-
-
-@inlined
-def _momentum(own: Any, a: Any) -> tuple[float, float, float, float, float, float]:
-    """Return I a of a body."""
-    m, h = own.mass, own.first
-    x, y, z = crossed(a[3], a[4], a[5], h[0], h[1], h[2])
-    p, q, r = crossed(h[0], h[1], h[2], a[0], a[1], a[2])
-    u, v, w = symmetric_times(own.inertia, a[3], a[4], a[5])
-    return m * a[0] + x, m * a[1] + y, m * a[2] + z, p + u, q + v, r + w
-
-
-@inlined
 def _along_joint(body: Any, rotation: Any, own: Any, x: Any, out: Any) -> None:
     """Write the motion of a body that the joint's part of a generalized velocity makes."""
     k, kind, axis = body.v, body.kind, body.axis
@@ -119,7 +73,7 @@ def _along_joint(body: Any, rotation: Any, own: Any, x: Any, out: Any) -> None:
     wx, wy, wz = turned(rotation, wx, wy, wz)
     p = own.origin
     px, py, pz = crossed(p[0], p[1], p[2], wx, wy, wz)
-    _set(out, (ux + px, uy + py, uz + pz, wx, wy, wz))
+    set_six(out, (ux + px, uy + py, uz + pz, wx, wy, wz))
 
 
 @inlined
@@ -179,46 +133,59 @@ def _read_bodies(y: Any, nq: int, tree: Any, places: Any, gravity: Any, a: Any, 
         j[5] += h[0] * x + h[1] * y_
         _along_joint(body, r, own, y[nq:], own.joint_rate)
         _along_joint(body, r, own, a, own.acceleration)
-        _plus(own.acceleration, _cross(v, own.joint_rate))
+        add_six(own.acceleration, cross_motion(v, own.joint_rate))
         if body.parent < 0:
             for k in range(3):
                 own.acceleration[k] -= gravity[k]
         else:
             on = bodies[body.parent].acceleration
-            _plus(own.acceleration, (on[0], on[1], on[2], on[3], on[4], on[5]))
-        _set(own.momentum, _momentum(own, v))
-        _set(own.wrench, _momentum(own, own.acceleration))
-        _plus(own.wrench, _cross_wrench(v, own.momentum))
+            add_six(own.acceleration, (on[0], on[1], on[2], on[3], on[4], on[5]))
+        set_six(own.momentum, times_inertia(own, v))
+        set_six(own.wrench, times_inertia(own, own.acceleration))
+        add_six(own.wrench, cross_wrench(v, own.momentum))
     for b in range(count - 1, -1, -1):
         if tree[b].parent >= 0:
             f = bodies[b].wrench
-            _plus(bodies[tree[b].parent].wrench, (f[0], f[1], f[2], f[3], f[4], f[5]))
+            add_six(bodies[tree[b].parent].wrench, (f[0], f[1], f[2], f[3], f[4], f[5]))
 
 
 @inlined
-def _change_along(body: Any, way: Any, nv: int, place: Any, bodies: Any, own: Any, gravity: Any) -> None:
-    """Write how a body's motion, and the wrench of itself, change along a displacement [w (nv), dv (nv)]."""
+def change_motion(parent: int, bodies: Any, own: Any, gravity: Any) -> None:
+    """Write how a body's motion, and the wrench of itself, change with its way and what its parent does.
+
+    ``own`` has its way, and what its joint adds to the change of velocity.
+    """
     u, a, f, rate = own.velocity_change, own.acceleration_change, own.wrench_change, own.joint_rate
-    _along_joint(body, place.rotation, own, way, own.way)
-    _along_joint(body, place.rotation, own, way[nv:], u)
-    _set(a, _cross(own.velocity, u))
-    if body.parent < 0:
+    set_six(a, cross_motion(own.velocity, u))
+    if parent < 0:
         x, y, z = crossed(own.way[3], own.way[4], own.way[5], gravity[0], gravity[1], gravity[2])
         a[0] += x
         a[1] += y
         a[2] += z
     else:
-        on = bodies[body.parent]
+        on = bodies[parent]
         p, q = on.velocity_change, on.acceleration_change
-        _plus(u, (p[0], p[1], p[2], p[3], p[4], p[5]))
-        _plus(u, _cross(on.velocity, own.way))
-        _plus(a, (q[0], q[1], q[2], q[3], q[4], q[5]))
-        _plus(a, _cross(on.acceleration, own.way))
-    _plus(a, _cross(u, rate))
-    _set(f, _momentum(own, u))
-    _set(f, _cross_wrench(own.velocity, f))
-    _plus(f, _momentum(own, a))
-    _plus(f, _cross_wrench(u, own.momentum))
+        add_six(u, (p[0], p[1], p[2], p[3], p[4], p[5]))
+        add_six(u, cross_motion(on.velocity, own.way))
+        add_six(a, (q[0], q[1], q[2], q[3], q[4], q[5]))
+        add_six(a, cross_motion(on.acceleration, own.way))
+    add_six(a, cross_motion(u, rate))
+    set_six(f, times_inertia(own, u))
+    set_six(f, cross_wrench(own.velocity, f))
+    add_six(f, times_inertia(own, a))
+    add_six(f, cross_wrench(u, own.momentum))
+
+
+@kernel
+def subtract_wrenches(tree: Any, places: Any, bodies: Any, out: Any) -> None:
+    """Subtract from ``out`` what changes of all bodies' wrenches do along the joints."""
+    for b in range(tree.shape[0] - 1, -1, -1):
+        body, own = tree[b], bodies[b]
+        _onto_joint(body, places[b].rotation, own, out)
+        if body.parent >= 0:
+            f, on = own.wrench_change, bodies[body.parent].wrench_change
+            add_six(on, (f[0], f[1], f[2], f[3], f[4], f[5]))
+            add_six(on, cross_wrench(own.way, own.wrench))
 
 
 @kernel
@@ -233,16 +200,13 @@ def subtract_changes(way: Any, tree: Any, places: Any, gravity: Any, bodies: Any
         bodies: How they move; written to, CHANGE, (bodies,).
         out: (nv,).
     """
-    count = tree.shape[0]
-    for b in range(count):
-        _change_along(tree[b], way, out.shape[0], places[b], bodies, bodies[b], gravity)
-    for b in range(count - 1, -1, -1):
-        body, own = tree[b], bodies[b]
-        _onto_joint(body, places[b].rotation, own, out)
-        if body.parent >= 0:
-            f, on = own.wrench_change, bodies[body.parent].wrench_change
-            _plus(on, (f[0], f[1], f[2], f[3], f[4], f[5]))
-            _plus(on, _cross_wrench(own.way, own.wrench))
+    nv = out.shape[0]
+    for b in range(tree.shape[0]):
+        body, place, own = tree[b], places[b], bodies[b]
+        _along_joint(body, place.rotation, own, way, own.way)
+        _along_joint(body, place.rotation, own, way[nv:], own.velocity_change)
+        change_motion(body.parent, bodies, own, gravity)
+    subtract_wrenches(tree, places, bodies, out)
 
 
 @kernel

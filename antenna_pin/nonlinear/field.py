@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System
-from antenna_pin.engine import Slopes, Tangents
+from antenna_pin.engine import Carrying, Slopes, Tangents
 from antenna_pin.nonlinear.depths import Depths
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
 from antenna_pin.nonlinear.lifts import Lifts
@@ -57,15 +57,13 @@ class Field:
         """Allocate once."""
         self._near = near = Near(system, settings, numbers)
         self.system, self.workspace, self._stepper = near.system, near.workspace, near.stepper
-        self.kept = near.kept
-        self.bristles, self.parts, self.numbers = near.bristles, near.parts, near.numbers
+        self.kept, self.numbers = near.kept, near.numbers
+        self.bristles, self.parts = near.bristles, near.parts
         self.units = Units.of(near.system)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
-        tree = Tangents.takes(near.system)
-        units = np.concatenate(self.units)
-        self._tangents = Tangents(near.system, self._stepper, units, WEIGHTS) if tree else None
-        #: Size of a displacement.
-        self.displacement = self.parts[-1].stop
+        self._tangents = near.tangents(self.units)
+        self._by_parts = near.follows(self._tangents, self.units)
+        self.displacement = self.parts[-1].stop  #: Size of a displacement.
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
         self._opened: tuple[int, Array] | None = None
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
@@ -74,18 +72,23 @@ class Field:
         self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
+    def carrying(self) -> Carrying | None:
+        """Return what carries displacements by the stages of the run's method; None where nothing does."""
+        return self._near.carrying(self._tangents if self._by_parts else None, self._coarse)
+
+    def let_go(self, words: NDArray[np.int_]) -> None:
+        """Let words of the program go with parameters no more: an event has set them."""
+        if self.numbers is not None and len(words):
+            self.numbers.let_go(words)
+            self._by_parts = self._near.follows(self._tangents, self.units)
+
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self._near.rates(time, y)
 
     def flow(self, time: float, y: Array) -> Array:
         """Return the displacement per second that the system itself makes, (displacement,)."""
-        nq, nv = self.system.model.nq, self.system.model.nv
-        rates, out = self.rates(time, y), np.zeros(self.displacement)
-        way, rate, bristles, *_, clock = self.parts
-        out[way], out[rate], out[bristles] = y[nq : nq + nv], rates[:nv], rates[nv + self.bristles]
-        out[clock] = 1.0
-        return out
+        return self._near.flow(time, y)
 
     def frame(self, y: Array, clock: bool = False) -> Frame:
         """Return the axes of coordinates in a state, with the contacts of the moment."""
@@ -190,6 +193,8 @@ class Field:
         They are of the rates as a whole, or by what is given.
         """
         found = np.array((by or self._slopes).rates(time, y, np.ascontiguousarray(ways), steps))
+        if by is self._tangents and self._by_parts:
+            return found
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
         own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
         kept, displaced = ways[self.parts[-2]][own], ways[self.parts[-3]]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System, Workspace
+from antenna_pin.engine import Carrying, SystemSlopes, Tangents
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Units, parts_of
 from antenna_pin.nonlinear.kept import Kept
@@ -61,6 +62,44 @@ class Near:
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self.stepper.rates(time, y)
+
+    def flow(self, time: float, y: Array) -> Array:
+        """Return the displacement per second that the system itself makes, (displacement,)."""
+        nq, nv = self.system.model.nq, self.system.model.nv
+        way, rate, bristles, *_, clock = self.parts
+        rates, out = self.rates(time, y), np.zeros(clock.stop)
+        out[way], out[rate], out[bristles] = y[nq : nq + nv], rates[:nv], rates[nv + self.bristles]
+        out[clock] = 1.0
+        return out
+
+    def tangents(self, units: Units) -> Tangents | None:
+        """Return derivatives of the rates that are put together from parts; None where they cannot be."""
+        if not Tangents.takes(self.system):
+            return None
+        return Tangents(self.system, self.stepper, np.concatenate(units), WEIGHTS)
+
+    def carrying(self, tangents: Tangents | None, coarse: Array) -> Carrying | None:
+        """Return what carries displacements by the stages of the run's method; None where nothing does.
+
+        Args:
+            tangents: Derivatives of the rates, which know the system's numbers; None if there are none.
+            coarse: :meth:`coarseness`.
+        """
+        if tangents is None or not Carrying.takes(self.stepper):
+            return None
+        steps = coarse.copy()
+        steps[self.parts[-1]] = 1.0 / STEP
+        return Carrying(self.stepper, tangents, steps)
+
+    def follows(self, tangents: Tangents | None, units: Units) -> bool:
+        """Let derivatives know the system's numbers and what elements keep; return whether they can."""
+        own, numbers = self.stepper.numbers, self.numbers
+        tree = own.tree.view(np.float64).reshape(-1)
+        found = np.zeros((0, len(own.program))), np.zeros((0, len(tree))), np.zeros((0, 3))
+        if numbers is not None:
+            found = numbers.program, numbers.tree, numbers.gravity
+        kept = self.kept.words, self.kept.units(units.way, units.rate)
+        return tangents is not None and tangents.follow(SystemSlopes(*found, *kept))
 
     def coarseness(self, units: Units, in_play: float | None = None) -> Array:
         """Return over what a step of each part of a displacement must be one at most, (displacement,).

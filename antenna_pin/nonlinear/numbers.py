@@ -113,8 +113,9 @@ class InPlace:
         self._armature = numbers.slopes["armature"]
         self._heavier = [i for i in joints if self._inertias[:, i].any()]
         self._moved = [i for i in joints if self._places[:, i].any()]
-        self._gravity = numbers.slopes["gravity"]
-        self._of_model = bool(self._heavier or self._moved or self._armature.any() or self._gravity.any())
+        #: Of the bodies' numbers, flat, and of gravity, likewise.
+        self.tree, self.gravity = numbers.slopes["tree"], numbers.slopes["gravity"]
+        self._of_model = bool(self._heavier or self._moved or self._armature.any() or self.gravity.any())
         #: How far each is displaced at present, (count,).
         self.present = np.zeros(self.count)
 
@@ -152,8 +153,8 @@ class InPlace:
         armature, gravity = model.armature.copy(), model.gravity.linear.copy()
         if self._armature.any():
             model.armature = armature + s @ self._armature
-        if self._gravity.any():
-            model.gravity.linear = gravity + s @ self._gravity
+        if self.gravity.any():
+            model.gravity.linear = gravity + s @ self.gravity
 
         def back() -> None:
             for i, one in inertias:

@@ -124,8 +124,7 @@ class Saltation:
         passage = _Way(up, late, field.flow(time, y))
         if isinstance(event.action, Jump) or one.done:
             passage = self._jump(one, time, y, up, late)
-        if field.numbers is not None:
-            field.numbers.let_go(np.flatnonzero(field.workspace.program != one.program))
+        field.let_go(np.flatnonzero(field.workspace.program != one.program))
         field.workspace.program[:] = one.program
         return self._carry(passage, carried, time, y)
 

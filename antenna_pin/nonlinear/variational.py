@@ -29,9 +29,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Workspace
-from antenna_pin.integrate import NODES, Propagator, method_named
-from antenna_pin.nonlinear.breaks import BETWEEN, SAMPLES, left_over, located
+from antenna_pin.integrate import NODES, Propagator
+from antenna_pin.nonlinear.along import AlongStages
+from antenna_pin.nonlinear.breaks import BETWEEN, left_over
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame, Lift
 from antenna_pin.nonlinear.instants import Carried, at_equal_times, with_time, wrong_by
@@ -39,8 +39,8 @@ from antenna_pin.nonlinear.missed import Kink, Missed, StepAnew
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.pieces import HALVINGS, Piece
 from antenna_pin.nonlinear.saltation import Passed, Saltation
+from antenna_pin.nonlinear.within import Within, kink_in
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.stretches import stepper_of
 
 __all__ = ["Carrier"]
 
@@ -49,6 +49,11 @@ Array = NDArray[np.float64]
 # What a piece of a step may be wrong by, over the displacements and over the run's tolerance; and how often a
 # step is halved to find where it breaks: what is wrong then is in the doubt.
 _GOOD, _SEARCHES = 1e2, 8
+# How often a step is halved along which the run's own stages carry displacements, until whole matrices are
+# looked at for what breaks there.
+_TRIES = 4
+# What stages may be wrong by, over that: their estimate is that of a lower order.
+_BY_STAGES = 10.0
 # In how many steps the round-off of rates is looked at once, where nothing changes.
 _LOOKS = 8
 # In parts of a step, what counts as the same instant.
@@ -83,27 +88,29 @@ class Carrier:
         looks: Sequence[float] = (),
     ) -> None:
         """Begin in the run's first state."""
-        system, settings = run.system, run.settings
-        self.field = Field(system, settings, numbers)
+        settings = run.settings
+        self.field = Field(run.system, settings, numbers)
         workspace = self.field.workspace
         workspace.memory[:], workspace.program[:] = run.workspace.memory, run.workspace.program
-        self._own = Workspace(system)
-        self._dense = stepper_of(self._own, method_named(settings.method), run.stepper.scales, settings)
-        self._again = StepAnew(self.field, settings, run.stepper.scales, self._own)
+        self._within = within = Within(run)
+        self._at = within.at
+        self._again = StepAnew(self.field, settings, run.stepper.scales, within.workspace)
         self._good = _GOOD * settings.rtol
+        carrying, moving = self.field.carrying(), slice(self.field.parts[2].stop)
+        #: What carries displacements by the run's own stages; None where nothing does.
+        self.stages = None if carrying is None else AlongStages(carrying, moving)
         self._deep = _DEEP * np.array(run.search.tolerances)
         self._young: set[int] = set()
-        self._changed = False
-        self._broken = False
-        self._made = 0
-        self._left_over = 0.0
+        self._changed = self._broken = False
+        self._looked_at = self._made = 0
+        self._unseen: tuple[float, Array] | None = self._take_over(run)
+        self.matrices = 0  #: Over how many parts of steps whole matrices have carried them.
+        self._left_over, self._looks = 0.0, list(looks)
         self._way: tuple[Frame, Array, Array] | None = None
         self._propagator = Propagator(0)
         self._opening: Array | None = None
-        self._looks = list(looks)
         #: Told of each look: ``(time, y, displacements)``, the last (displacement, k).
         self.seen: Callable[[float, Array, Array], None] | None = None
-        self._take_over(run)
         lift = self.field.lift(first, self._time, self._y)
         start = np.eye(lift.up.shape[1]) if ways is None else ways(lift) if callable(ways) else ways
         self._saltation = Saltation(self.field, run, start.shape[1])
@@ -126,18 +133,22 @@ class Carrier:
         """How many directions of the displacements are left: where a joint comes to rest one is lost."""
         return self._saltation.rank
 
-    def _take_over(self, run: Run) -> None:
-        """Begin the next step where the run is."""
+    def _take_over(self, run: Run) -> tuple[float, Array]:
+        """Begin the next step where the run is; return where that is."""
         self._time, self._y = self._here = run.stepper.t, run.here.copy()
-        self._own.memory[:], self._own.program[:] = run.workspace.memory, run.workspace.program
+        self._within.take_over(run)
+        return self._time, self._y
 
     def look(self, run: Run) -> None:
         """Carry the displacements over the step and the changes since the last look."""
-        touched, touching = self._own.memory["touching"], run.workspace.memory["touching"]
+        touched, touching = self._within.touching, run.workspace.memory["touching"]
         flipped = np.flatnonzero(touched != touching).tolist()
         happened = self._saltation.has_happened()
         broken = any(one.last == run.stepper.t for one in run.watch.value())
         if run.stepper.t > self._time:
+            # Behind an event the run's state may be another than the one that the step has led to.
+            end = None if happened else run.here.copy()
+            self._within.begin(self._time, self._y, run.stepper.h, end)
             parting = [c for c in flipped if touching[c] == 0.0]
             self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened, broken, parting)
             for c in parting:
@@ -152,6 +163,8 @@ class Carrier:
                 now = self._all, self._time, self._y
                 self._all = self._saltation.onset(c, run.workspace.memory[c], *now)
         self._changed = self._changed or bool(flipped) or happened
+        if self._changed and self.stages is not None:
+            self.stages.since = run.stepper.t
         self._take_over(run)
         self._young = {c for c in {*self._young, *flipped} if touching[c] != 0.0 and self._is_shallow(c)}
         if not self._young:
@@ -177,14 +190,10 @@ class Carrier:
             ends_in_break: Whether an event or a kink that is told of is there.
             parting: Contacts that end there.
         """
-        dense = self._dense
-        dense.restart(self._time, self._y)
-        dense.attempt(size)
-        dense.prepare_dense()
         self._again.begin(self._time, self._y)
-        if self._changed or self._young or self._made % _LOOKS == 0:
-            self.field.look_at(self._time, self._y, self._along()[0])
         self._made += 1
+        if self._changed or self._young or self._made > self._looked_at + _LOOKS:
+            self._unseen = self._time, self._y
         begin, begins, broken = 0.0, self._changed, self._changed or self._broken
         last = ends_in_change or ends_in_break
         if begins and ends_in_change:
@@ -210,20 +219,22 @@ class Carrier:
     def _carry_flow(self, theta: float) -> None:
         """Begin to carry the flow beside displacements, from a fraction of the step on."""
         self._all = with_time(self._all)
-        time, y = self._time + theta * self._dense.h, self._at(theta)
+        time, y = self._time + theta * self._within.size, self._at(theta)
         flow = self._down(time, y) @ self.field.flow(time, y)
         for one in self._all[:2]:
             one[:, self._missed.flow] = flow
 
     def _part(self, piece: Piece) -> None:
         """Carry the displacements over a part of a step, and show them where they are to be looked at."""
-        while self._looks and (theta := (self._looks[0] - self._time) / self._dense.h) < piece.b - _AT_ONCE:
+        size = self._within.size
+        while self._looks and (theta := (self._looks[0] - self._time) / size) < piece.b - _AT_ONCE:
             if theta > piece.a + _AT_ONCE:
                 before, piece = piece.cut(theta, False)
                 self._piece(before)
             self._show(piece.a)
         self._piece(piece)
-        while self._looks and (self._looks[0] - self._time) / self._dense.h < piece.b + _AT_ONCE:
+        size = self._within.size
+        while self._looks and (self._looks[0] - self._time) / size < piece.b + _AT_ONCE:
             self._show(piece.b)
 
     def _show(self, theta: float) -> None:
@@ -236,12 +247,6 @@ class Carrier:
     def _down(self, time: float, y: Array) -> Array:
         """Return what makes coordinates of displacements."""
         return self.field.lift(self._all.frame, time, y).down
-
-    def _at(self, theta: float) -> Array:
-        """Return the state at a fraction of the step."""
-        y = np.zeros_like(self._y)
-        self._dense.interpolate(theta, y)
-        return y
 
     def turn(self, frame: Frame) -> None:
         """Take other axes in the present state.
@@ -268,8 +273,33 @@ class Carrier:
         return self._way[1:]
 
     def _piece(self, piece: Piece) -> None:
+        """Carry the displacements over a part of the step, by the run's own stages where these can."""
+        found = self._by_stages(piece, self._all)
+        if found is None:
+            self._by_matrices(piece)
+        else:
+            self._all = found
+
+    def _by_stages(self, piece: Piece, carried: Carried) -> Carried | None:
+        """Return displacements behind a part of the step by the run's own stages; None where these cannot."""
+        if self.stages is None:
+            return None
+        start = self._time, self._within.size, self._at(piece.a)
+        lift = self.field.lift(carried.frame, self._time, self._y)
+        found = self.stages.over(piece, start, lift, carried, _BY_STAGES * self._good)
+        if found is None and piece.halvings > HALVINGS - _TRIES:
+            found = carried
+            for half in piece.cut(0.5 * (piece.a + piece.b), False):
+                found = None if found is None else self._by_stages(half, found)
+        return found
+
+    def _by_matrices(self, piece: Piece) -> None:
         """Carry the displacements over a part of the step, cut where it breaks and as short as it must be."""
-        field, start, whole = self.field, self._time, self._dense.h
+        self.matrices += 1
+        if self._unseen is not None:
+            self.field.look_at(*self._unseen, self._along()[0])
+            self._unseen, self._looked_at = None, self._made
+        field, start, whole = self.field, self._time, self._within.size
         frame, length, way = self._all.frame, (piece.b - piece.a) * whole, self._along()[0]
         thetas, slopes = piece.at(NODES)
         found = [field.matrix(frame, start + s * whole, self._at(s), way) for s in thetas.tolist()]
@@ -285,58 +315,31 @@ class Carrier:
         rest, (low, high) = left_over(np.array([value for value, _ in seen]), piece.known)
         noise = _NOISY * length * max(one for _, one in seen)
         off = length * rest if length * rest <= self._good else max(length * rest - noise, 0.0)
-        found_break = self._break(piece, way, low, high, seen) if off > self._good else None
+        found_break = None
+        if off > self._good:
+            by = field, frame, way, self._along()[1]
+            found_break = kink_in(piece, (low, high), seen, self._within, by)
         searching = off > self._good and piece.halvings > HALVINGS - _SEARCHES
         rough = not wrong_by(piece, step, self._all, self._missed.flow, self._opening) <= self._good
         if piece.halvings > 0 and (found_break is not None or searching or rough):
             cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break[0]
             before, behind = piece.cut(cut, found_break is not None)
-            self._piece(before)
+            self._by_matrices(before)
             if found_break is not None:
                 self._pass(*found_break)
-            self._piece(behind)
+            self._by_matrices(behind)
             return
         other = step.other + self._propagator.change(length, fourth - sixth)
         old = self._all
         self._left_over += off
         self._all = Carried(step.matrix @ old.matrix, other @ old.other, old.frame)
 
-    def _break(
-        self, piece: Piece, way: Array, low: int, high: int, seen: list[tuple[Array, float]]
-    ) -> tuple[float, Kink] | None:
-        """Return where rates break between two samples of a piece, as a fraction of the step, or None."""
-        field = self.field
-
-        def ramps(place: float) -> Array:
-            return self._looked(piece, place, lambda time, y: field.across_kinks(time, y, way)[0])
-
-        def jumps(place: float) -> Array:
-            return self._looked(piece, place, lambda time, y: field.along_way(time, y, way)[0])
-
-        places = float(SAMPLES[low]), float(SAMPLES[high])
-        found = located(ramps, jumps, *places, seen[low][0], seen[high][0])
-        if found is None:
-            return None
-        (cut, before, behind), (slope, *_) = piece.at(np.array([found.place, *found.beside]))
-        one, other = (
-            field.matrix(self._all.frame, self._time + s * self._dense.h, self._at(s), way).sixth
-            for s in (float(before), float(behind))
-        )
-        step = field.across_kinks(self._time + cut * self._dense.h, self._at(float(cut)), way)[1]
-        later = found.later * slope * (piece.b - piece.a) * self._dense.h / step
-        return float(cut), Kink.of(other - one, self._along()[1], later)
-
     def _pass(self, theta: float, kink: Kink) -> None:
         """Count what displacements miss of a kink at a fraction of the step."""
-        time, y = self._time + theta * self._dense.h, self._at(theta)
+        time, y = self._time + theta * self._within.size, self._at(theta)
         self._again.to(time)
         error = self._missed.error(self._all) + self._down(time, y) @ self._again.off(time, y)
         self._all = self._missed.passed(kink, error, self._all)
-
-    def _looked(self, piece: Piece, place: float, look: Callable[[float, Array], Array]) -> Array:
-        """Return what a look at a place of a piece shows, per what is integrated over."""
-        (theta,), (slope,) = piece.at(np.array([place]))
-        return float(slope) * look(self._time + float(theta) * self._dense.h, self._at(float(theta)))
 
     @property
     def doubt(self) -> Array:

@@ -13,10 +13,15 @@ import sys
 import time
 from collections.abc import Callable
 
+import numpy as np
 from bench_tools import Report, scenario
 
-from antenna_pin import RunSettings, simulate
+from antenna_pin import RunSettings, load_scenario, simulate
+from antenna_pin.nonlinear import flow_of
+from antenna_pin.scenario import Scenario
 from antenna_pin.sensitivity import sensitivities
+from antenna_pin.sensitivity.by_equation import ByEquation
+from antenna_pin.sensitivity.parameters import parameters_of
 
 JOINT = "clearance.elevation"
 KEYS: dict[str, str | float | None] = {
@@ -31,6 +36,13 @@ KEYS: dict[str, str | float | None] = {
     "drives.elevation.amplitude": None,
     "drives.azimuth.amplitude": None,
 }
+BORE = ("clearance.bore.geometry=closed-form", "integrator.engine=compiled")
+OF_THE_PAIR: dict[str, str | float | None] = {
+    "clearance.bore.radial_clearance": None,
+    "clearance.bore.normal.restitution": None,
+    "materials.steel.young": None,
+    "materials.steel.poisson": None,
+}
 TIGHT = RunSettings(engine="compiled", method="dormand-prince-853", rtol=1e-12)
 
 
@@ -39,6 +51,17 @@ def seconds(make: Callable[[], object]) -> float:
     began = time.perf_counter()
     make()
     return time.perf_counter() - began
+
+
+def carried_over(model: Scenario, keys: dict[str, str | float | None], span: float) -> float:
+    """Return how long carrying displacements along a run takes, without builds, over the steps of the run."""
+    made = ByEquation(model, parameters_of(model, keys, "bench"), TIGHT)
+    flow, start = flow_of(model, TIGHT)
+    end = np.array([span])
+    flow.after(start, span)
+    made.carried(end, span)
+    once = min(seconds(lambda: flow.after(start, span)) for _ in range(5))
+    return min(seconds(lambda: made.carried(end, span)) for _ in range(3)) / once
 
 
 def main() -> int:
@@ -57,6 +80,13 @@ def main() -> int:
         run()
         once = min(seconds(run) for _ in range(3))
         report.add(f"{method}: ten numbers, {span:g} s, over one run", seconds(all_of_them) / once)
+    pair = load_scenario("impact_pair", case="planar", overrides=BORE)
+    for name, model, keys, span in (
+        ("antenna, ten numbers", antenna, KEYS, 4e-3 if quick else 0.05),
+        ("impact pair, four numbers", pair, OF_THE_PAIR, 0.015),
+    ):
+        row = f"carrying along alone: {name}, {span:g} s, over the steps of one run"
+        report.add(row, carried_over(model, keys, span))
     return report.finish()
 
 

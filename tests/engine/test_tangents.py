@@ -1,5 +1,6 @@
 """Derivatives of the rates put together from those of parts: as differences of the whole, and better."""
 
+import functools
 import importlib
 from pathlib import Path
 
@@ -10,6 +11,9 @@ from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.scenario import with_number
+from antenna_pin.sensitivity.parameters import parameters_of
 
 ROOT = Path(__file__).parents[2]
 TIME = 0.123
@@ -171,3 +175,68 @@ def test_both_engines_have_the_same_derivatives():
         ways = ways_of(field)
         found.append(parts.rates(TIME, y, ways, np.full(ways.shape[1], 1e-4)))
     assert np.array_equal(*found)
+
+
+HEAVY = {
+    "mechanism.links.shaft2.mass": 3.0,
+    "mechanism.links.shaft2.inertia": [0.02, 0.03, 0.04, 0.001, 0.002, 0.003],
+    "mechanism.links.shaft2.centre_of_mass": [0.1, 0.02, -0.03],
+    "mechanism.joints.azimuth.origin_xyz": [0.1, 0.2, 0.3],
+    "mechanism.joints.azimuth.origin_rpy": [0.1, 0.2, 0.3],
+    "mechanism.joints.elevation.origin_rpy": [0.3, 0.1, 0.2],
+    "springs.elevation": {"kind": "spring", "stiffness": 30.0, "rest_angle": 0.3, "damping": 0.2},
+    "forces.drag": {
+        "kind": "force",
+        "at": {"link": "shaft2", "point": [0.1, 0.2, 0.3]},
+        "force": [3.0, 0.0, 1.0],
+    },
+}
+NUMBERS = [
+    "clearance.elevation.radial_clearance",
+    "clearance.elevation.bearing_radius",
+    "clearance.elevation.bearing_length",
+    "clearance.elevation.normal.restitution",
+    "clearance.elevation.friction.static_speed",
+    "materials.steel.young",
+    "drives.azimuth.amplitude",
+    "springs.elevation.stiffness",
+    "forces.drag.at.point[1]",
+    "mechanism.links.shaft2.mass",
+    "mechanism.links.shaft2.inertia[4]",
+    "mechanism.links.shaft2.centre_of_mass[2]",
+    "mechanism.joints.azimuth.origin_xyz[0]",
+    "mechanism.joints.azimuth.origin_rpy[1]",
+    "mechanism.joints.elevation.origin_rpy[2]",
+    "mechanism.gravity[1]",
+]
+
+
+def test_rates_change_over_numbers_of_the_system_as_the_whole_does():
+    """Of geometry, laws, elements, bodies, their places and gravity, with a contact pressed together."""
+    overrides = {
+        "clearance.elevation.geometry": "closed-form",
+        "mechanism.gravity": [1.0, 2.0, -3.0],
+        **HEAVY,
+    }
+    scenario = load_scenario("bai2020", case="case3", overrides=overrides)
+    parameters = parameters_of(scenario, NUMBERS, "test")
+
+    def built_at(one, s):
+        return build_system(with_number(scenario, one.key, one.value + s * one.scale))
+
+    system = build_system(scenario)
+    numbers = Numbers(system, [functools.partial(built_at, one) for one in parameters], NUMBERS)
+    field, rng = Field(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
+    y = system.state(system.neutral(), 0.3 * rng.normal(size=system.model.nv))
+    field.workspace.memory["approach_speed"], field.workspace.memory["effective_mass"] = 0.05, 1.3
+    press(field, y, system.clearances[0], rng)
+    system.turn_on(y)
+    ways = np.eye(field.displacement)[:, field.parts[-3]]
+    found = field._tangents.rates(TIME, y, ways, np.full(len(NUMBERS), 1e-4))[0]
+    for k, way in enumerate(np.eye(len(NUMBERS))):
+        tried = [field._near.over_numbers(TIME, y, way, step) for step in STEPS]
+        sixth, _ = min(tried, key=lambda two: np.abs(field._weighed((two[0] - two[1])[:, None])).max())
+        right = field._weighed(sixth[:, None])[:, 0]
+        # What differences of the whole are good to is 1e-9 of the column, and round-off of the largest.
+        off = np.abs(field._weighed(found)[:, k] - right).max()
+        assert off < 1e-8 * np.abs(right).max(), NUMBERS[k]

@@ -1,0 +1,144 @@
+"""How the numbers of a system go with parameters, laid out for the derivatives of its rates."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import System, kernels
+from antenna_pin.engine.compiled import CompiledStepper
+from antenna_pin.engine.tangent_kernels import Shifts
+from antenna_pin.geometry.kernels import CANDIDATE
+from antenna_pin.integrate.word_kernels import Words
+from antenna_pin.joints import layout_kernels, slope_kernels
+from antenna_pin.mechanism import BODY
+from antenna_pin.records import BLOCK, PROGRAM, place_of, words_of
+
+__all__ = ["SystemSlopes", "shifts_of", "takes_slopes"]
+
+Array = NDArray[np.float64]
+
+# First steps of differences, over what counts as one of a number.
+_STEP = 1e-3
+
+
+class SystemSlopes(NamedTuple):
+    """By how much the numbers of a system change with parameters, each in its scale.
+
+    Attributes:
+        program: Of its program, (parameters, words).
+        tree: Of its bodies, flat, (parameters, words).
+        gravity: (parameters, 3) [m/s^2].
+        kept: Words of the program that are coordinates of a state themselves, (kept,).
+        units: What counts as one of these, (kept,).
+    """
+
+    program: Array
+    tree: Array
+    gravity: Array
+    kept: NDArray[np.int_]
+    units: Array
+
+
+def takes_slopes(slopes: SystemSlopes) -> bool:
+    """Whether changes of the bodies' numbers are ones of which the derivative is known: not of axes."""
+    bodies = slopes.tree.reshape(len(slopes.tree), slopes.tree.shape[1] // words_of(BODY), words_of(BODY))
+    first = place_of(BODY, "axis")
+    return not bodies[:, :, first : first + 3].any()
+
+
+def shifts_of(
+    system: System,
+    stepper: CompiledStepper,
+    parts: NDArray[np.void],
+    looked: int,
+    said: int,
+    slopes: SystemSlopes,
+) -> Shifts:
+    """Return them, laid out.
+
+    Args:
+        system: The system.
+        stepper: Its.
+        parts: What acts at its joints, ``PART``.
+        looked: How many numbers are looked at of a joint.
+        said: How many a law says.
+        slopes: Which numbers, and by how much.
+    """
+    numbers, nv = stepper.numbers, stepper.manifold.nv
+    own = np.zeros((len(slopes.kept), len(numbers.program)))
+    own[np.arange(len(own)), slopes.kept] = 1.0
+    program = np.concatenate([slopes.program, own])
+    tree = np.concatenate([slopes.tree, np.zeros((len(own), slopes.tree.shape[1]))])
+    gravity = np.concatenate([slopes.gravity, np.zeros((len(own), 3))])
+    count, contacts = len(program), len(numbers.memory)
+    return Shifts(
+        program=_words(program),
+        tree=_words(tree),
+        flat=numbers.tree.view(np.float64).reshape(-1),
+        bodies=tree.reshape(count, len(numbers.tree), words_of(BODY)).view(BODY)[:, :, 0],
+        gravity=gravity,
+        heavy=(tree.any(axis=1) | gravity.any(axis=1)).astype(np.int64),
+        acts=_acts(system, parts, program.astype(bool), np.asarray(tree.any(axis=1))),
+        steps=np.concatenate([np.full(len(slopes.program), _STEP), _STEP * slopes.units]),
+        geometry=np.zeros((count, 2, looked)),
+        laws=np.zeros((contacts, count, 2, said)),
+        forces=np.zeros((count, nv)),
+    )
+
+
+def _words(slopes: Array) -> Words:
+    """Return which numbers change, and by how much."""
+    found = [np.flatnonzero(one) for one in slopes]
+    first = np.cumsum([0, *(len(one) for one in found)])
+    at = np.concatenate([np.zeros(0, dtype=np.int64), *found]).astype(np.int64)
+    changes = np.concatenate([np.zeros(0), *(one[places] for one, places in zip(slopes, found, strict=True))])
+    return Words(first.astype(np.int64), at, changes, np.zeros(len(at)))
+
+
+def _acts(
+    system: System, parts: NDArray[np.void], changed: NDArray[np.bool_], heavier: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Return what of each part goes with each number, (parts + 1, numbers); last of elements on links."""
+    program, out = system.program, np.zeros((len(parts) + 1, len(changed)), dtype=np.int64)
+    for p, part in enumerate(parts):
+        block = int(part["block"])
+        whole = changed[:, block : block + _length(program, block)]
+        if part["element"]:
+            out[p] = whole.any(axis=1)
+            for joint in _joints_known(system, block):
+                out[p] |= changed[:, joint : joint + _length(program, joint)].any(axis=1)
+            continue
+        laws = np.zeros(whole.shape[1], dtype=bool)
+        joint_words = program[block:][: layout_kernels.JOINT_WORDS].view(layout_kernels.JOINT)[0]
+        for k in range(int(joint_words["contacts"])):
+            normal = layout_kernels.normal_at(0, k)
+            laws[normal : normal + layout_kernels.CANDIDATE_WORDS - CANDIDATE] = True
+        out[p] = slope_kernels.RULES * whole[:, laws].any(axis=1)
+        out[p] += slope_kernels.MOVES * whole[:, ~laws].any(axis=1)
+    first = int(program[: kernels.HEADER].view(PROGRAM)[0]["points"])
+    out[-1] = changed[:, first:].any(axis=1) | heavier
+    # Elements on links may see any joint with play.
+    for block in system.clearance_blocks.values():
+        out[-1] |= changed[:, block : block + _length(program, block)].any(axis=1)
+    return out
+
+
+def _length(program: Array, block: int) -> int:
+    """Return how many words a block of a program has."""
+    return int(program[block:][: kernels.BLOCK_WORDS].view(BLOCK)[0]["length"])
+
+
+def _joints_known(system: System, block: int) -> list[int]:
+    """Return the blocks of the joints with play that an element acts at, or sees."""
+    heads = [_head(system, block)]
+    if other := int(heads[0]["partner"]) or int(heads[0]["sensed"]):
+        heads.append(_head(system, block + other))
+    return [int(one["play"]) for one in heads if one["play"] >= 0]
+
+
+def _head(system: System, block: int) -> np.void:
+    """Return the head of an element in a system's program."""
+    return np.void(system.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0])

@@ -1,0 +1,50 @@
+"""Numbers of a flat array that go with parameters, displaced in place and put back, compiled.
+
+Of each parameter a few numbers change: where they stand and by how much, one after the other, with where
+those of each parameter begin.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from antenna_pin._by_address import by_address
+from antenna_pin._compile import inlined
+
+
+@by_address
+class Words(NamedTuple):
+    """Numbers of an array that go with parameters.
+
+    Attributes:
+        first: Where those of each parameter begin, and the end, (parameters + 1,).
+        at: Where they stand in the array, (words,).
+        slopes: By how much they change, (words,).
+        was: What they are undisplaced, scratch, (words,).
+    """
+
+    first: Any
+    at: Any
+    slopes: Any
+    was: Any
+
+
+@inlined
+def note_words(array: Any, words: Any, m: int) -> None:
+    """Note what the numbers of parameter m are before they are displaced."""
+    for i in range(words.first[m], words.first[m + 1]):
+        words.was[i] = array[words.at[i]]
+
+
+@inlined
+def displace_words(array: Any, words: Any, m: int, h: float) -> None:
+    """Displace them by h times their change, from what was noted."""
+    for i in range(words.first[m], words.first[m + 1]):
+        array[words.at[i]] = words.was[i] + h * words.slopes[i]
+
+
+@inlined
+def put_back_words(array: Any, words: Any, m: int) -> None:
+    """Put them back as they were noted."""
+    for i in range(words.first[m], words.first[m + 1]):
+        array[words.at[i]] = words.was[i]

@@ -1,0 +1,55 @@
+"""Spatial vectors of six numbers in the axes of the world: motions (linear, angular), wrenches, compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined
+from antenna_pin.mechanism.room_kernels import crossed, symmetric_times
+
+
+@inlined
+def set_six(out: Any, x: Any) -> None:
+    """Write six numbers."""
+    a, b, c, d, e, f = x
+    out[0], out[1], out[2], out[3], out[4], out[5] = a, b, c, d, e, f
+
+
+@inlined
+def add_six(out: Any, x: Any) -> None:
+    """Add six numbers."""
+    a, b, c, d, e, f = x
+    out[0] += a
+    out[1] += b
+    out[2] += c
+    out[3] += d
+    out[4] += e
+    out[5] += f
+
+
+@inlined
+def cross_motion(a: Any, b: Any) -> tuple[float, float, float, float, float, float]:
+    """Return a x b of two motions."""
+    x, y, z = crossed(a[3], a[4], a[5], b[3], b[4], b[5])
+    p, q, r = crossed(a[3], a[4], a[5], b[0], b[1], b[2])
+    u, v, w = crossed(a[0], a[1], a[2], b[3], b[4], b[5])
+    return p + u, q + v, r + w, x, y, z
+
+
+@inlined
+def cross_wrench(a: Any, f: Any) -> tuple[float, float, float, float, float, float]:
+    """Return a x* f of a motion and a wrench."""
+    x, y, z = crossed(a[3], a[4], a[5], f[0], f[1], f[2])
+    p, q, r = crossed(a[3], a[4], a[5], f[3], f[4], f[5])
+    u, v, w = crossed(a[0], a[1], a[2], f[0], f[1], f[2])
+    return x, y, z, p + u, q + v, r + w
+
+
+@inlined
+def times_inertia(own: Any, a: Any) -> tuple[float, float, float, float, float, float]:
+    """Return I a, of a mass, first moment and moment of inertia."""
+    m, h = own.mass, own.first
+    x, y, z = crossed(a[3], a[4], a[5], h[0], h[1], h[2])
+    p, q, r = crossed(h[0], h[1], h[2], a[0], a[1], a[2])
+    u, v, w = symmetric_times(own.inertia, a[3], a[4], a[5])
+    return m * a[0] + x, m * a[1] + y, m * a[2] + z, p + u, q + v, r + w
