@@ -233,7 +233,6 @@ class Carrier:
                 self._piece(before)
             self._show(piece.a)
         self._piece(piece)
-        size = self._within.size
         while self._looks and (self._looks[0] - self._time) / size < piece.b + _AT_ONCE:
             self._show(piece.b)
 
@@ -265,7 +264,7 @@ class Carrier:
         frame = self._all.frame
         if self._way is None or self._way[0] is not frame:
             up = self.field.lift(frame, self._time, self._y).up
-            some: Array = np.random.default_rng(0).standard_normal(up.shape[1])
+            some = np.asarray(np.random.default_rng(0).standard_normal(up.shape[1]))
             *_, numbers, _, clock = self.field.parts
             some[up[numbers].any(axis=0) | up[clock].any(axis=0)] = 0.0  # what breaks does so in states
             unit = np.asarray(some / np.linalg.norm(some))
