@@ -233,7 +233,6 @@ class Carrier:
                 self._piece(before)
             self._show(piece.a)
         self._piece(piece)
-        size = self._within.size
         while self._looks and (self._looks[0] - self._time) / size < piece.b + _AT_ONCE:
             self._show(piece.b)
 
