@@ -126,6 +126,9 @@ def test_contacts_by_both_methods(after):
     runs, equation = (
         sensitivities(pair, keys, times, start=start, method=one) for one in ("runs", "equation")
     )
+    # The journal's mass: what moves it more moves all of it more, within a contact too.
+    momentum = equation.data["linear_momentum"].values[:, 0]
+    assert np.abs(equation.derivative("linear_momentum")[:, 0, 1] - momentum / 0.1).max() < 1e-8
     names = (
         "impulse",
         "dissipated",
