@@ -85,11 +85,8 @@ class Near:
             tangents: Derivatives of the rates, which know the system's numbers; None if there are none.
             coarse: :meth:`coarseness`.
         """
-        # Elements whose states slip have kinks that the stages' estimate was seen to miss.
-        joints = self.system.clearances
-        of_contacts = sum(len(getattr(j.friction, "state_scales", ())) * j.contacts for j in joints)
-        slipping = len(self.bristles) > of_contacts
-        if tangents is None or slipping or not Carrying.takes(self.stepper):
+        # Of elements that keep what they go by (springs that slip) stages were seen to be off unnoticed.
+        if tangents is None or len(self.kept) > 0 or not Carrying.takes(self.stepper):
             return None
         steps = coarse.copy()
         steps[self.parts[-1]] = 1.0 / STEP
