@@ -132,6 +132,7 @@ def stored(words, at, angle):
 '''
 
 
+@pytest.mark.slow
 def test_a_second_kind_in_springs_is_an_element_of_its_own(copy):
     """Run, told, drawn and kept: the energy it stores is in the ledger, or that would not close."""
     kernels = copy / "antenna_pin" / "elements" / "cubic_kernels.py"

@@ -68,6 +68,7 @@ def run(site, folder, *calls):
     return [json.loads(line).splitlines() for line in lines]
 
 
+@pytest.mark.slow
 def test_shipped_models_are_found_by_name_and_run(site, tmp_path):
     listed, ran = run(
         site,

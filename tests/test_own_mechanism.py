@@ -121,6 +121,7 @@ def test_figures_are_the_same_set_from_a_fresh_run_and_from_its_file(drawn, cran
     assert len(said.err.splitlines()) == 1 and not caplog.records
 
 
+@pytest.mark.slow
 def test_the_index_links_to_results_whose_names_have_spaces(drawn):
     (result,) = (drawn / "runs").glob("*.nc")
     assert " " in result.name

@@ -168,7 +168,7 @@ def carry_along(t: float, h: float, grade: int, origin: float, room: Any) -> Non
             for k in range(space.nv):
                 rates[k] = tangent.acceleration[k]
             for k in range(space.nx):
-                rates[space.nv + k] = tangent.rates[space.nv + k]
+                rates[space.nv + k] = tangent.drift[k]
         _note(i, h, speed, y, room)
         if i == 0:
             begin(stages, layout, work)

@@ -71,6 +71,7 @@ class TangentRoom(NamedTuple):
         step: Of ways, scratch, (nv,).
         tau: Generalized force, scratch, (nv,).
         rates: Of velocities and of x, scratch, (nv + nx,).
+        drift: Rates of x of the state itself, (nx,).
         poses: POSE, (2,): of a journal as it is, and displaced.
         remembered: MEMORY, scratch, (1,).
         freedoms: One freedom of a factor, scratch, (nv,).
@@ -108,6 +109,7 @@ class TangentRoom(NamedTuple):
     step: Any
     tau: Any
     rates: Any
+    drift: Any
     poses: Any
     remembered: Any
     freedoms: Any
@@ -149,6 +151,8 @@ def _prepare(t: float, y: Any, ways: Any, room: Any) -> None:
     evaluate(t, y, numbers.program, numbers.work, room.rates)
     if head.points < numbers.program.shape[0]:
         add_forces(t, y, numbers.program, numbers.tree, numbers.places, tau, room.rates)
+    for k in range(room.drift.shape[0]):
+        room.drift[k] = room.rates[nv + k]
     space, scratch = (numbers.tree, room.below), (room.places, room.room, room.mass, room.acceleration)
     prepare_changes(y, head.nq, space, numbers.gravity, tau, scratch, room.bodies)
 

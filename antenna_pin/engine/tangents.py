@@ -70,6 +70,7 @@ class Tangents:
             step=np.zeros(nv),
             tau=np.zeros(nv),
             rates=np.zeros(nv + nx),
+            drift=np.zeros(nx),
             poses=np.zeros(2, POSE),
             remembered=np.zeros(1, MEMORY),
             freedoms=np.zeros(max(nv, 6)),

@@ -46,9 +46,12 @@ class AlongStages:
         """Return how time goes along a piece of a step from a time [s], of a size [s].
 
         Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time since,
-        and likewise before a release.
+        and likewise before a release. At a kink there is no derivative, and differences have something of both
+        sides: where time goes with a square from or to there, it has no share.
         """
-        if piece.falling:
+        if piece.known[0]:
+            return 1, 0.0
+        if piece.falling or piece.known[1]:
             return -1, 0.0
         gone = max(time + piece.a * whole - self.since, 0.0)
         origin = math.sqrt(gone / (gone + (piece.b - piece.a) * whole)) if gone < math.inf else 1.0

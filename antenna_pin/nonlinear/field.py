@@ -86,6 +86,11 @@ class Field:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self._near.rates(time, y)
 
+    def lets_go(self, time: float, y: Array) -> bool:
+        """Whether a contact that touches has no force."""
+        touching = self.workspace.memory["touching"] != 0.0
+        return bool(touching.any()) and self._near.presses_not(time, y, touching)
+
     def flow(self, time: float, y: Array) -> Array:
         """Return the displacement per second that the system itself makes, (displacement,)."""
         return self._near.flow(time, y)

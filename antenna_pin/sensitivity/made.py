@@ -33,6 +33,8 @@ _RTOL = 1e-12
 # By how much the equation may differ from differences of second order of runs, over the larger of a number's
 # own size and its change over a scale.
 _APART = 1e-4
+# What says that the motion is not right, if runs contradict it.
+_MOTION = ("q", "v", "onset_time", "release_time", "event_time")
 
 Method = Literal["runs", "quick-runs", "equation"]
 """How results are differentiated."""
@@ -151,24 +153,28 @@ def _held_against(
 ) -> list[Slopes]:
     """Return what the equation gives, or refuse it where runs contradict it.
 
-    By how much the two differ is in doubt, too: next to its onset a law whose damping begins like depth^0.5
-    has no derivative, and what the equation leaves out there shows by the runs alone.
+    By how much the two differ is in doubt, too. Where the motion is right and a number of what it does is not
+    (the integral of a loss over an onset where it has no derivative, what a contact remembers that its law
+    does not ask for), that number is NaN: not told.
     """
     held = []
     for one, ours, theirs in zip(parameters, found, runs, strict=True):
-        doubts = {}
+        values, doubts = dict(ours.values), {}
         for name, value in ours.values.items():
             size = made.sizes[name] / one.scale
             size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
             off = np.abs(value - theirs.values[name]) - 2.0 * theirs.doubts[name] - ours.doubts[name]
-            if float(np.nanmax(off, initial=-math.inf)) > _APART * size:
+            contradict = float(np.nanmax(off, initial=-math.inf)) > _APART * size
+            if contradict and name in _MOTION:
                 raise SensitivityError(
                     f"sensitivities: over {one.key} the equation and runs contradict about {name}, by "
                     f"{float(np.nanmax(off)) / size:.2g} of its size: what that key changes is not all "
                     "carried; take method = 'runs'"
                 )
-            doubts[name] = np.fmax(ours.doubts[name], np.abs(value - theirs.values[name]))
-        held.append(ours._replace(doubts=doubts))
+            if contradict:
+                values[name] = np.where(off > _APART * size, math.nan, value)
+            doubts[name] = np.fmax(ours.doubts[name], np.abs(values[name] - theirs.values[name]))
+        held.append(Slopes(values, doubts))
     return held
 
 

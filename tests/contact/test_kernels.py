@@ -141,7 +141,7 @@ def test_a_law_is_written_by_the_names_of_its_record():
         elastic_code(7.0)
     with pytest.raises(ValueError, match="there is room for 6"):
         dissipation_record(*"abcdefg")
-    with pytest.raises(ValueError, match="numpy.record, got shape"):
+    with pytest.raises(ValueError, match="numpy.void, got shape"):
         dissipation_record("shape")
 
 

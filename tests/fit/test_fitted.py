@@ -164,6 +164,7 @@ def test_an_interrupted_fit_goes_on_bit_for_bit(write, tmp_path):
     xr.testing.assert_identical(open_fit(tmp_path / "fit.nc").drop_attrs(), found.data().drop_attrs())
 
 
+@pytest.mark.slow
 def test_an_interrupted_profile_goes_on_bit_for_bit(write, tmp_path):
     """What is asked for when the fit is done stays with its runs: none is made twice, none is lost."""
     plan, made = write(parameters=DAMPER), []

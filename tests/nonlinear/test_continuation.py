@@ -131,6 +131,7 @@ SWUNG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "values"),
     [

@@ -351,6 +351,7 @@ def command(result, tmp_path, monkeypatch):
     return run
 
 
+@pytest.mark.slow
 def test_a_picture_by_the_command(command, recording, tmp_path, browser):
     code, said, complaint = command(
         "--out", "run.png", "--at", "20 ms", "--speed", "1/4", "--size", "320x180"

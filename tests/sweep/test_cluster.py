@@ -49,6 +49,7 @@ def test_processes_of_this_machine_make_the_store_of_one_process(write, tmp_path
     assert two.read_bytes() == here.read_bytes()
 
 
+@pytest.mark.slow
 def test_a_stranger_on_this_machine_gives_no_orders(cluster):
     """Who has not the certificate of these very processes is refused by each of them, whatever uid it has."""
     about = cluster._client.scheduler_info()
