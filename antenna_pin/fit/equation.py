@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS
-from antenna_pin.dynamics import Workspace
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit.bench import Bench, at_times
 from antenna_pin.fit.pieces import from_origin, piece_start
@@ -33,11 +32,10 @@ from antenna_pin.fit.runs import (
 )
 from antenna_pin.fit.sensors import instants
 from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.frames import Lift, Units, parts_of, way_between
-from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.displacer import Displacer
+from antenna_pin.nonlinear.frames import Lift, Units
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.variational import Carrier
-from antenna_pin.records import memory_records
 from antenna_pin.sensitivity import GrazeError, SensitivityError
 from antenna_pin.simulation.from_scenario import check_without_controllers
 from antenna_pin.simulation.samples import Chunk
@@ -94,11 +92,10 @@ class _Equation:
         self._scales = np.fmax(np.abs(asked.values), rig.sizes)
         names = [keys[0] for keys in rig.keys]
         builds = [functools.partial(self._system, k) for k in range(self._count)]
-        self._kept = Kept(system)
+        self._next = Displacer(system, self._count)
         self._numbers = Numbers(system, builds, names)
         # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
-        self._numbers.slopes["program"][:, self._kept.words] = 0.0
-        self._parts = parts_of(system, len(self._kept), self._count)
+        self._numbers.slopes["program"][:, self._next.kept.words] = 0.0
 
     def _neighbour(self, k: int, s: float) -> Bench:
         """Return the test with one of its numbers so many sizes farther."""
@@ -135,21 +132,10 @@ class _Equation:
 
     def _apart(self, here: State, there: State) -> Array:
         """Return the displacement of a neighbour's first state, without that of a number itself."""
-        ours, theirs = (memory_records(one.memory) for one in (here, there))
-        if not np.array_equal(ours["touching"], theirs["touching"]):
+        found = self._next.between(here, there)
+        if found is None:
             raise GrazeError("other contacts touch where a neighbour starts", here.time)
-        way, rate, bristles, speeds, masses, _, kept, _ = self._parts
-        out, system = np.zeros(self._parts[-1].stop), self._here.system
-        out[way], out[rate] = way_between(system, here.q, there.q), there.v - here.v
-        at = np.asarray(system.bristle_x, dtype=int)
-        out[bristles] = there.x[at] - here.x[at]
-        touch = ours["touching"] != 0.0
-        for part, name in ((speeds, "approach_speed"), (masses, "effective_mass")):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                logs = np.log(theirs[name] / ours[name])
-            out[part] = np.where(touch & np.isfinite(logs), logs, 0.0)
-        out[kept] = self._kept.between(tuple(range(len(self._kept))), here, there)
-        return out
+        return found
 
     def _carried(self, piece: int, at: Array, times: Array, until: float) -> tuple[_Carried, State]:
         """Return the states of a piece's run at times and at its end, displaced, and its first state."""
@@ -161,8 +147,8 @@ class _Equation:
 
         columns = [_sixth(functools.partial(apart, one)) for one in neighbours]
         # A start without anything that is fitted has no columns.
-        ways = np.column_stack(columns) if columns else np.zeros((self._parts[-1].stop, 0))
-        ways[self._parts[-3], : self._count] = np.eye(self._count)
+        ways = np.column_stack(columns) if columns else np.zeros((self._next.parts[-1].stop, 0))
+        ways[self._next.parts[-3], : self._count] = np.eye(self._count)
 
         def start(lift: Lift) -> Array:
             return np.asarray(lift.down @ ways)
@@ -188,32 +174,15 @@ class _Equation:
 
     def _moved(self, carried: _Carried, column: int, s: float) -> Chunk:
         """Return states displaced along one of what is fitted so far."""
-        system, chunk = self._here.system, carried.chunk
-        nq, nv = system.model.nq, system.model.nv
-        way, rate, bristles, speeds, masses, _, kept, _ = self._parts
-        states, memories, programs = chunk.states.copy(), chunk.memories.copy(), []
-        at = nq + nv + np.asarray(system.bristle_x, dtype=int)
         number = column < self._count
-        there, workspace = self._at(column, s).system if number else system, Workspace(system)
-        for i, y in enumerate(states):
-            move = s * carried.ways[i, :, column]
-            workspace.retract(y, move[way])
-            y[nq : nq + nv] += move[rate]
-            y[at] += move[bristles]
-            memories[i]["approach_speed"] *= np.exp(move[speeds])
-            memories[i]["effective_mass"] *= np.exp(move[masses])
-            program = chunk.programs[i].copy()
-            if number:
-                program += s * carried.words[i, column]
-            program[self._kept.words] += move[kept]
-            programs.append(program)
-            there.turn_on(y)
-        return Chunk(chunk.times, states, memories, programs)
+        there = self._at(column, s).system if number else self._here.system
+        words = s * carried.words[:, column] if number else np.zeros((1, 1))
+        return self._next.states(carried.chunk, s * carried.ways[..., column], words, there)
 
     def _step(self, carried: _Carried, column: int) -> float:
         """Return a step of what is read along a displacement."""
         units = Units.of(self._here.system)
-        way, rate = self._parts[:2]
+        way, rate = self._next.parts[:2]
         sizes = [
             np.abs(carried.ways[:, part, column]) / unit
             for part, unit in ((way, units.way), (rate, units.rate))

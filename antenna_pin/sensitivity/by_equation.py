@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.differences import WEIGHTS
-from antenna_pin.dynamics import System, Workspace
+from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear import Flow
 from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.frames import Lift, parts_of, way_between
-from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.displacer import Displacer
+from antenna_pin.nonlinear.frames import Lift
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.variational import Carrier
-from antenna_pin.records import memory_records
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity.along import Along, Displaced
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
@@ -85,10 +84,9 @@ class ByEquation:
         self.flow = Flow(system, settings, events_of(scenario), scenario)
         builds = [functools.partial(self._system, k) for k in range(len(self._parameters))]
         self._numbers = Numbers(system, builds, [one.key for one in self._parameters])
-        self._kept = Kept(system)
+        self._next = Displacer(system, len(self._parameters))
         # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
-        self._numbers.slopes["program"][:, self._kept.words] = 0.0
-        self._parts = parts_of(system, len(self._kept), len(self._parameters))
+        self._numbers.slopes["program"][:, self._next.kept.words] = 0.0
 
     def _neighbour(self, k: int, s: float) -> Neighbour:
         """Return the scenario with a parameter so many scales farther."""
@@ -125,32 +123,21 @@ class ByEquation:
             )
             columns.append(WEIGHTS[0] @ (ahead - behind) / _START)
         ways = np.column_stack(columns)
-        ways[self._parts[-3]] = np.eye(len(self._parameters))
+        ways[self._next.parts[-3]] = np.eye(len(self._parameters))
         return np.asarray(lift.down @ ways)
 
     def _apart(self, k: int, s: float) -> Array:
         """Return the displacement of a neighbour's first state, without that of the parameter itself."""
-        here, there, system = self._here.first, self._made(k, s).first, self._here.system
-        ours, theirs = (memory_records(one.memory) for one in (here, there))
-        if not np.array_equal(ours["touching"], theirs["touching"]):
+        here = self._here.first
+        found = self._next.between(here, self._made(k, s).first)
+        if found is None:
             one = self._parameters[k]
             raise GrazeError(
                 f"sensitivities: with {one.key} = {one.value + s * one.scale:.9g} other contacts touch "
                 "at the start: it has no derivative there; start apart, or deeper",
                 here.time,
             )
-        way, rate, bristles, speeds, masses, _, kept, _ = self._parts
-        out = np.zeros(self._parts[-1].stop)
-        out[way], out[rate] = way_between(system, here.q, there.q), there.v - here.v
-        at = np.asarray(system.bristle_x, dtype=int)
-        out[bristles] = there.x[at] - here.x[at]
-        touch = ours["touching"] != 0.0
-        for part, name in ((speeds, "approach_speed"), (masses, "effective_mass")):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                logs = np.log(theirs[name] / ours[name])
-            out[part] = np.where(touch & np.isfinite(logs), logs, 0.0)
-        out[kept] = self._kept.between(tuple(range(len(self._kept))), here, there)
-        return out
+        return found
 
     def carried(self, times: Array, duration: float, moments: Array) -> Along:
         """Return the run with how parameters displace it, seen at some times and where contacts are deepest.
@@ -238,25 +225,9 @@ class ByEquation:
 
     def _displaced(self, displaced: Displaced, k: int, s: float) -> Chunk:
         """Return states displaced along a parameter so many scales."""
-        system, chunk = self._here.system, displaced.chunk
-        nq, nv = system.model.nq, system.model.nv
-        way, rate, bristles, speeds, masses, _, kept, _ = self._parts
-        states, memories, programs = chunk.states.copy(), chunk.memories.copy(), []
-        at = nq + nv + np.asarray(system.bristle_x, dtype=int)
-        there, workspace = self._made(k, s).system, Workspace(system)
-        for i, y in enumerate(states):
-            move = s * displaced.ways[i, :, k]
-            workspace.retract(y, move[way])
-            y[nq : nq + nv] += move[rate]
-            y[nq + nv :] += s * displaced.books[i, :, k]
-            y[at] = displaced.chunk.states[i, at] + move[bristles]
-            memories[i]["approach_speed"] *= np.exp(move[speeds])
-            memories[i]["effective_mass"] *= np.exp(move[masses])
-            program = chunk.programs[i] + s * displaced.words[i, k]
-            program[self._kept.words] += move[kept]
-            programs.append(program)
-            there.turn_on(y)
-        return Chunk(chunk.times, states, memories, programs)
+        every = displaced.ways[..., k], displaced.words[:, k], displaced.books[..., k]
+        moves, words, books = (s * one for one in every)
+        return self._next.states(displaced.chunk, moves, words, self._made(k, s).system, books)
 
 
 def _most(sizes: Array) -> Array:
