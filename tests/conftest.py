@@ -8,6 +8,7 @@ import io
 import json
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,8 @@ from antenna_pin.joints import ClearanceJoint
 # The same examples in every run, and no deadline, because a first example may compile kernels.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
+# As the first kernel sets it: Hypothesis complains of a limit that changes while it draws.
+sys.setrecursionlimit(max(sys.getrecursionlimit(), 10_000))
 
 # A shell has what it starts in the background ignore Ctrl-C, which many tests send to this process.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

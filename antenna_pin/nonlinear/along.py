@@ -46,8 +46,8 @@ class AlongStages:
         """Return how time goes along a piece of a step from a time [s], of a size [s].
 
         Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time since,
-        and likewise before a release. At a kink there is no derivative, and differences have something of both
-        sides: where time goes with a square from or to there, it has no share.
+        and likewise before a release. At a kink there is no derivative, and differences have some of both
+        sides': where time goes with a square from or to there, it has no share.
         """
         if piece.known[0]:
             return 1, 0.0
