@@ -50,6 +50,7 @@ class Field:
         kept: What elements keep.
         bristles: Where these stand in x, (bristles,).
         depths: How far contacts open along displacements.
+        lets_go: Whether a contact that touches has no force.
         round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
 
@@ -85,11 +86,6 @@ class Field:
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self._near.rates(time, y)
-
-    def lets_go(self, time: float, y: Array) -> bool:
-        """Whether a contact that touches has no force."""
-        touching = self.workspace.memory["touching"] != 0.0
-        return bool(touching.any()) and self._near.presses_not(time, y, touching)
 
     def flow(self, time: float, y: Array) -> Array:
         """Return the displacement per second that the system itself makes, (displacement,)."""

@@ -63,10 +63,17 @@ class Near:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self.stepper.rates(time, y)
 
-    def presses_not(self, time: float, y: Array, contacts: NDArray[np.bool_]) -> bool:
-        """Whether one of some contacts has no force, of an engine that is compiled."""
+    def lets_go(self, time: float, y: Array) -> bool:
+        """Whether a contact that touches has no force any more, of an engine that is compiled.
+
+        Its law has a kink where that begins, of which nobody tells: next to it steps are short, and what the
+        embedded estimates of a method see of it is as small.
+        """
+        touching = self.workspace.memory["touching"] != 0.0
+        if not touching.any():
+            return False
         self.rates(time, y)
-        return bool((self.stepper.numbers.own["force"][contacts] == 0.0).any())
+        return bool((self.stepper.numbers.own["force"][touching] == 0.0).any())
 
     def flow(self, time: float, y: Array) -> Array:
         """Return the displacement per second that the system itself makes, (displacement,)."""

@@ -145,8 +145,7 @@ class Carrier:
         flipped = np.flatnonzero(touched != touching).tolist()
         happened = self._saltation.has_happened()
         broken = any(one.last == run.stepper.t for one in run.watch.value())
-        if run.stepper.t > self._time:
-            # Behind an event the run's state may be another than the one that the step has led to.
+        if run.stepper.t > self._time:  # behind an event the state may be another than the step has led to
             end = None if happened else run.here.copy()
             self._within.begin(self._time, self._y, run.stepper.h, end)
             parting = [c for c in flipped if touching[c] == 0.0]
@@ -281,9 +280,11 @@ class Carrier:
 
     def _by_stages(self, piece: Piece, carried: Carried) -> Carried | None:
         """Return displacements behind a part of the step by the run's own stages; None where these cannot."""
-        if self.stages is None or all(piece.known) or self._lets_go(piece):
+        if self.stages is None or all(piece.known):
             return None
-        start = self._time, self._within.size, self._at(piece.a)
+        start, end = (self._time, self._within.size, self._at(piece.a)), self._at(piece.b)
+        if self.field.lets_go(self._time + piece.b * self._within.size, end):
+            return None
         lift = self.field.lift(carried.frame, self._time, self._y)
         found = self.stages.over(piece, start, lift, carried, _BY_STAGES * self._good)
         if found is None and piece.halvings > HALVINGS - _TRIES:
@@ -291,15 +292,6 @@ class Carrier:
             for half in piece.cut(0.5 * (piece.a + piece.b), False):
                 found = None if found is None else self._by_stages(half, found)
         return found
-
-    def _lets_go(self, piece: Piece) -> bool:
-        """Whether a contact that lasts presses no more at the end of a part of the step.
-
-        Its law has a kink there of which nobody tells: next to it steps are short, and what estimates see of
-        a jump of derivatives there is as small.
-        """
-        time, field = self._time + piece.b * self._within.size, self.field
-        return field.lets_go(time, self._at(piece.b))
 
     def _by_matrices(self, piece: Piece) -> None:
         """Carry the displacements over a part of the step, cut where it breaks and as short as it must be."""

@@ -34,6 +34,7 @@ def test_order_and_interruptions_do_not_show(write, tmp_path, fake, whole):
     assert (folder / "runs.nc").read_bytes() == whole
 
 
+@pytest.mark.slow
 def test_damage_is_found_and_made_again(write, tmp_path, fake, whole):
     """A bit flipped, or an end cut off, anywhere in the store: no wrong number, no other result lost."""
     folder = tmp_path / "whole.study"
