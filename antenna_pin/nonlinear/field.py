@@ -59,7 +59,7 @@ class Field:
         self._near = near = Near(system, settings, numbers)
         self.system, self.workspace, self._stepper = near.system, near.workspace, near.stepper
         self.kept, self.numbers = near.kept, near.numbers
-        self.bristles, self.parts = near.bristles, near.parts
+        self.bristles, self.parts, self.lets_go = near.bristles, near.parts, near.lets_go
         self.units = Units.of(near.system)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._tangents = near.tangents(self.units)
