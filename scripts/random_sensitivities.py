@@ -105,11 +105,11 @@ def compared(scenario: Scenario, keys: dict[str, str | float | None], contacts: 
         np.stack([getattr(one, kind)["v"][0] for one in found], axis=-1) * sizes
         for kind in ("values", "doubts")
     )
-    displaced, _ = ByEquation(scenario, parameters, settings).carried(at, span)
+    displaced = ByEquation(scenario, parameters, settings).carried(at, span, np.zeros(0)).displaced
     rates = slice(slopes.shape[0], 2 * slopes.shape[0])
-    ours, largest = displaced.ways[0][rates], float(np.abs(slopes).max())
+    ours, largest = displaced.ways[-1][rates], float(np.abs(slopes).max())
     apart = np.abs(ours - slopes).max() / largest
-    doubt = (displaced.doubts[0] * np.linalg.norm(ours, axis=0)).max() / largest
+    doubt = (displaced.doubts[-1] * np.linalg.norm(ours, axis=0)).max() / largest
     began = int((runs.run.data["onset_time"].values <= span).sum())
     return Verdict(float(apart), float(doubts.max() / largest), float(doubt), began, len(parameters))
 
