@@ -111,12 +111,6 @@ class Tangents:
         self.room = self.room._replace(shifts=shifts, seen=seen)
         return True
 
-    @property
-    def has_bristles(self) -> bool:
-        """Whether an element at joints has any."""
-        parts = self.room.parts
-        return bool((parts["bristle_end"] > parts["bristle"]).any())
-
     @staticmethod
     def takes(system: System) -> bool:
         """Whether a system is one whose rates are differentiated part by part."""

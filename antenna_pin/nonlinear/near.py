@@ -97,18 +97,9 @@ class Near:
             tangents: Derivatives of the rates, which know the system's numbers; None if there are none.
             coarse: :meth:`coarseness`.
         """
-        # Of elements that keep what they go by (springs that slip), and of those with bristles, stages were
-        # seen to be off by 2e-6 and 5e-6 and not to notice.
-        if (
-            tangents is None
-            or len(self.kept) > 0
-            or tangents.has_bristles
-            or not Carrying.takes(self.stepper)
-        ):
-            return None
-        # Of elements that keep what they go by (springs that slip), and of those with bristles, stages were
-        # seen to be off by 2e-6 and 5e-6 and not to notice.
-        if len(self.kept) > 0 or tangents.has_bristles:
+        # Of elements that keep what they go by (springs that slip), and of bristles, stages were seen to be
+        # off by 2e-6 to 5e-6 and not to notice.
+        if tangents is None or len(self.kept) + len(self.bristles) > 0 or not Carrying.takes(self.stepper):
             return None
         steps = coarse.copy()
         steps[self.parts[-1]] = 1.0 / STEP
