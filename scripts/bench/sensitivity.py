@@ -59,9 +59,9 @@ def carried_over(model: Scenario, keys: dict[str, str | float | None], span: flo
     flow, start = flow_of(model, TIGHT)
     end = np.array([span])
     flow.after(start, span)
-    made.carried(end, span)
+    made.carried(end, span, np.zeros(0))
     once = min(seconds(lambda: flow.after(start, span)) for _ in range(5))
-    return min(seconds(lambda: made.carried(end, span)) for _ in range(3)) / once
+    return min(seconds(lambda: made.carried(end, span, np.zeros(0))) for _ in range(3)) / once
 
 
 def main() -> int:
