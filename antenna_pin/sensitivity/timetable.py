@@ -10,14 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from antenna_pin.dynamics import Workspace
-from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.near import Near
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.pieces import Piece
+from antenna_pin.nonlinear.within import Within
 from antenna_pin.records import CONTACT
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.stretches import stepper_of
 
 __all__ = ["Look", "Pilot", "timetable"]
 
@@ -66,15 +64,14 @@ class Pilot:
         self.deepest: list[tuple[int, float]] = []
         self._passages: list[object] = []
         run.actions.passages = self._passages  # type: ignore[assignment]
-        self._own = Workspace(run.system)
-        settings = run.settings
-        self._dense = stepper_of(self._own, method_named(settings.method), run.stepper.scales, settings)
+        self._within = Within(run)
+        self._own = self._within.workspace
         self._table = np.zeros(len(self._own.table), CONTACT)
         self._take_over(run)
 
     def _take_over(self, run: Run) -> None:
         self._time, self._y = run.stepper.t, run.here.copy()
-        self._own.memory[:], self._own.program[:] = run.workspace.memory, run.workspace.program
+        self._within.take_over(run)
 
     def look(self, run: Run) -> None:
         """Look at a step that the run has made."""
@@ -83,9 +80,7 @@ class Pilot:
         changes = bool(self._passages) or not np.array_equal(touched, touching)
         self._passages.clear()
         if time > self._time:
-            self._dense.restart(self._time, self._y)
-            self._dense.attempt(run.stepper.h)
-            self._dense.prepare_dense()
+            self._within.begin(self._time, self._y, run.stepper.h, None)
             if touched.any():
                 self._look_for_deepest(np.flatnonzero(touched).tolist(), run.stepper.h)
             self.idle.append(not touched.any() and self._is_idle(run.stepper.h))
@@ -101,12 +96,9 @@ class Pilot:
 
     def _look_for_deepest(self, contacts: list[int], size: float) -> None:
         """Find where depths are largest within a step [s]."""
-        dense = self._dense
 
         def rate(theta: float, c: int) -> float:
-            y = np.zeros_like(self._y)
-            dense.interpolate(theta, y)
-            self._own.locate(y, self._table)
+            self._own.locate(self._within.at(theta), self._table)
             return float(self._table["rate"][c])
 
         found = []
@@ -118,11 +110,11 @@ class Pilot:
 
     def _is_idle(self, size: float) -> bool:
         """Whether nothing is integrated at begin, middle and end of a step, with any number moved either."""
-        near, y = self._near, np.zeros_like(self._y)
+        near = self._near
         near.workspace.memory[:], near.workspace.program[:] = self._own.memory, self._own.program
         nv, count = near.system.model.nv, near.parts[-3].stop - near.parts[-3].start
         for theta in (0.0, 0.5, 1.0):
-            self._dense.interpolate(theta, y)
+            y = self._within.at(theta)
             for k in range(-1, count):
                 moved = np.zeros(near.parts[-1].stop)
                 moved[near.parts[-3]][k:][:1] = 0.0 if k < 0 else _MOVED
