@@ -106,21 +106,24 @@ def bounces(t, restitution, floor, speed, pull):
         instants.append(at)
 
 
+#: What a bouncing ball is differentiated over, and in which scales.
+BALL = {
+    "stops.floor.restitution": 0.8,
+    "stops.floor.lower": 0.0,
+    "initial.joints.way.velocity": SPEED,
+    "mechanism.gravity[0]": PULL,
+}
+SCALES = {key: 0.1 if value == 0.0 else None for key, value in BALL.items()}
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_bouncing_ball_in_all_its_numbers(scenario, method):
     """Restitution, place of the floor, first speed and gravity, behind two and three impacts."""
-    values = {
-        "stops.floor.restitution": 0.8,
-        "stops.floor.lower": 0.0,
-        "initial.joints.way.velocity": SPEED,
-        "mechanism.gravity[0]": PULL,
-    }
-    scales = {key: 0.1 if value == 0.0 else None for key, value in values.items()}
     times = np.array([0.2, 0.7, 1.4])
-    found = sensitivities(scenario(FLOOR), scales, times, method=method)
-    for k, (key, value) in enumerate(values.items()):
+    found = sensitivities(scenario(FLOOR), SCALES, times, method=method)
+    for k, (key, value) in enumerate(BALL.items()):
         sign = -1.0 if key.startswith("mechanism") else 1.0
-        stepped = [one + 1e-30j * (i == k) for i, one in enumerate(values.values())]
+        stepped = [one + 1e-30j * (i == k) for i, one in enumerate(BALL.values())]
         for i, t in enumerate(times):
             exact = bounces(t, *stepped)[:2]
             for name, one in zip(("slide_position", "slide_rate"), exact, strict=True):

@@ -7,6 +7,7 @@ from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import pointing_indices
 from antenna_pin.sensitivity import sensitivities
 from tests.sensitivity.test_closed_forms import (
+    BALL,
     BASE,
     COIL,
     DAMPING,
@@ -14,6 +15,7 @@ from tests.sensitivity.test_closed_forms import (
     MASS,
     PLACE,
     PULL,
+    SCALES,
     SPEED,
     STIFFNESS,
     URDF,
@@ -45,17 +47,10 @@ def blows(restitution, floor, speed, pull):
 
 def test_what_blows_take(tmp_path):
     """Of each its instant, loss (1 - e^2) m v^2 / 2 and impulse m (1 + e) v; and the sum of losses."""
-    values = {
-        "stops.floor.restitution": 0.8,
-        "stops.floor.lower": 0.0,
-        "initial.joints.way.velocity": SPEED,
-        "mechanism.gravity[0]": PULL,
-    }
-    scales = {key: 0.1 if value == 0.0 else None for key, value in values.items()}
-    found = sensitivities(mass(tmp_path, FLOOR), scales, [0.7, 1.4], method="equation")
-    for k, (key, value) in enumerate(values.items()):
+    found = sensitivities(mass(tmp_path, FLOOR), SCALES, [0.7, 1.4], method="equation")
+    for k, (key, value) in enumerate(BALL.items()):
         sign = -1.0 if key.startswith("mechanism") else 1.0
-        stepped = [one + 1e-30j * (i == k) for i, one in enumerate(values.values())]
+        stepped = [one + 1e-30j * (i == k) for i, one in enumerate(BALL.values())]
         for name, exact in zip(
             ("change_time", "change_loss", "change_impulse"), blows(*stepped), strict=True
         ):
