@@ -9,6 +9,7 @@ import json
 import os
 import signal
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -108,6 +109,16 @@ class Page:
     def run(self, code: str, *arguments: Any) -> Any:
         """Return what JavaScript returns: a function's body, which may ``await``; ``a`` are its arguments."""
         return self.browser.run(code, *arguments)
+
+    def settles(self, wanted: Any, code: str, *arguments: Any) -> Any:
+        """Return what JavaScript returns, looked at again for 10 s at most until it is what is wanted.
+
+        What a page does after an event comes frames later, however many a busy machine leaves it.
+        """
+        until = time.monotonic() + 10.0
+        while (seen := self.run(code, *arguments)) != wanted and time.monotonic() < until:
+            time.sleep(0.02)
+        return seen
 
     def press(self, key: str, *, shift: bool = False) -> None:
         """Press a key as a person does: it goes to what has the focus."""

@@ -63,7 +63,7 @@ def test_dark_as_the_system_says_or_as_the_reader_chooses(opened):
     choose = (
         "const one = document.querySelector('.theme select'); one.value = a[0];"
         "one.dispatchEvent(new Event('change')); await AntennaPin.ready;"
-        "await new Promise((done) => setTimeout(done, 100));"
+        "await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));"
         "return AntennaPin.players[0].root.classList.contains('ap-dark');"
     )
     opened.run("await AntennaPin.ready; document.querySelector('.ap-frame').scrollIntoView();")
@@ -104,11 +104,12 @@ def test_contents_of_a_phone_fold_into_a_line(page, saved):
     assert page.run(seen)
     page.press("Escape")
     assert not page.run(seen)
-    assert page.run(
-        "document.getElementById('base').scrollIntoView(); await new Promise((f) => setTimeout(f, 100));"
+    page.run("document.getElementById('base').scrollIntoView();")
+    where = (
         "const nav = document.querySelector('nav');"
         "return [nav.querySelector('.unfold').textContent, nav.getBoundingClientRect().top];"
-    ) == ["Base", 0]
+    )
+    assert page.settles(["Base", 0], where) == ["Base", 0]
 
 
 def test_one_figure_of_a_section_is_seen_at_a_time_by_keys_too(opened):
@@ -139,9 +140,8 @@ def test_a_figure_is_enlarged_moved_and_closed(opened):
     # The wheel enlarges about the pointer: what is under it stays.
     x, y = 500.0, 400.0
     opened.browser.command("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=-400)
-    opened.run("await new Promise((done) => setTimeout(done, 200));")
+    assert opened.settles(True, f"const box = (() => {{ {place} }})(); return box[2] > a[0];", 1.5 * width)
     nearer = opened.run(place)
-    assert nearer[2] > 1.5 * width
     for before, after, size, larger, at in (
         (left, nearer[0], width, nearer[2], x),
         (top, nearer[1], height, nearer[3], y),
