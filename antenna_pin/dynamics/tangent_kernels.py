@@ -12,7 +12,7 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import element_forces
 from antenna_pin.dynamics.link_kernels import add_forces
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, apart, clear, goes_on, keep
+from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
 from antenna_pin.integrate.manifold_kernels import factor_of, move_by_velocity, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
@@ -86,18 +86,16 @@ def _move(part: Any, kind: int, s: int, n: int, y: Any, h: float, room: Any) -> 
 def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: Any) -> int:
     """Write the derivatives of what an element does over one number to ``room.column``; return how many."""
     kind, s, n = about
-    best, count, forces = -1.0, 0, part.freedoms[0] + part.freedoms[1]
+    best, count, forces, points = -1.0, 0, part.freedoms[0] + part.freedoms[1], room.weights.shape[1]
     whole = forces + part.x_end - part.x
     for _ in range(OFTEN):
         clear(room.trial, whole)
-        for point in range(room.weights.shape[1]):
-            for side in (1.0, -1.0):
-                h = side * (point + 1.0) * step
-                _move(part, kind, s, n, y, h, room)
-                count = _act(part, t + h if kind == 3 else t, room)
-                add(room.looked, count, side, point, step, room.weights, room.trial)
-        off = apart(room.trial, room.looked, step, 0, forces)
-        off = max(off, apart(room.trial, room.looked, step, forces, whole))
+        for place in range(-points, points + 1):
+            _move(part, kind, s, n, y, place * step, room)
+            count = _act(part, t + place * step if kind == 3 else t, room)
+            add(room.looked, count, place, step, room.weights, room.trial)
+        off = judge(room.trial, room.looked, step, 0, forces)
+        off = max(off, judge(room.trial, room.looked, step, forces, whole))
         best = keep(room.trial, whole, off, best, room.column)
         if not goes_on(off, best):
             break

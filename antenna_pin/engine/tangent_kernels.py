@@ -77,7 +77,7 @@ class TangentRoom(NamedTuple):
         freedoms: One freedom of a factor, scratch, (nv,).
         looked: What is looked at, scratch, (values,).
         change: How it changes, scratch, (values,).
-        trial: Its differences, scratch, (kinds, values).
+        trial: Its differences, then how it bends, scratch, (kinds + 1, values).
         column: Those that are kept, (kinds, values).
         geometry: Those of a joint's contacts, of each way, (6, kinds, values).
         asked: What laws are asked with, scratch.

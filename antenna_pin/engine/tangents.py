@@ -76,7 +76,7 @@ class Tangents:
             freedoms=np.zeros(max(nv, 6)),
             looked=np.zeros(values),
             change=np.zeros(values),
-            trial=np.zeros((kinds, max(values, said))),
+            trial=np.zeros((kinds + 1, max(values, said))),
             column=np.zeros((kinds, values)),
             geometry=np.zeros((6, kinds, looked)),
             asked=np.zeros(asked),

@@ -1,8 +1,13 @@
 """Central differences of two orders whose step is made finer while the orders disagree, compiled.
 
-Who wants the derivative of something along one direction begins with :func:`clear`, adds what it is at each
-neighbour (:func:`add`), and asks :func:`keep` whether that will do. A trial is (kinds, values), of each kind
-of differences, the finest order first.
+Who wants the derivative of something along one direction begins with :func:`clear`, adds what it is on the
+spot and at each neighbour (:func:`add`), and asks :func:`judge` and :func:`keep` whether that will do. A trial
+has a row for each kind of differences, the finest order first, and one for how the function bends.
+
+Central differences of any order agree on the middle of two derivatives where a kink is nearer than their step:
+they part by a share of the step as small as that distance, and the more the finer the step, until it is
+straddled no more. Differences of even order see a kink; so the bend counts, as that of
+:mod:`antenna_pin.differences`, and is what the other orders are told to be off by.
 """
 
 from __future__ import annotations
@@ -18,6 +23,12 @@ OFTEN, FINER = 8, 8.0
 #: Difference of the orders over the derivative that is good enough.
 _GOOD = 1e-10
 _UNSURE = 16.0 * float(np.finfo(float).eps)
+# By how much more the orders may differ with a finer step where one yet finer is worth trying: what jumps, next
+# to a jump, differs by the same share of its derivative until it is straddled no more.
+_NO_BETTER = 2.0
+# Of half the jump of a slope on the spot: of the value there, and of those at 1, 2 and 3 steps on both sides.
+# What a smooth function has of the second and fourth order goes.
+_BEND = np.array([-20.0, 15.0, -6.0, 1.0]) / 12.0
 
 
 @inlined
@@ -29,28 +40,41 @@ def clear(trial: Any, count: int) -> None:
 
 
 @inlined
-def add(values: Any, count: int, side: float, point: int, step: float, weights: Any, trial: Any) -> None:
-    """Add the values at ``side (point + 1) step`` to a trial, by ``weights``, (kinds, points)."""
-    for kind in range(trial.shape[0]):
-        weight = side * weights[kind, point] / step
-        if weight != 0.0:
-            for i in range(count):
-                trial[kind, i] += weight * values[i]
+def add(values: Any, count: int, place: int, step: float, weights: Any, trial: Any) -> None:
+    """Add the values at ``place`` steps to a trial, by ``weights``, (kinds, points)."""
+    kinds, away = weights.shape[0], abs(place)
+    if away > 0:
+        for kind in range(kinds):
+            weight = weights[kind, away - 1] / step
+            if weight != 0.0:
+                weight = weight if place > 0 else -weight
+                for i in range(count):
+                    trial[kind, i] += weight * values[i]
+    bend = _BEND[away] / step
+    for i in range(count):
+        trial[kinds, i] += bend * values[i]
 
 
 @inlined
-def apart(trial: Any, values: Any, step: float, first: int, last: int) -> float:
+def judge(trial: Any, values: Any, step: float, first: int, last: int) -> float:
     """Return by how much two orders differ in ``first <= i < last``, over the largest derivative there.
 
-    What the round-off of values makes of it does not count: it is all there is where a derivative is zero.
+    Where the function bends by more than that, the second order becomes what differs by the bend. What the
+    round-off of values makes of it does not count: it is all there is where a derivative is zero.
     """
-    largest, off, size = 0.0, 0.0, 0.0
+    largest, off, size, bends = 0.0, 0.0, 0.0, trial.shape[0] - 1
+    for i in range(first, last):
+        size = max(size, abs(values[i]))
+    noise = _UNSURE * size / step
     for i in range(first, last):
         largest = max(largest, abs(trial[0, i]))
-        off = max(off, abs(trial[0, i] - trial[1, i]))
-        size = max(size, abs(values[i]))
-    off -= _UNSURE * size / step
-    return off / largest if off > 0.0 else 0.0
+        apart, bend = abs(trial[0, i] - trial[1, i]), abs(trial[bends, i])
+        if bend > max(apart, noise):
+            trial[1, i] = trial[0, i] + bend
+            apart = bend
+        off = max(off, apart)
+    off -= noise
+    return off / max(largest, off) if off > 0.0 else 0.0
 
 
 @inlined
@@ -58,15 +82,15 @@ def keep(trial: Any, count: int, off: float, best: float, out: Any) -> float:
     """Keep a trial that is better than the best yet (below 0: none); return by how much orders now differ.
 
     Args:
-        trial: It.
+        trial: It, judged.
         count: How many values it has.
         off: By how much its orders differ.
         best: By how much the orders of what is kept differ.
-        out: To write to, as the trial.
+        out: To write to, (kinds, values).
     """
     if best >= 0.0 and not off < best:
         return best
-    for kind in range(trial.shape[0]):
+    for kind in range(out.shape[0]):
         for i in range(count):
             out[kind, i] = trial[kind, i]
     return off
@@ -74,5 +98,5 @@ def keep(trial: Any, count: int, off: float, best: float, out: Any) -> float:
 
 @inlined
 def goes_on(off: float, best: float) -> bool:
-    """Whether a finer step is worth trying: what was found last is no good, and the best yet."""
-    return best > _GOOD and off <= best
+    """Whether a finer step is worth trying: nothing found is good, and the last is about as good as the best."""
+    return best > _GOOD and off <= _NO_BETTER * best

@@ -12,7 +12,7 @@ from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, bristle_force
 from antenna_pin.contact.kernels import NORMAL_SIZE
 from antenna_pin.geometry.kernels import FLANGE
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, apart, clear, goes_on, keep
+from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
 from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.kernels import contact_motion
@@ -106,14 +106,14 @@ def _geometry_apart(p: Any, b: int, step: float, room: Any) -> float:
         if room.numbers.memory[j.row + k].touching != 0.0:
             at, trial = FIRST + k * LOOKED, room.trial
             for first, last in ((GAP, NORMAL), (NORMAL, POINT), (POINT, RATE), (RATE, TWIRL)):
-                worst = max(worst, apart(trial, room.looked, step, at + first, at + last))
+                worst = max(worst, judge(trial, room.looked, step, at + first, at + last))
     return worst
 
 
 @kernel
 def differentiate_geometry(p: Any, b: int, f: int, y: Any, way: Any, room: Any, out: Any) -> None:
     """Write the derivatives of what is looked at along a way of a joint, (kinds, looked)."""
-    j, units, count = joint_at(p, b), room.units, 0
+    j, units, points = joint_at(p, b), room.units, room.weights.shape[1]
     count = FIRST + j.contacts * LOOKED
     size = 0.0
     for k in range(3 if j.planar != 0 else 6):
@@ -124,11 +124,10 @@ def differentiate_geometry(p: Any, b: int, f: int, y: Any, way: Any, room: Any, 
     step, best = _WAY / size, -1.0
     for _ in range(OFTEN):
         clear(room.trial, count)
-        for point in range(room.weights.shape[1]):
-            for side in (1.0, -1.0):
-                displace_joint(f, y, side * (point + 1.0) * step, way, room)
-                _look_at_joint(p, b, room)
-                add(room.looked, count, side, point, step, room.weights, room.trial)
+        for place in range(-points, points + 1):
+            displace_joint(f, y, place * step, way, room)
+            _look_at_joint(p, b, room)
+            add(room.looked, count, place, step, room.weights, room.trial)
         off = _geometry_apart(p, b, step, room)
         best = keep(room.trial, count, off, best, out)
         if not goes_on(off, best):
@@ -141,15 +140,14 @@ def differentiate_geometry(p: Any, b: int, f: int, y: Any, way: Any, room: Any, 
 def differentiate_geometry_over(p: Any, b: int, m: int, room: Any, out: Any) -> None:
     """Write the derivatives of what is looked at over number m of the system, (kinds, looked)."""
     words, count = room.shifts.program, FIRST + joint_at(p, b).contacts * LOOKED
-    step, best = room.shifts.steps[m], -1.0
+    step, best, points = room.shifts.steps[m], -1.0, room.weights.shape[1]
     note_words(p, words, m)
     for _ in range(OFTEN):
         clear(room.trial, count)
-        for point in range(room.weights.shape[1]):
-            for side in (1.0, -1.0):
-                displace_words(p, words, m, side * (point + 1.0) * step)
-                _look_at_joint(p, b, room)
-                add(room.looked, count, side, point, step, room.weights, room.trial)
+        for place in range(-points, points + 1):
+            displace_words(p, words, m, place * step)
+            _look_at_joint(p, b, room)
+            add(room.looked, count, place, step, room.weights, room.trial)
         off = _geometry_apart(p, b, step, room)
         best = keep(room.trial, count, off, best, out)
         if not goes_on(off, best):
@@ -208,7 +206,7 @@ def _first_step(p: Any, b: int, k: int, i: int, room: Any) -> float:
 @kernel
 def differentiate_laws(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> None:
     """Write the derivatives of what the laws of a contact say to ``room.laws[k]``, (asked, kinds, said)."""
-    j = joint_at(p, b)
+    j, points = joint_at(p, b), room.weights.shape[1]
     states, said = j.stride - BRISTLES, V_BRISTLE + j.stride - BRISTLES
     _ask_with(p, b, k, y, x0, row, room)
     for i in range(A_BRISTLE + states):
@@ -220,13 +218,12 @@ def differentiate_laws(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: 
         here, step, best = room.asked[i], _first_step(p, b, k, i, room), -1.0
         for _ in range(OFTEN):
             clear(room.trial, said)
-            for point in range(room.weights.shape[1]):
-                for side in (1.0, -1.0):
-                    room.asked[i] = here + side * (point + 1.0) * step
-                    _say(p, b, k, room)
-                    add(room.said, said, side, point, step, room.weights, room.trial)
-            off = apart(room.trial, room.said, step, 0, V_BRISTLE)
-            off = max(off, apart(room.trial, room.said, step, V_BRISTLE, said))
+            for place in range(-points, points + 1):
+                room.asked[i] = here + place * step
+                _say(p, b, k, room)
+                add(room.said, said, place, step, room.weights, room.trial)
+            off = judge(room.trial, room.said, step, 0, V_BRISTLE)
+            off = max(off, judge(room.trial, room.said, step, V_BRISTLE, said))
             best = keep(room.trial, said, off, best, room.laws[k, i])
             if not goes_on(off, best):
                 break
@@ -241,17 +238,16 @@ def differentiate_laws_over(p: Any, b: int, k: int, m: int, room: Any, out: Any)
     They are asked with what :func:`differentiate_laws` has left.
     """
     words, said = room.shifts.program, V_BRISTLE + joint_at(p, b).stride - BRISTLES
-    step, best = room.shifts.steps[m], -1.0
+    step, best, points = room.shifts.steps[m], -1.0, room.weights.shape[1]
     note_words(p, words, m)
     for _ in range(OFTEN):
         clear(room.trial, said)
-        for point in range(room.weights.shape[1]):
-            for side in (1.0, -1.0):
-                displace_words(p, words, m, side * (point + 1.0) * step)
-                _say(p, b, k, room)
-                add(room.said, said, side, point, step, room.weights, room.trial)
-        off = apart(room.trial, room.said, step, 0, V_BRISTLE)
-        off = max(off, apart(room.trial, room.said, step, V_BRISTLE, said))
+        for place in range(-points, points + 1):
+            displace_words(p, words, m, place * step)
+            _say(p, b, k, room)
+            add(room.said, said, place, step, room.weights, room.trial)
+        off = judge(room.trial, room.said, step, 0, V_BRISTLE)
+        off = max(off, judge(room.trial, room.said, step, V_BRISTLE, said))
         best = keep(room.trial, said, off, best, out)
         if not goes_on(off, best):
             break
