@@ -198,14 +198,9 @@ def add_link_changes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: An
     """
     numbers = room.numbers
     for d in range(ways.shape[0]):
-        if not _moves(ways[d], room.first_number[0]) and ways[d, ways.shape[1] - 1] == 0.0:
-            continue
-        for point in range(room.weights.shape[1]):
-            for side in (1.0, -1.0):
-                h = side * (point + 1.0) * steps[d]
-                _displace(y, ways[d], h, room)
-                _pull(t + h * ways[d, ways.shape[1] - 1], room)
-                _add_pull(side / steps[d], point, d, room, out)
+        if _moves(ways[d], room.first_number[0]) or ways[d, ways.shape[1] - 1] != 0.0:
+            _differentiate_links(t, y, ways[d], -1, steps[d], room)
+            _add_pull(1.0, d, room, out)
     for i in range(y.shape[0]):
         room.state[0, i] = y[i]
     shifts = room.shifts
@@ -215,16 +210,11 @@ def add_link_changes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: An
             continue
         note_words(numbers.program, shifts.program, m)
         note_words(shifts.flat, shifts.tree, m)
-        for point in range(room.weights.shape[1]):
-            for side in (1.0, -1.0):
-                h = side * (point + 1.0) * shifts.steps[m]
-                displace_words(numbers.program, shifts.program, m, h)
-                displace_words(shifts.flat, shifts.tree, m, h)
-                _pull(t, room)
-                for d in range(ways.shape[0]):
-                    _add_pull(side * ways[d, at] / shifts.steps[m], point, d, room, out)
+        _differentiate_links(t, y, ways[0], m, shifts.steps[m], room)
         put_back_words(numbers.program, shifts.program, m)
         put_back_words(shifts.flat, shifts.tree, m)
+        for d in range(ways.shape[0]):
+            _add_pull(ways[d, at], d, room, out)
 
 
 @inlined
@@ -236,23 +226,56 @@ def _moves(way: Any, count: int) -> bool:
     return found
 
 
+@kernel
+def _differentiate_links(t: float, y: Any, way: Any, m: int, step: float, room: Any) -> None:
+    """Write the derivatives of what elements on links do to ``room.column``: along a way, or over number m."""
+    numbers, shifts, nv, best = room.numbers, room.shifts, room.tau.shape[0], -1.0
+    whole, points = _pulls(room), room.weights.shape[1]
+    for _ in range(OFTEN):
+        clear(room.trial, whole)
+        for place in range(-points, points + 1):
+            h = place * step
+            if m < 0:
+                _displace(y, way, h, room)
+                _pull(t + h * way[way.shape[0] - 1], room)
+            else:
+                displace_words(numbers.program, shifts.program, m, h)
+                displace_words(shifts.flat, shifts.tree, m, h)
+                _pull(t, room)
+            add(room.looked, whole, place, step, room.weights, room.trial)
+        off = max(judge(room.trial, room.looked, step, 0, nv), judge(room.trial, room.looked, step, nv, whole))
+        best = keep(room.trial, whole, off, best, room.column)
+        if not goes_on(off, best):
+            break
+        step /= FINER
+
+
+@inlined
+def _pulls(room: Any) -> int:
+    """Return how many numbers elements on links change: forces, and the rates of what they integrate."""
+    return int(room.rates.shape[0] - room.links_x[0])
+
+
 @inlined
 def _pull(t: float, room: Any) -> None:
-    """Write what elements on links do in ``room.state`` to ``room.tau`` and ``room.rates``."""
-    numbers = room.numbers
-    for k in range(room.tau.shape[0]):
-        room.tau[k] = 0.0
-    add_forces(t, room.state[0], numbers.program, numbers.tree, numbers.places, room.tau, room.rates)
+    """Write what elements on links do in ``room.state`` to ``room.looked``."""
+    numbers, tau, rates, first = room.numbers, room.tau, room.rates, room.links_x[0]
+    nv = tau.shape[0]
+    for k in range(nv):
+        tau[k] = 0.0
+    add_forces(t, room.state[0], numbers.program, numbers.tree, numbers.places, tau, rates)
+    for k in range(nv):
+        room.looked[k] = tau[k]
+    for k in range(nv, _pulls(room)):
+        room.looked[k] = rates[first + k]
 
 
 @inlined
-def _add_pull(share: float, point: int, d: int, room: Any, out: Any) -> None:
-    """Add it to the differences along displacement d."""
-    nv = room.tau.shape[0]
+def _add_pull(share: float, d: int, room: Any, out: Any) -> None:
+    """Add a share of ``room.column`` to the derivatives along displacement d."""
+    nv, first = room.tau.shape[0], room.links_x[0]
+    if share == 0.0:
+        return
     for kind in range(out.shape[0]):
-        weight = share * room.weights[kind, point]
-        if weight != 0.0:
-            for k in range(nv):
-                out[kind, d, k] += weight * room.tau[k]
-            for k in range(nv + room.links_x[0], out.shape[2]):
-                out[kind, d, k] += weight * room.rates[k]
+        for k in range(_pulls(room)):
+            out[kind, d, k if k < nv else first + k] += share * room.column[kind, k]

@@ -50,7 +50,7 @@ class Tangents:
         bristle_of[bristles] = np.arange(len(bristles))
         of_parts = [int(part["freedoms"].sum() + part["x_end"] - part["x"]) for part in parts]
         looked = slope_kernels.FIRST + contacts * slope_kernels.LOOKED
-        values, kinds = max(looked, *of_parts, 0), len(weights)
+        values, kinds = max(looked, *of_parts, nv + nx), len(weights)
         asked = slope_kernels.A_BRISTLE + slope_kernels.STATES
         said = slope_kernels.V_BRISTLE + slope_kernels.STATES
         self._answers = stepper.answers
