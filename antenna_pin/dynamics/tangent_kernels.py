@@ -228,11 +228,15 @@ def _moves(way: Any, count: int) -> bool:
 
 @kernel
 def _differentiate_links(t: float, y: Any, way: Any, m: int, step: float, room: Any) -> None:
-    """Write the derivatives of what elements on links do to ``room.column``: along a way, or over number m."""
-    numbers, shifts, nv, best = room.numbers, room.shifts, room.tau.shape[0], -1.0
+    """Write the derivatives of what elements on links do to ``room.column``.
+
+    They are along a displacement if m is below 0, else over number m of the system.
+    """
+    numbers, shifts, trial, looked = room.numbers, room.shifts, room.trial, room.looked
+    nv, best = room.tau.shape[0], -1.0
     whole, points = _pulls(room), room.weights.shape[1]
     for _ in range(OFTEN):
-        clear(room.trial, whole)
+        clear(trial, whole)
         for place in range(-points, points + 1):
             h = place * step
             if m < 0:
@@ -242,9 +246,9 @@ def _differentiate_links(t: float, y: Any, way: Any, m: int, step: float, room: 
                 displace_words(numbers.program, shifts.program, m, h)
                 displace_words(shifts.flat, shifts.tree, m, h)
                 _pull(t, room)
-            add(room.looked, whole, place, step, room.weights, room.trial)
-        off = max(judge(room.trial, room.looked, step, 0, nv), judge(room.trial, room.looked, step, nv, whole))
-        best = keep(room.trial, whole, off, best, room.column)
+            add(looked, whole, place, step, room.weights, trial)
+        off = max(judge(trial, looked, step, 0, nv), judge(trial, looked, step, nv, whole))
+        best = keep(trial, whole, off, best, room.column)
         if not goes_on(off, best):
             break
         step /= FINER

@@ -1,13 +1,13 @@
 """Central differences of two orders whose step is made finer while the orders disagree, compiled.
 
 Who wants the derivative of something along one direction begins with :func:`clear`, adds what it is on the
-spot and at each neighbour (:func:`add`), and asks :func:`judge` and :func:`keep` whether that will do. A trial
-has a row for each kind of differences, the finest order first, and one for how the function bends.
+spot and at each neighbour (:func:`add`), and asks :func:`judge` and :func:`keep` whether that will do. A
+trial has a row for each kind of differences, the finest order first, and one for how the function bends.
 
-Central differences of any order agree on the middle of two derivatives where a kink is nearer than their step:
-they part by a share of the step as small as that distance, and the more the finer the step, until it is
-straddled no more. Differences of even order see a kink; so the bend counts, as that of
-:mod:`antenna_pin.differences`, and is what the other orders are told to be off by.
+Where a kink is much nearer than their step, central differences of all orders agree on the middle of two
+derivatives: they part by as small a part of the jump as that distance is of the step, and by more the finer
+the step is, until it straddles the kink no more. Differences of even order see the whole jump. So the bend
+counts, as in :mod:`antenna_pin.differences`, and the second order is kept off by it.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ OFTEN, FINER = 8, 8.0
 #: Difference of the orders over the derivative that is good enough.
 _GOOD = 1e-10
 _UNSURE = 16.0 * float(np.finfo(float).eps)
-# By how much more the orders may differ with a finer step where one yet finer is worth trying: what jumps, next
-# to a jump, differs by the same share of its derivative until it is straddled no more.
+# By how much more the orders may differ with a finer step where one yet finer is worth trying: next to a jump
+# they differ by the same share of the derivative until it is straddled no more.
 _NO_BETTER = 2.0
 # Of half the jump of a slope on the spot: of the value there, and of those at 1, 2 and 3 steps on both sides.
-# What a smooth function has of the second and fourth order goes.
+# What a smooth function has of the second and fourth order goes (:mod:`antenna_pin.differences`).
 _BEND = np.array([-20.0, 15.0, -6.0, 1.0]) / 12.0
 
 
@@ -98,5 +98,5 @@ def keep(trial: Any, count: int, off: float, best: float, out: Any) -> float:
 
 @inlined
 def goes_on(off: float, best: float) -> bool:
-    """Whether a finer step is worth trying: nothing found is good, and the last is about as good as the best."""
+    """Whether a finer step is worth trying: none is good yet, and the last was about as good as the best."""
     return best > _GOOD and off <= _NO_BETTER * best

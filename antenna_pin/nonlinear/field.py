@@ -27,8 +27,6 @@ _SHARE, _FINEST = 0.02, 1e-6
 # Difference of the two orders over the largest derivative from which on a kink is straddled: then with steps
 # that are so much finer, as often at most. And round-off of rates, over these.
 _STRADDLES, _FINER, _OFTEN, _NOISY = 1e-8, 8.0, 8, 10.0
-# The same of what is put together from its parts, and by how much of the largest only a kink moves it.
-_SURE, _FAR = 1e-10, 1e-3
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Where rates are looked at for their round-off, in parts of a step.
 _MINUTE, _BESIDE = 1e-3, range(-6, 7)
@@ -50,7 +48,6 @@ class Field:
         kept: What elements keep.
         bristles: Where these stand in x, (bristles,).
         depths: How far contacts open along displacements.
-        lets_go: Whether a contact that touches has no force.
         round_off: Of the rates near where it was last looked (:meth:`look_at`), in units per second.
     """
 
@@ -59,7 +56,7 @@ class Field:
         self._near = near = Near(system, settings, numbers)
         self.system, self.workspace, self._stepper = near.system, near.workspace, near.stepper
         self.kept, self.numbers = near.kept, near.numbers
-        self.bristles, self.parts, self.lets_go = near.bristles, near.parts, near.lets_go
+        self.bristles, self.parts = near.bristles, near.parts
         self.units = Units.of(near.system)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._tangents = near.tangents(self.units)
@@ -138,9 +135,9 @@ class Field:
     ) -> tuple[Array, Array, Array]:
         """Return the derivatives of the rates along displacements (:meth:`along`), and the steps they took.
 
-        Of a tree they are put together from its parts (:class:`antenna_pin.engine.Tangents`). Those of which
-        the two orders part are taken by differences of the whole, whose steps are made finer where they
-        straddle a kink.
+        Of a tree they are put together from its parts (:class:`antenna_pin.engine.Tangents`), which see kinks
+        themselves. Else they are differences of the whole, whose steps are made finer where the two orders
+        part: there they straddle a kink.
 
         Args:
             time: [s].
@@ -156,8 +153,8 @@ class Field:
         off, noise = self._sizes(found[0] - found[1]), _NOISY * self.round_off
         largest = self._sizes(found[0]).max(initial=0.0)
         least = np.maximum(_STRADDLES * largest, noise / steps)
-        sure = least if self._tangents is None else np.full(len(steps), _SURE * largest)
-        rough, finer = np.flatnonzero(off > sure), steps.copy()
+        whole = self._goes_by_more(ways) if self._tangents is not None else np.ones(len(steps), dtype=bool)
+        rough, finer = np.flatnonzero(whole & (off > least)), steps.copy()
         rough = rough[~self._shallow(y, ways, steps)[rough]] if len(rough) else rough
         for _ in range(_OFTEN):
             if not len(rough):
@@ -168,9 +165,6 @@ class Field:
             # Next to a kink the two orders part the more before steps are so short that they do not at all.
             enough = np.maximum(least[rough], noise / finer[rough])
             better = (rest < off[rough]) | (rest <= enough)
-            if self._tangents is not None:  # which round-off does not blur: only a kink moves them that far
-                moved = self._sizes(again[0] - found[0][:, rough])
-                better &= (off[rough] > least[rough]) | (moved > _FAR * largest)
             taken = rough[better]
             found[:, :, taken], steps[taken], off[taken] = again[:, :, better], finer[taken], rest[better]
             # Right at a kink they agree by chance, on the middle of two derivatives.
@@ -197,17 +191,23 @@ class Field:
         if by is self._tangents and self._by_parts:
             return found
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
-        own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
-        kept, displaced = ways[self.parts[-2]][own], ways[self.parts[-3]]
+        displaced = ways[self.parts[-3]]
         alone = displaced.any(axis=0) & (
             np.count_nonzero(ways, axis=0) == np.count_nonzero(displaced, axis=0)
         )
-        for k in np.flatnonzero(kept.any(axis=0) | displaced.any(axis=0)).tolist():
+        for k in np.flatnonzero(self._goes_by_more(ways)).tolist():
             if alone[k]:
                 found[:, :, k] = self._near.over_numbers(time, y, displaced[:, k], float(steps[k]))
                 continue
             found[:, :, k] = self._near.over(self.rates, time, y, ways[:, k], float(steps[k]))
         return found
+
+    def _goes_by_more(self, ways: Array) -> NDArray[np.bool_]:
+        """Return which displacements have what compiled derivatives do not know, (k,)."""
+        if self._by_parts:
+            return np.zeros(ways.shape[1], dtype=bool)
+        own = [k for k, one in enumerate(self.kept.numbers) if not one.holds(self.workspace.program)]
+        return np.asarray(ways[self.parts[-2]][own].any(axis=0) | ways[self.parts[-3]].any(axis=0))
 
     def _weighed(self, rates: Array) -> Array:
         """Return derivatives of velocities and bristles in units, from (nv + nx, k)."""

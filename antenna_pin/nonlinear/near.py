@@ -63,18 +63,6 @@ class Near:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
         return self.stepper.rates(time, y)
 
-    def lets_go(self, time: float, y: Array) -> bool:
-        """Whether a contact that touches has no force any more, of an engine that is compiled.
-
-        Its law has a kink where that begins, of which nobody tells: next to it steps are short, and what the
-        embedded estimates of a method see of it is as small.
-        """
-        touching = self.workspace.memory["touching"] != 0.0
-        if not touching.any():
-            return False
-        self.rates(time, y)
-        return bool((self.stepper.numbers.own["force"][touching] == 0.0).any())
-
     def flow(self, time: float, y: Array) -> Array:
         """Return the displacement per second that the system itself makes, (displacement,)."""
         nq, nv = self.system.model.nq, self.system.model.nv
@@ -97,9 +85,7 @@ class Near:
             tangents: Derivatives of the rates, which know the system's numbers; None if there are none.
             coarse: :meth:`coarseness`.
         """
-        # Of elements that keep what they go by (springs that slip), and of bristles, stages were seen to be
-        # off by 2e-6 to 5e-6 and not to notice.
-        if tangents is None or len(self.kept) + len(self.bristles) > 0 or not Carrying.takes(self.stepper):
+        if tangents is None or not Carrying.takes(self.stepper):
             return None
         steps = coarse.copy()
         steps[self.parts[-1]] = 1.0 / STEP

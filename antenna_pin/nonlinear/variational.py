@@ -282,9 +282,7 @@ class Carrier:
         """Return displacements behind a part of the step by the run's own stages; None where these cannot."""
         if self.stages is None or all(piece.known):
             return None
-        start, end = (self._time, self._within.size, self._at(piece.a)), self._at(piece.b)
-        if self.field.lets_go(self._time + piece.b * self._within.size, end):
-            return None
+        start = self._time, self._within.size, self._at(piece.a)
         lift = self.field.lift(carried.frame, self._time, self._y)
         found = self.stages.over(piece, start, lift, carried, _BY_STAGES * self._good)
         if found is None and piece.halvings > HALVINGS - _TRIES:
