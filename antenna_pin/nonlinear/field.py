@@ -135,9 +135,8 @@ class Field:
     ) -> tuple[Array, Array, Array]:
         """Return the derivatives of the rates along displacements (:meth:`along`), and the steps they took.
 
-        Of a tree they are put together from its parts (:class:`antenna_pin.engine.Tangents`), which see kinks
-        themselves. Else they are differences of the whole, whose steps are made finer where the two orders
-        part: there they straddle a kink.
+        Of a tree they are put together from its parts (:class:`antenna_pin.engine.Tangents`). Steps of
+        differences of the whole are made finer where the two orders part: there they straddle a kink.
 
         Args:
             time: [s].
@@ -192,14 +191,12 @@ class Field:
             return found
         # Compiled differences leave what elements keep as it is; what rows hold by rates do not go by.
         displaced = ways[self.parts[-3]]
-        alone = displaced.any(axis=0) & (
-            np.count_nonzero(ways, axis=0) == np.count_nonzero(displaced, axis=0)
-        )
+        alone = np.count_nonzero(ways, axis=0) == np.count_nonzero(displaced, axis=0)
         for k in np.flatnonzero(self._goes_by_more(ways)).tolist():
             if alone[k]:
                 found[:, :, k] = self._near.over_numbers(time, y, displaced[:, k], float(steps[k]))
-                continue
-            found[:, :, k] = self._near.over(self.rates, time, y, ways[:, k], float(steps[k]))
+            else:
+                found[:, :, k] = self._near.over(self.rates, time, y, ways[:, k], float(steps[k]))
         return found
 
     def _goes_by_more(self, ways: Array) -> NDArray[np.bool_]:
@@ -238,8 +235,10 @@ class Field:
         return self._weighed(sixth)[:, 0], self._noise(y, way[:, None], steps, first)
 
     def _noise(self, y: Array, ways: Array, steps: Array, first: Array) -> float:
-        """Return the round-off of derivatives along a displacement; without bounds in a shallow contact."""
-        # Steps that a kink has made finer are not those of a shallow contact.
+        """Return the round-off of derivatives along a displacement; put together from parts none counts."""
+        if self._tangents is not None and not self._goes_by_more(ways).any():
+            return 0.0
+        # In a shallow contact it has no bounds; steps that a kink has made finer are not those of one.
         touch = self.workspace.memory["touching"].any()
         shallow = touch and self._shallow(y, ways, first)[0]
         return math.inf if shallow else self.round_off / float(steps[0])

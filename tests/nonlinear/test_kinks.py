@@ -8,8 +8,8 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from antenna_pin import RunSettings
-from antenna_pin.elements import CallableDrive
-from antenna_pin.nonlinear import Flow
+from antenna_pin.elements import CallableDrive, PDController
+from antenna_pin.nonlinear import Chart, Flow
 
 # Pieces of a force: slope of max(0, a x + b v - d), a, b, d.
 
@@ -123,3 +123,26 @@ def test_a_spring_on_one_side(oscillator):
     off = np.abs(found.matrix - exact(*numbers, -0.9, 0.3, span)).max()
     # The kinks are located to the run's own error, some 1e-12; the doubt allows ten times its tolerance.
     assert off < 1e-10 and off < found.doubt.max() < 1e-8
+
+
+@pytest.mark.parametrize(("kp", "kd", "limit"), [(40.0, 4.0, 1.0), (300.0, 0.0, 0.5), (0.0, 50.0, 1.5)])
+def test_a_controller_that_meets_its_limit(oscillator, kp, kd, limit):
+    """A kink where steps end, by stages: next to it steps are a millionth of those of differences, and less.
+
+    There central differences of all orders agree on the middle of the two slopes.
+    """
+    numbers, start, span = (1.0, 0.04, 1.0, 2.2), (-0.9, 0.3), 2.0
+    own = PDController(joint="way", kp=kp, kd=kd, limit=limit)
+    flow = Flow(
+        oscillator(*numbers[:3], 2.2 / (2.0 * math.pi), 0.5 * math.pi, own=own), RunSettings(rtol=1e-12)
+    )
+    # -clip(u, -1, 1) limit, of u = (kp x + kd v) / limit: two pieces, and a constant.
+    share = kp / limit, kd / limit
+    pieces = [(-limit, *share, -1.0), (limit, *share, 1.0), (1.0, 0.0, 0.0, -limit)]
+    state = flow.first(np.array([start[0]]), np.array([start[1]]))
+    carrier = flow.carry(state, span, Chart(flow.system, state).frame)[0]
+    assert carrier.stages.made > 0
+    found = flow.tangent(state, span)
+    off = np.linalg.norm(found.matrix - exact(*numbers, pieces, *start, span), axis=0)
+    # The run's own error of 1e-12 times what kinks make of instants; without the bend 1e-6 of a step.
+    assert off.max() < 1e-9 and (off <= found.doubt).all()

@@ -1,0 +1,69 @@
+"""Derivatives whose steps are made finer next to kinks, of functions that are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from antenna_pin.differences import WEIGHTS
+from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
+
+FIRST = 1e-3
+
+
+def derivative(function, first=FIRST):
+    """Return the derivative of a number's function at zero by both orders, and in how many trials."""
+    trial, out, best, step, trials = np.zeros((3, 1)), np.zeros((2, 1)), -1.0, first, 0
+    for _ in range(OFTEN):
+        trials += 1
+        clear(trial, 1)
+        for place in range(-3, 4):
+            values = np.array([function(place * step)])
+            add(values, 1, place, step, WEIGHTS, trial)
+        off = judge(trial, values, step, 0, 1)
+        best = keep(trial, 1, off, best, out)
+        if not goes_on(off, best):
+            break
+        step /= FINER
+    return out[0, 0], out[1, 0], trials
+
+
+@pytest.mark.parametrize("away", [3.1, 2.0, 1.0, 0.6, 0.1, 1e-2, 1e-4, 1e-5])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_slope_on_the_own_side_of_a_kink(away, side):
+    """However near it is: central differences of both orders would agree on the middle of two slopes."""
+    place = side * away * FIRST
+
+    def function(s):
+        return math.sin(s) + 5.0 * max(s - place, 0.0)
+
+    right = 1.0 + (5.0 if place < 0.0 else 0.0)
+    sixth, _, _ = derivative(function)
+    # Steps end as fine as the kink is near: round-off of values of 1e-3 or less, over that.
+    assert sixth == pytest.approx(right, rel=1e-9 + 1e-17 / abs(place))
+
+
+@pytest.mark.parametrize("away", [0.0, 1e-12])
+def test_where_a_kink_is_nearer_than_any_step_the_orders_part_by_half_its_jump(away):
+    """So that who uses the derivative knows that it is none."""
+    sixth, other, trials = derivative(lambda s: math.sin(s) + 5.0 * max(s - away, 0.0))
+    assert trials == OFTEN
+    assert abs(other - sixth) == pytest.approx(2.5, rel=0.01)  # the finest step is 5e-10
+
+
+def test_next_to_a_jump_steps_are_finer_than_to_the_jump():
+    """There the orders part by the same share of a derivative that grows, until it is not straddled."""
+    sixth, other, trials = derivative(lambda s: math.sin(s) + (1.0 if s > 1e-6 else 0.0))
+    assert 1 < trials < OFTEN
+    assert sixth == pytest.approx(1.0, rel=1e-7)  # of values of 1e-6, a step of 2e-7: found 1e-10
+    assert abs(other - sixth) < 1e-7
+
+
+@pytest.mark.parametrize("function", [math.sin, math.cos, math.exp, lambda s: (1.0 + s) ** 1.5])
+def test_smooth_functions_take_one_trial(function):
+    """How they bend is no larger than what the two orders part by anyway."""
+    exact = {math.sin: 1.0, math.cos: 0.0, math.exp: 1.0}.get(function, 1.5)
+    sixth, other, trials = derivative(function)
+    assert trials == 1
+    # Round-off of values of 1 over the step.
+    assert sixth == pytest.approx(exact, abs=1e-12) and other == pytest.approx(exact, abs=1e-11)
