@@ -134,7 +134,7 @@ def test_a_controller_that_meets_its_limit(oscillator, kp, kd, limit):
     numbers, start, span = (1.0, 0.04, 1.0, 2.2), (-0.9, 0.3), 2.0
     own = PDController(joint="way", kp=kp, kd=kd, limit=limit)
     flow = Flow(
-        oscillator(*numbers[:3], 2.2 / (2.0 * math.pi), 0.5 * math.pi, own=own), RunSettings(rtol=1e-12)
+        oscillator(1.0, *numbers[:3], 2.2 / (2.0 * math.pi), 0.5 * math.pi, own=own), RunSettings(rtol=1e-12)
     )
     # -clip(u, -1, 1) limit, of u = (kp x + kd v) / limit: two pieces, and a constant.
     share = kp / limit, kd / limit
