@@ -31,6 +31,7 @@ class CarryRoom(NamedTuple):
         slopes: Rates of their ways, rates and bristles, by stage, (stages, k, moving).
         coarse: Over what a step of differences of each part must be one at most, (displacement,).
         steps: Of differences along them, (k,).
+        books: How what is integrated along the run is displaced by the step, (k, nx).
         bracket: Scratch, (nv,).
         both: Derivatives of the rates, by differences of two orders, (2, k, nv + nx).
         errors: By how much the end is off, (k, moving).
@@ -46,11 +47,37 @@ class CarryRoom(NamedTuple):
     slopes: Any
     coarse: Any
     steps: Any
+    books: Any
     bracket: Any
     both: Any
     errors: Any
     rough: Any
     sizes: Any
+
+
+@by_address
+class ChainRoom(NamedTuple):
+    """Steps along which displacements are carried one after another.
+
+    Attributes:
+        room: What each is carried with: behind the displacements, as many, is what these are off by.
+        times: When they begin, (steps,) [s].
+        sizes: Of them, (steps,) [s].
+        grades: How time goes in each, as in :func:`carry_along`, (steps,).
+        origins: Likewise, (steps,).
+        states: Where they begin, (steps, size).
+        scales: Of the parts of a displacement in coordinates, (displacement,).
+        books: How what is integrated along the run is displaced, so far, (k, nx).
+    """
+
+    room: Any
+    times: Any
+    sizes: Any
+    grades: Any
+    origins: Any
+    states: Any
+    scales: Any
+    books: Any
 
 
 @inlined
@@ -81,13 +108,15 @@ def _displace(i: int, h: float, room: Any) -> None:
 def _note(i: int, h: float, speed: float, y: Any, room: Any) -> None:
     """Note how fast the displacements change at stage i, over what is integrated over.
 
-    By how much the two orders of differences part there is added up, by the stage's share in the step.
+    By how much the two orders of differences part there is added up, by the stage's share in the step; and
+    what acts on nothing.
     """
     tangent, now, both = room.tangent, room.now, room.both
     space = space_of(tangent.layout)
     nq, nv = space.nq, space.nv
     v = y[nq : nq + nv]
-    share = abs(h * speed * room.tableau.weights[room.tableau.last, i])
+    part = h * speed * room.tableau.weights[room.tableau.last, i]
+    share = abs(part)
     for d in range(now.shape[0]):
         out, rough = room.slopes[i, d], room.rough[d]
         write_bracket(tangent.layout, v, now[d], room.bracket)
@@ -99,6 +128,9 @@ def _note(i: int, h: float, speed: float, y: Any, room: Any) -> None:
             at = nv + tangent.bristles[k]
             out[2 * nv + k] = speed * both[0, d, at]
             rough[2 * nv + k] += share * abs(both[1, d, at] - both[0, d, at])
+        if part != 0.0:
+            for k in range(room.books.shape[1]):
+                room.books[d, k] += part * both[0, d, nv + k]
 
 
 @inlined
@@ -158,6 +190,7 @@ def carry_along(t: float, h: float, grade: int, origin: float, room: Any) -> Non
     y, rates = work[stages + STATE, :size], work[stages + RATES]
     _prepare(room)
     room.rough[:] = 0.0
+    room.books[:] = 0.0
     for i in range(last + 1):
         place, speed = _place(tableau.nodes[i], grade, origin)
         if i > 0:
@@ -177,3 +210,53 @@ def carry_along(t: float, h: float, grade: int, origin: float, room: Any) -> Non
         for k in range(n):
             work[i, k] *= speed
     _judge(h, room)
+
+
+@inlined
+def _is_good(good: float, chain: Any) -> bool:
+    """Whether a step's displacements are known well enough, and every contact that touches has a force."""
+    room, half = chain.room, chain.room.now.shape[0] // 2
+    for d in range(half):
+        total = 0.0
+        for k in range(room.now.shape[1]):
+            total += (chain.scales[k] * room.now[d, k]) ** 2
+        most = good * math.sqrt(total)
+        # Written so that what is no number fails too.
+        if not (room.sizes[0, d] <= most and room.sizes[1, d] <= most):
+            return False
+    memory, own = room.tangent.numbers.memory, room.tangent.numbers.own
+    for c in range(memory.shape[0]):
+        if memory[c].touching != 0.0 and own[c].force == 0.0:
+            return False
+    return True
+
+
+@kernel
+def carry_chain(good: float, chain: Any) -> int:
+    """Carry displacements, and what they are off by, along steps one after another.
+
+    Args:
+        good: What the method, or differences, may be off by in a step, over a displacement.
+        chain: The steps, and what to carry with.
+
+    Returns:
+        Along how many: up to one in which they are not known well enough, or at whose end a contact that
+        touches has no force.
+    """
+    room = chain.room
+    place, half = room.tableau.weights.shape[0] + STATE, room.ways.shape[0] // 2
+    for n in range(chain.times.shape[0]):
+        for k in range(chain.states.shape[1]):
+            room.work[place, k] = chain.states[n, k]
+        carry_along(chain.times[n], chain.sizes[n], chain.grades[n], chain.origins[n], room)
+        if not _is_good(good, chain):
+            return n
+        for d in range(half):
+            for k in range(room.errors.shape[1]):
+                room.now[half + d, k] += room.errors[d, k] + room.rough[d, k]
+            for k in range(chain.books.shape[1]):
+                chain.books[d, k] += room.books[d, k]
+        for d in range(room.ways.shape[0]):
+            for k in range(room.ways.shape[1]):
+                room.ways[d, k] = room.now[d, k]
+    return int(chain.times.shape[0])

@@ -7,21 +7,50 @@ whole matrices; and errors are carried with it: what it is off by is a displacem
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.engine import Carrying
+from antenna_pin.engine import Carrying, Steps
 from antenna_pin.nonlinear.frames import Lift
 from antenna_pin.nonlinear.instants import Carried
 from antenna_pin.nonlinear.pieces import Piece
 
-__all__ = ["AlongStages"]
+__all__ = ["AlongStages", "Step"]
 
 Array = NDArray[np.float64]
 
 # How near an instant is from which on derivatives go with a root of time: of that to the ends of a step.
 _EVEN = 0.9
+
+
+class Step(NamedTuple):
+    """A step of a run.
+
+    Attributes:
+        time: When it begins [s].
+        size: Of it [s].
+        y: State where it begins.
+        until: When it ends [s].
+        end: State there; None if that is not known but from the step.
+        changes: Whether contacts or drives have changed where it begins, and whether they do where it ends.
+        known: Whether there is a break that is known at the one and at the other end.
+    """
+
+    time: float
+    size: float
+    y: Array
+    until: float
+    end: Array | None
+    changes: tuple[bool, bool]
+    known: tuple[bool, bool]
+
+    @property
+    def piece(self) -> Piece:
+        """All of it."""
+        return Piece(0.0, 1.0, *self.changes, self.known)
 
 
 class AlongStages:
@@ -86,4 +115,39 @@ class AlongStages:
         ends, rests = np.zeros_like(matrix), np.zeros_like(matrix)
         ends[:, there], rests[:, behind] = moved[:, :count], moved[:, count:]
         rests[:, there] += down[:, self._moving] @ (found.errors + found.rough)[:, :count]
-        return Carried(ends, ends + rests, carried.frame)
+        books = carried.books.copy()
+        books[:, there] += found.books[:, :count]
+        return Carried(ends, ends + rests, carried.frame, books)
+
+    def over_steps(
+        self, steps: Sequence[Step], lift: Lift, carried: Carried, good: float
+    ) -> tuple[int, Carried]:
+        """Return along how many steps displacements are known well enough, and these behind them.
+
+        Args:
+            steps: One after another, between two changes of the axes.
+            lift: Coordinates as displacements, the same along the steps.
+            carried: Displacements before them.
+            good: As for :meth:`over`.
+        """
+        matrix, off = carried.matrix, carried.other - carried.matrix
+        there = np.flatnonzero((matrix != 0.0).any(axis=0) | (off != 0.0).any(axis=0))
+        graded = [self._grade(one.piece, one.time, one.size) for one in steps]
+        every = Steps(
+            np.array([one.time for one in steps]),
+            np.array([one.size for one in steps]),
+            np.array([grade for grade, _ in graded], dtype=np.int64),
+            np.array([origin for _, origin in graded]),
+            np.array([one.y for one in steps]),
+        )
+        # Each part of a displacement is one coordinate, or none.
+        scales = np.abs(lift.down).sum(axis=0)
+        before = lift.up @ matrix[:, there], lift.up @ off[:, there]
+        done, ways, rest, booked = self._carrying.along_all(every, *before, scales, good)
+        self.made += done
+        if not done:
+            return 0, carried
+        ends, rests, books = np.zeros_like(matrix), np.zeros_like(matrix), carried.books.copy()
+        ends[:, there], rests[:, there] = lift.down @ ways, lift.down @ rest
+        books[:, there] += booked
+        return done, Carried(ends, ends + rests, carried.frame, books)

@@ -91,6 +91,10 @@ class Field:
         """Return the displacement per second that the system itself makes, (displacement,)."""
         return self._near.flow(time, y)
 
+    def booked(self, time: float, y: Array) -> Array:
+        """Return the rates of what is integrated along a run, (nx,)."""
+        return self._near.rates(time, y)[self.system.model.nv :].copy()
+
     def frame(self, y: Array, clock: bool = False) -> Frame:
         """Return the axes of coordinates in a state, with the contacts of the moment."""
         frame = frame_at(self.workspace, self.units, y, self.workspace.memory["touching"], self.kept)
@@ -334,9 +338,9 @@ class Field:
         first = self._steps(y, ways, True)
         sixth, fourth, steps = self.slopes(time, y, ways, first)
         both = []
-        for found in (sixth[:, :count], fourth[:, :count]):
-            if basis is not None:
-                found = found @ np.linalg.inv(basis)
+        back = None if basis is None else np.linalg.inv(basis)
+        over = [one[:, :count] if back is None else one[:, :count] @ back for one in (sixth, fourth)]
+        for found in over:
             change = np.zeros((self.displacement, count))
             change[own] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[own])
             change[rate], change[bristles] = found[:nv], found[nv + self.bristles]
@@ -346,4 +350,5 @@ class Field:
             both[1],
             self._weighed(sixth[:, count:])[:, 0],
             self._noise(y, way[:, None], steps[count:], first[count:]),
+            over[0][nv:],
         )
