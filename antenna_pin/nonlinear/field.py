@@ -66,7 +66,7 @@ class Field:
         self._by_parts = near.follows(self._tangents, self.units)
         self.displacement = self.parts[-1].stop  #: Size of a displacement.
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
-        self._opened: tuple[int, Array] | None = None
+        self._opened: dict[int, Array] = {}
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
         self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds, self._gaps)
@@ -314,9 +314,11 @@ class Field:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""
         if self.numbers is None:
             return np.zeros(0)
-        if self._opened is None or self._opened[0] != c:  # it hardly changes while a contact lasts
-            self._opened = c, self.depths.over_numbers(y, c)
-        return self._opened[1]
+        if c not in self._opened:  # it hardly changes while a contact lasts
+            touching = self.workspace.memory["touching"]
+            self._opened = {k: one for k, one in self._opened.items() if touching[k] != 0.0}
+            self._opened[c] = self.depths.over_numbers(y, c)
+        return self._opened[c]
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
         """Return the derivative of the coordinates' rates over the coordinates.
