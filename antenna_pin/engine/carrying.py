@@ -13,7 +13,7 @@ from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.tangents import Tangents
 from antenna_pin.integrate.kernels import STATE
 
-__all__ = ["Along", "Carrying", "Steps"]
+__all__ = ["Along", "Carrying", "Steps", "third_order"]
 
 Array = NDArray[np.float64]
 
@@ -145,7 +145,7 @@ class Carrying:
         moving, rates = 2 * manifold.nv + len(tangent.bristles), manifold.nv + manifold.nx
         rests, asked = (tableau.weights, np.ones(len(tableau.nodes), dtype=np.int64))
         if not every:
-            rests, asked = _third_order(tableau.nodes, tableau.last)
+            rests, asked = third_order(tableau.nodes, tableau.last)
         return CarryRoom(
             tangent=tangent,
             tableau=tableau,
@@ -169,7 +169,7 @@ class Carrying:
         )
 
 
-def _third_order(nodes: Array, last: int) -> tuple[Array, NDArray[np.int64]]:
+def third_order(nodes: Array, last: int) -> tuple[Array, NDArray[np.int64]]:
     """Return the weights of a method of third order, by three of a method's stages, and which these are.
 
     With nodes 0, c and d: weights of the step are those of the quadrature, and d's stage is from c's by what

@@ -47,7 +47,6 @@ class Depths:
 
     def over_numbers(self, y: Array, c: int) -> Array:
         """Return how far a contact's gap opens with each parameter, (parameters,) [m]."""
-
         near, numbers = self._near, self._near.numbers
         assert numbers is not None
 

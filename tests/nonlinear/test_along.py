@@ -5,6 +5,7 @@ import numpy as np
 from antenna_pin import load_scenario
 from antenna_pin.nonlinear import Chart, flow_of
 from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.variational import Carrier
 
 CLOSED = ["integrator.engine=compiled", "clearance.bore.geometry=closed-form"]
 
@@ -50,3 +51,18 @@ def test_a_spinning_body_by_stages(monkeypatch):
     monkeypatch.setattr(Field, "carrying", lambda _: None)
     one, other = by_stages.carried.matrix, carried(flow, start, 5e-4).carried.matrix
     assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()
+
+
+def test_steps_together_are_steps_one_by_one(monkeypatch):
+    """Displacements, what is integrated, and the doubt, which is of third order in a step."""
+    flow, start = pair("law = 'lankarani-nikravesh', restitution = 0.5")
+    together = carried(flow, start, 1.9e-3)
+    monkeypatch.setattr(Carrier, "_goes_along", lambda *_: False)
+    singly = carried(flow, start, 1.9e-3)
+    for one, other in zip(together.carried[::3], singly.carried[::3], strict=True):
+        # The same stages, in halves here or there: each good to a thousand tolerances of 1e-12.
+        assert np.abs(one - other).max() < 1e-8 * np.abs(other).max()
+    # Halves here or there too: their estimates are up to a hundred times apart, and count by their sum.
+    moved = singly.doubt > 1e-14
+    assert moved.any() and (together.doubt[moved] < 3.0 * singly.doubt[moved]).all()
+    assert (singly.doubt[moved] < 3.0 * together.doubt[moved]).all()
