@@ -302,10 +302,6 @@ class Field:
             found[:, k] = self._near.over(speeds, time, y, ways[:, k], float(steps[k]))[0]
         return found
 
-    def _of_numbers(self) -> Array:
-        """Return the displacements of parameters alone, (displacement, parameters)."""
-        return np.eye(self.displacement)[:, self.parts[-3]]
-
     def _gaps(self, time: float, y: Array, ways: Array) -> Array:
         """Return the derivatives of how far constraints are violated along displacements, (rows, k)."""
         return self.along(self._near.violated("every_gap"), time, y, ways)[0]
@@ -315,15 +311,13 @@ class Field:
         if self.numbers is None:
             return np.zeros(0)
         if c not in self._opened:  # it hardly changes while a contact lasts
-            touching = self.workspace.memory["touching"]
-            self._opened = {k: one for k, one in self._opened.items() if touching[k] != 0.0}
+            lasting = self.workspace.memory["touching"]
+            self._opened = {k: one for k, one in self._opened.items() if lasting[k]}
             self._opened[c] = self.depths.over_numbers(y, c)
         return self._opened[c]
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
-        """Return the derivative of the coordinates' rates over the coordinates.
-
-        The coordinates are along a frame's axes, which rest.
+        """Return the derivative of the coordinates' rates over the coordinates, along axes that rest.
 
         Args:
             frame: The axes.
@@ -339,9 +333,9 @@ class Field:
         ways = np.column_stack([lift.up if basis is None else lift.up @ basis, way])
         first = self._steps(y, ways, True)
         sixth, fourth, steps = self.slopes(time, y, ways, first)
-        both = []
-        back = None if basis is None else np.linalg.inv(basis)
-        over = [one[:, :count] if back is None else one[:, :count] @ back for one in (sixth, fourth)]
+        both, over = [], [sixth[:, :count], fourth[:, :count]]
+        if basis is not None:
+            over = [one @ np.linalg.inv(basis) for one in over]
         for found in over:
             change = np.zeros((self.displacement, count))
             change[own] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[own])
