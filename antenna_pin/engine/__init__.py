@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from antenna_pin._lazy import loaded_when_used
 
 if TYPE_CHECKING:
-    from antenna_pin.engine.carrying import Along, Carrying
+    from antenna_pin.engine.carrying import Along, Carrying, Steps
     from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
     from antenna_pin.engine.pace import Pace, Sizes
     from antenna_pin.engine.shifts import SystemSlopes
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Along",
     "Carrying",
+    "Steps",
     "Compiled",
     "CompiledStepper",
     "Pace",
@@ -28,7 +29,7 @@ __all__ = [
 loaded_when_used(
     __name__,
     {
-        "carrying": "Along Carrying",
+        "carrying": "Along Carrying Steps",
         "compiled": "Compiled CompiledStepper check_compiled",
         "pace": "Pace Sizes",
         "shifts": "SystemSlopes",

@@ -4,6 +4,9 @@ State and displacements w are one set of equations, y' = f(y) and ``w' = dv - [v
 by the same stages: what comes of w is of the order of the method, and its embedded weights tell the error.
 Next to where contacts begin or end the derivative Df goes with a root of time; there time goes with the
 square of what is integrated over.
+
+What displacements are off by goes by the same equations, and need not be known as well: by three of the
+stages, in a method of third order, where these can (``|h A w| < |w|``).
 """
 
 from __future__ import annotations
@@ -17,10 +20,15 @@ from antenna_pin.engine.tangent_kernels import write_tangent
 from antenna_pin.integrate.kernels import RATES, STATE, begin, stage, store
 from antenna_pin.integrate.manifold_kernels import space_of, write_bracket
 
+# How near an instant is from which on derivatives go with a root of time: of that to the ends of a step.
+_EVEN = 0.9
+
 
 @by_address
 class CarryRoom(NamedTuple):
     """What displacements are carried with.
+
+    They are of two kinds: those themselves, and behind them what these are off by.
 
     Attributes:
         tangent: What the derivative of the rates is computed with.
@@ -31,11 +39,17 @@ class CarryRoom(NamedTuple):
         slopes: Rates of their ways, rates and bristles, by stage, (stages, k, moving).
         coarse: Over what a step of differences of each part must be one at most, (displacement,).
         steps: Of differences along them, (k,).
+        rests: Weights of the stages of what displacements are off by, (stages, stages).
+        asked: Which of the stages these have, 0 or not, (stages,).
+        few: The displacements themselves, as ``now``: alone, where the others are not asked for.
+        few_steps: Of differences along these.
+        few_both: As ``both``, of these.
+        books: How what is integrated along the run is displaced by the step, (few, nx).
         bracket: Scratch, (nv,).
         both: Derivatives of the rates, by differences of two orders, (2, k, nv + nx).
-        errors: By how much the end is off, (k, moving).
-        rough: By how much it would be by the other order of differences, (k, moving).
-        sizes: Of these two, in units, (2, k).
+        errors: By how much the end is off, of displacements themselves, (few, moving).
+        rough: By how much it would be by the other order of differences, (few, moving).
+        sizes: Of these two, in units, (2, few).
     """
 
     tangent: Any
@@ -46,11 +60,37 @@ class CarryRoom(NamedTuple):
     slopes: Any
     coarse: Any
     steps: Any
+    rests: Any
+    asked: Any
+    few: Any
+    few_steps: Any
+    few_both: Any
+    books: Any
     bracket: Any
     both: Any
     errors: Any
     rough: Any
     sizes: Any
+
+
+@inlined
+def _grade(t: float, h: float, falling: bool, since: float) -> tuple[int, float]:
+    """Return how time goes along a step.
+
+    Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time since, and
+    likewise before a release. At a kink there is no derivative, and differences have some of both sides':
+    where time goes with a square from or to there, it has no share.
+
+    Returns:
+        Whether it goes with the square of what is integrated over, from an instant before the start on, 1, or
+        back from one behind the end, -1; or evenly, 0. And where that instant is: the root of the time from
+        there to the nearer end of the step over that to the other, [0, 1).
+    """
+    if falling:
+        return -1, 0.0
+    gone = max(t - since, 0.0)
+    origin = math.sqrt(gone / (gone + h)) if gone < math.inf else 1.0
+    return (1, origin) if origin < _EVEN else (0, 0.0)
 
 
 @inlined
@@ -66,9 +106,12 @@ def _place(s: float, grade: int, origin: float) -> tuple[float, float]:
 
 @inlined
 def _displace(i: int, h: float, room: Any) -> None:
-    """Write the displacements at stage i."""
-    weights, slopes, now = room.tableau.weights, room.slopes, room.now
+    """Write the displacements at stage i; what they are off by where that is asked for."""
+    slopes, now, few = room.slopes, room.now, room.few.shape[0]
     for d in range(now.shape[0]):
+        if d >= few and room.asked[i] == 0 and i < room.tableau.last:
+            continue
+        weights = room.tableau.weights if d < few else room.rests
         for k in range(slopes.shape[2]):
             total = 0.0
             for j in range(i):
@@ -78,34 +121,43 @@ def _displace(i: int, h: float, room: Any) -> None:
 
 
 @inlined
-def _note(i: int, h: float, speed: float, y: Any, room: Any) -> None:
+def _note(i: int, h: float, speed: float, y: Any, both: Any, room: Any) -> None:
     """Note how fast the displacements change at stage i, over what is integrated over.
 
-    By how much the two orders of differences part there is added up, by the stage's share in the step.
+    By how much the two orders of differences part there is added up, by the stage's share in the step; and
+    what acts on nothing.
     """
-    tangent, now, both = room.tangent, room.now, room.both
+    tangent, now, few = room.tangent, room.now, room.few.shape[0]
     space = space_of(tangent.layout)
     nq, nv = space.nq, space.nv
     v = y[nq : nq + nv]
-    share = abs(h * speed * room.tableau.weights[room.tableau.last, i])
-    for d in range(now.shape[0]):
-        out, rough = room.slopes[i, d], room.rough[d]
+    part = h * speed * room.tableau.weights[room.tableau.last, i]
+    share = abs(part)
+    for d in range(both.shape[1]):
+        out = room.slopes[i, d]
         write_bracket(tangent.layout, v, now[d], room.bracket)
         for k in range(nv):
             out[k] = speed * (now[d, nv + k] - room.bracket[k])
             out[nv + k] = speed * both[0, d, k]
+        for k in range(tangent.bristles.shape[0]):
+            out[2 * nv + k] = speed * both[0, d, nv + tangent.bristles[k]]
+        if d >= few or share == 0.0:
+            continue
+        rough = room.rough[d]
+        for k in range(nv):
             rough[nv + k] += share * abs(both[1, d, k] - both[0, d, k])
         for k in range(tangent.bristles.shape[0]):
             at = nv + tangent.bristles[k]
-            out[2 * nv + k] = speed * both[0, d, at]
             rough[2 * nv + k] += share * abs(both[1, d, at] - both[0, d, at])
+        for k in range(room.books.shape[1]):
+            room.books[d, k] += part * both[0, d, nv + k]
 
 
 @inlined
 def _judge(h: float, room: Any) -> None:
     """Write by how much displacements are off by the method, and the sizes of that and of roughness."""
     weights, slopes, units = room.tableau.errors, room.slopes, room.tangent.units
-    for d in range(slopes.shape[1]):
+    for d in range(room.few.shape[0]):
         first, second = 0.0, 0.0
         for k in range(slopes.shape[2]):
             one, other = 0.0, 0.0
@@ -136,21 +188,22 @@ def _prepare(room: Any) -> None:
             room.now[d, k] = room.ways[d, k]
             largest = max(largest, room.coarse[k] * abs(room.ways[d, k]))
         room.steps[d] = 1.0 / largest if largest > 0.0 else 1.0
+    for d in range(room.few.shape[0]):
+        room.few_steps[d] = room.steps[d]
 
 
 @kernel
-def carry_along(t: float, h: float, grade: int, origin: float, room: Any) -> None:
+def carry_along(t: float, h: float, falling: bool, since: float, room: Any) -> None:
     """Carry displacements along a step.
 
     Args:
-        t: Where it begins [s]; the state is in the row STATE of the work rows.
+        t: Where it begins [s]; the state is in the row STATE of the work rows, where that at the end is left.
         h: Its size [s].
-        grade: Whether time goes with the square of what is integrated over, from an instant before the start
-            on, 1, or back from one behind the end, -1; or evenly, 0.
-        origin: Where that instant is: the root of the time from there to the nearer end of the step over
-            that to the other, [0, 1).
+        falling: Whether contacts, drives or rates change where it ends.
+        since: When they have changed last [s].
         room: What to carry with.
     """
+    grade, origin = _grade(t, h, falling, since)
     tableau, work, tangent = room.tableau, room.work, room.tangent
     layout = tangent.layout
     space, stages, last = space_of(layout), tableau.weights.shape[0], tableau.last
@@ -158,18 +211,30 @@ def carry_along(t: float, h: float, grade: int, origin: float, room: Any) -> Non
     y, rates = work[stages + STATE, :size], work[stages + RATES]
     _prepare(room)
     room.rough[:] = 0.0
+    room.books[:] = 0.0
     for i in range(last + 1):
         place, speed = _place(tableau.nodes[i], grade, origin)
         if i > 0:
             stage(i, h, tableau.weights, layout, work, False)
             _displace(i, h, room)
+        every = room.asked[i] != 0
+        if not every:
+            for d in range(room.few.shape[0]):
+                for k in range(room.few.shape[1]):
+                    room.few[d, k] = room.now[d, k]
         if speed != 0.0:
-            write_tangent(t + place * h, y, room.now, room.steps, tangent, room.both)
+            if every:
+                write_tangent(t + place * h, y, room.now, room.steps, tangent, room.both)
+            else:
+                write_tangent(t + place * h, y, room.few, room.few_steps, tangent, room.few_both)
             for k in range(space.nv):
                 rates[k] = tangent.acceleration[k]
             for k in range(space.nx):
                 rates[space.nv + k] = tangent.drift[k]
-        _note(i, h, speed, y, room)
+        if every:
+            _note(i, h, speed, y, room.both, room)
+        else:
+            _note(i, h, speed, y, room.few_both, room)
         if i == 0:
             begin(stages, layout, work)
         else:

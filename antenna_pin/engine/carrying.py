@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.engine.carry_kernels import CarryRoom, carry_along
+from antenna_pin.engine.chain_kernels import ChainRoom, carry_chain
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.tangents import Tangents
 from antenna_pin.integrate.kernels import STATE
 
-__all__ = ["Along", "Carrying"]
+__all__ = ["Along", "Carrying", "Steps", "third_order"]
 
 Array = NDArray[np.float64]
 
@@ -21,16 +22,34 @@ class Along(NamedTuple):
     """What a step makes of displacements.
 
     Attributes:
-        ways: At its end, (displacement, k).
-        errors: By how much these are off by the method, (moving, k): ways, rates and bristles.
+        ways: At its end, (displacement, k), with what they are off by behind them.
+        errors: By how much these are off by the method in the step, (moving, few): ways, rates and bristles.
         rough: By how much by differences, likewise.
-        sizes: Of the two, in units, (2, k).
+        sizes: Of the two, in units, (2, few).
+        books: How what is integrated along the run is displaced by the step, (nx, few).
     """
 
     ways: Array
     errors: Array
     rough: Array
     sizes: Array
+    books: Array
+
+
+class Steps(NamedTuple):
+    """Steps one after another.
+
+    Attributes:
+        times: When they begin, (steps,) [s].
+        sizes: Of them, (steps,) [s].
+        since: When contacts, drives or rates have changed last, (steps,) [s].
+        states: Where they begin, (steps, size).
+    """
+
+    times: Array
+    sizes: Array
+    since: Array
+    states: Array
 
 
 class Carrying:
@@ -47,7 +66,7 @@ class Carrying:
         """Allocate nothing: how many displacements there are shows when they come."""
         self._stepper, self._tangents, self._coarse = stepper, tangents, coarse
         self._work = np.zeros_like(stepper.work)
-        self._rooms: dict[int, CarryRoom] = {}
+        self._rooms: dict[tuple[int, int, bool], CarryRoom] = {}
 
     @staticmethod
     def takes(stepper: CompiledStepper) -> bool:
@@ -55,47 +74,122 @@ class Carrying:
         return stepper.newton is None and stepper.method.adaptive
 
     def along(
-        self, time: float, y: Array, h: float, ways: Array, *, grade: int = 0, origin: float = 0.0
+        self,
+        start: tuple[float, float, Array],
+        ways: Array,
+        off: Array,
+        *,
+        falling: bool,
+        since: float,
     ) -> Along:
-        """Carry displacements along a step.
+        """Carry displacements, and what they are off by, along a step.
 
         Args:
-            time: Where it begins [s].
-            y: State there.
-            h: Its size [s].
-            ways: Displacements there, (displacement, k).
-            grade: Whether time goes with the square of what is integrated over, from an instant before the
-                start on, 1, or back from one behind the end, -1; or evenly, 0.
-            origin: Where that instant is: the root of the time from there to the nearer end of the step over
-                that to the other, [0, 1).
+            start: When it begins [s], its size [s], and the state there.
+            ways: Displacements there, (displacement, few).
+            off: What some are off by, (displacement, k - few).
+            falling: Whether contacts, drives or rates change where it ends.
+            since: When they have changed last [s].
+        """
+        time, size, y = start
+        few = ways.shape[1]
+        room = self._room(few + off.shape[1], few, True)
+        room.work[self._stepper.method.stages + STATE][: len(y)] = y
+        room.ways[:few], room.ways[few:] = ways.T, off.T
+        carry_along(time, size, falling, since, room)
+        self._stepper.answers.check()
+        return Along(room.now.T.copy(), room.errors.T, room.rough.T, room.sizes, room.books.T)
+
+    def along_all(
+        self, steps: Steps, ways: Array, off: Array, scales: Array, good: float
+    ) -> tuple[int, Array, Array, Array]:
+        """Carry displacements, and what they are off by, along steps one after another.
+
+        Args:
+            steps: The steps.
+            ways: Displacements before the first, (displacement, k).
+            off: What they are off by, likewise.
+            scales: Of the parts of a displacement in coordinates, in which sizes are compared.
+            good: What the method, or differences, may be off by in a step, over a displacement.
+
+        Returns:
+            Along how many, up to one in which they are not known well enough or at whose end a contact that
+            touches has no force; displacements behind these and what they are off by; how what is integrated
+            along the run is displaced by them, (nx, k).
         """
         count = ways.shape[1]
-        room = self._rooms.get(count)
-        if room is None or room.tangent is not self._tangents.room:
-            room = self._rooms[count] = self._made(count)
-        work = room.work[self._stepper.method.stages + STATE]
-        work[: len(y)] = y
-        room.ways[:] = ways.T
-        carry_along(time, h, grade, origin, room)
+        room, full = (self._room(2 * count, count, every) for every in (False, True))
+        room.ways[:count], room.ways[count:] = ways.T, off.T
+        booked, books = np.zeros_like(room.books), np.zeros_like(room.books)
+        chain = ChainRoom(room, full, *steps, scales, np.zeros_like(room.ways), booked, books)
+        done = carry_chain(good, chain)
         self._stepper.answers.check()
-        return Along(room.now.T.copy(), room.errors.T, room.rough.T, room.sizes)
+        return int(done), room.ways[:count].T.copy(), room.ways[count:].T.copy(), books.T
 
-    def _made(self, count: int) -> CarryRoom:
-        manifold, stages = self._stepper.manifold, self._stepper.method.stages
+    def _room(self, count: int, few: int, every: bool) -> CarryRoom:
+        """Return what displacements, some of which are what others are off by, are carried with.
+
+        Args:
+            count: How many they are.
+            few: How many of these are displacements themselves.
+            every: Whether the others go by all stages.
+        """
+        room = self._rooms.get((count, few, every))
+        if room is None or room.tangent is not self._tangents.room:
+            room = self._rooms[count, few, every] = self._made(count, few, every)
+        return room
+
+    def _made(self, count: int, few: int, every: bool) -> CarryRoom:
+        manifold, tableau, size = self._stepper.manifold, self._stepper.tableau, len(self._coarse)
         tangent = self._tangents.room
         moving, rates = 2 * manifold.nv + len(tangent.bristles), manifold.nv + manifold.nx
+        rests, asked = (tableau.weights, np.ones(len(tableau.nodes), dtype=np.int64))
+        if not every:
+            rests, asked = third_order(tableau.nodes, tableau.last)
         return CarryRoom(
             tangent=tangent,
-            tableau=self._stepper.tableau,
+            tableau=tableau,
             work=self._work,
-            ways=np.zeros((count, len(self._coarse))),
-            now=np.zeros((count, len(self._coarse))),
-            slopes=np.zeros((stages, count, moving)),
+            ways=np.zeros((count, size)),
+            now=np.zeros((count, size)),
+            slopes=np.zeros((len(tableau.nodes), count, moving)),
             coarse=self._coarse,
             steps=np.zeros(count),
+            rests=rests,
+            asked=asked,
+            few=np.zeros((few, size)),
+            few_steps=np.zeros(few),
+            few_both=np.zeros((2, few, rates)),
+            books=np.zeros((few, manifold.nx)),
             bracket=np.zeros(manifold.nv),
             both=np.zeros((2, count, rates)),
-            errors=np.zeros((count, moving)),
-            rough=np.zeros((count, moving)),
-            sizes=np.zeros((2, count)),
+            errors=np.zeros((few, moving)),
+            rough=np.zeros((few, moving)),
+            sizes=np.zeros((2, few)),
         )
+
+
+def third_order(nodes: Array, last: int) -> tuple[Array, NDArray[np.int64]]:
+    """Return the weights of a method of third order, by three of a method's stages, and which these are.
+
+    With nodes 0, c and d: weights of the step are those of the quadrature, and d's stage is from c's by what
+    is left of the conditions of third order (Hairer, Norsett and Wanner 1993, II.1).
+
+    Args:
+        nodes: Of the stages, (stages,).
+        last: The stage at which the step ends.
+    """
+    weights, asked = np.zeros((len(nodes), len(nodes))), np.zeros(len(nodes), dtype=np.int64)
+    inner = [i for i in range(1, last) if 0.0 < nodes[i] < 1.0]
+    one = min(inner, key=lambda i: abs(float(nodes[i]) - 1.0 / 3.0))
+    behind = [i for i in inner if i > one and nodes[i] > nodes[one]]
+    other = min(behind, key=lambda i: abs(float(nodes[i]) - 2.0 / 3.0))
+    c, d = float(nodes[one]), float(nodes[other])
+    of_other = (1.0 / 3.0 - 0.5 * c) / (d * (d - c))
+    of_one = (0.5 - of_other * d) / c
+    from_one = 1.0 / (6.0 * of_other * c)
+    asked[[0, one, other]] = 1
+    weights[one, 0] = c
+    weights[other, [0, one]] = d - from_one, from_one
+    weights[last, [0, one, other]] = 1.0 - of_one - of_other, of_one, of_other
+    return weights, asked

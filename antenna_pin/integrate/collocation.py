@@ -70,8 +70,21 @@ class Propagator:
             length: Of the step.
             matrices: A at :data:`NODES`, (5, n, n).
         """
-        one, other = (self._by(k, length, matrices) for k in range(2))
+        other, one = (self._by(k, length, matrices) for k in (1, 0))
         return Propagated(one, other)
+
+    def integral(self, length: float, rows: Array) -> Array:
+        """Return the integral of ``R W`` over the step that was made last, (r, n).
+
+        Args:
+            length: Of the step.
+            rows: R at :data:`NODES`, (5, r, n).
+        """
+        stages, weights = _METHODS[0]
+        n, s = len(self._out), len(weights)
+        slopes = self._rates[:, : s * n].reshape(n, s, n)  # by column of W, by node
+        ways = np.eye(n) + length * np.einsum("ij,bja->iab", stages, slopes)
+        return np.asarray(length * np.einsum("i,ira,iab->rb", weights, rows[:s], ways, optimize=True))
 
     def change(self, length: float, matrices: Array) -> Array:
         """Return by how much a step changes with its matrices, to first order and where it is next to one.

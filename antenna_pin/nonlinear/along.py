@@ -7,21 +7,47 @@ whole matrices; and errors are carried with it: what it is off by is a displacem
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.engine import Carrying
+from antenna_pin.engine import Carrying, Steps
 from antenna_pin.nonlinear.frames import Lift
 from antenna_pin.nonlinear.instants import Carried
 from antenna_pin.nonlinear.pieces import Piece
 
-__all__ = ["AlongStages"]
+__all__ = ["AlongStages", "Step"]
 
 Array = NDArray[np.float64]
 
-# How near an instant is from which on derivatives go with a root of time: of that to the ends of a step.
-_EVEN = 0.9
+
+class Step(NamedTuple):
+    """A step of a run.
+
+    Attributes:
+        time: When it begins [s].
+        size: Of it [s].
+        y: State where it begins.
+        until: When it ends [s].
+        end: State there; None if that is not known but from the step.
+        changes: Whether contacts or drives have changed where it begins, and whether they do where it ends.
+        known: Whether there is a break that is known at the one and at the other end.
+    """
+
+    time: float
+    size: float
+    y: Array
+    until: float
+    end: Array | None
+    changes: tuple[bool, bool]
+    known: tuple[bool, bool]
+
+    @property
+    def piece(self) -> Piece:
+        """All of it."""
+        return Piece(0.0, 1.0, *self.changes, self.known)
 
 
 class AlongStages:
@@ -42,20 +68,9 @@ class AlongStages:
         self.since = -math.inf
         self.made = 0
 
-    def _grade(self, piece: Piece, time: float, whole: float) -> tuple[int, float]:
-        """Return how time goes along a piece of a step from a time [s], of a size [s].
-
-        Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time since,
-        and likewise before a release. At a kink there is no derivative, and differences have some of both
-        sides': where time goes with a square from or to there, it has no share.
-        """
-        if piece.known[0]:
-            return 1, 0.0
-        if piece.falling or piece.known[1]:
-            return -1, 0.0
-        gone = max(time + piece.a * whole - self.since, 0.0)
-        origin = math.sqrt(gone / (gone + (piece.b - piece.a) * whole)) if gone < math.inf else 1.0
-        return (1, origin) if origin < _EVEN else (0, 0.0)
+    def _since(self, known: bool, time: float) -> float:
+        """Return when rates have changed last, of a piece that begins at a time, with a break or not [s]."""
+        return time if known else self.since
 
     def over(
         self, piece: Piece, start: tuple[float, float, Array], lift: Lift, carried: Carried, good: float
@@ -73,17 +88,55 @@ class AlongStages:
         time, whole, y = start
         matrix, off = carried.matrix, carried.other - carried.matrix
         there, behind = (np.flatnonzero(one.any(axis=0)) for one in (matrix, off))
-        ways = lift.up @ np.hstack([matrix[:, there], off[:, behind]])
-        size = (piece.b - piece.a) * whole
-        grade, origin = self._grade(piece, time, whole)
-        found = self._carrying.along(time + piece.a * whole, y, size, ways, grade=grade, origin=origin)
+        begin = time + piece.a * whole
+        found = self._carrying.along(
+            (begin, (piece.b - piece.a) * whole, y),
+            lift.up @ matrix[:, there],
+            lift.up @ off[:, behind],
+            # A break that is known at both ends has no piece.
+            falling=(piece.falling or piece.known[1]) and not piece.known[0],
+            since=self._since(piece.known[0], begin),
+        )
         down, moved = lift.down, lift.down @ found.ways
         count = len(there)
         sizes = np.linalg.norm(moved[:, :count], axis=0)
-        if not (found.sizes[:, :count] <= good * sizes).all():
+        if not (found.sizes <= good * sizes).all():
             return None
         self.made += 1
         ends, rests = np.zeros_like(matrix), np.zeros_like(matrix)
         ends[:, there], rests[:, behind] = moved[:, :count], moved[:, count:]
-        rests[:, there] += down[:, self._moving] @ (found.errors + found.rough)[:, :count]
-        return Carried(ends, ends + rests, carried.frame)
+        rests[:, there] += down[:, self._moving] @ (found.errors + found.rough)
+        books = carried.books.copy()
+        books[:, there] += found.books
+        return Carried(ends, ends + rests, carried.frame, books)
+
+    def over_steps(
+        self, steps: Sequence[Step], lift: Lift, carried: Carried, good: float
+    ) -> tuple[int, Carried]:
+        """Return along how many steps displacements are known well enough, and these behind them.
+
+        Args:
+            steps: One after another, between two changes of the axes.
+            lift: Coordinates as displacements, the same along the steps.
+            carried: Displacements before them.
+            good: As for :meth:`over`.
+        """
+        matrix, off = carried.matrix, carried.other - carried.matrix
+        there = np.flatnonzero((matrix != 0.0).any(axis=0) | (off != 0.0).any(axis=0))
+        every = Steps(
+            np.array([one.time for one in steps]),
+            np.array([one.size for one in steps]),
+            np.array([self._since(one.known[0], one.time) for one in steps]),
+            np.array([one.y for one in steps]),
+        )
+        # Each part of a displacement is one coordinate, or none.
+        scales = np.abs(lift.down).sum(axis=0)
+        before = lift.up @ matrix[:, there], lift.up @ off[:, there]
+        done, ways, rest, booked = self._carrying.along_all(every, *before, scales, good)
+        self.made += done
+        if not done:
+            return 0, carried
+        ends, rests, books = np.zeros_like(matrix), np.zeros_like(matrix), carried.books.copy()
+        ends[:, there], rests[:, there] = lift.down @ ways, lift.down @ rest
+        books[:, there] += booked
+        return done, Carried(ends, ends + rests, carried.frame, books)

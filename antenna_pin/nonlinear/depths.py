@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.differences import WEIGHTS
 from antenna_pin.nonlinear.frames import Frame, Units
 from antenna_pin.nonlinear.near import STEP, Function, Near
 
@@ -46,13 +47,25 @@ class Depths:
 
     def over_numbers(self, y: Array, c: int) -> Array:
         """Return how far a contact's gap opens with each parameter, (parameters,) [m]."""
+        near, numbers = self._near, self._near.numbers
+        assert numbers is not None
 
-        def gap(_: float, state: Array) -> Array:
-            return np.array([self._near.workspace.along_normal(state, c)[1]])
+        def gap(displaced: Array) -> float:
+            back = numbers.displace(displaced)
+            try:
+                return near.workspace.along_normal(y, c)[1]
+            finally:
+                back()
 
-        parts = self._near.parts
-        ways = np.eye(parts[-1].stop)[parts[-3]]
-        return np.array([self._near.over(gap, 0.0, y, way, _OF_NUMBERS)[0, 0] for way in ways])
+        here, out = near.workspace.along_normal(y, c)[1], np.zeros(numbers.count)
+        for k, way in enumerate(_OF_NUMBERS * np.eye(numbers.count)):
+            far = gap(3.0 * way)
+            if far == here:
+                continue  # most numbers are none of a contact's geometry, and do not move it by a bit
+            ahead = np.array([gap(way), gap(2.0 * way), far])
+            behind = np.array([gap(-j * way) for j in (1.0, 2.0, 3.0)])
+            out[k] = WEIGHTS[0] @ (ahead - behind) / _OF_NUMBERS
+        return out
 
     def opening(self, y: Array, c: int, ways: Array) -> tuple[Array, float]:
         """Return how far a contact's gap opens along displacements, (k,), and per second.

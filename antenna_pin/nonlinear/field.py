@@ -63,7 +63,7 @@ class Field:
         self._by_parts = near.follows(self._tangents, self.units)
         self.displacement = self.parts[-1].stop  #: Size of a displacement.
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
-        self._opened: tuple[int, Array] | None = None
+        self._opened: dict[int, Array] = {}
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
         self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds, self._gaps)
@@ -87,6 +87,10 @@ class Field:
     def flow(self, time: float, y: Array) -> Array:
         """Return the displacement per second that the system itself makes, (displacement,)."""
         return self._near.flow(time, y)
+
+    def booked(self, time: float, y: Array) -> Array:
+        """Return the rates of what is integrated along a run, (nx,)."""
+        return self._near.rates(time, y)[self.system.model.nv :].copy()
 
     def frame(self, y: Array, clock: bool = False) -> Frame:
         """Return the axes of coordinates in a state, with the contacts of the moment."""
@@ -297,10 +301,6 @@ class Field:
             found[:, k] = self._near.over(speeds, time, y, ways[:, k], float(steps[k]))[0]
         return found
 
-    def _of_numbers(self) -> Array:
-        """Return the displacements of parameters alone, (displacement, parameters)."""
-        return np.eye(self.displacement)[:, self.parts[-3]]
-
     def _gaps(self, time: float, y: Array, ways: Array) -> Array:
         """Return the derivatives of how far constraints are violated along displacements, (rows, k)."""
         return self.along(self._near.violated("every_gap"), time, y, ways)[0]
@@ -309,14 +309,14 @@ class Field:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""
         if self.numbers is None:
             return np.zeros(0)
-        if self._opened is None or self._opened[0] != c:  # it hardly changes while a contact lasts
-            self._opened = c, self.depths.over_numbers(y, c)
-        return self._opened[1]
+        if c not in self._opened:  # it hardly changes while a contact lasts
+            lasting = self.workspace.memory["touching"]
+            self._opened = {k: one for k, one in self._opened.items() if lasting[k]}
+            self._opened[c] = self.depths.over_numbers(y, c)
+        return self._opened[c]
 
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> Rates:
-        """Return the derivative of the coordinates' rates over the coordinates.
-
-        The coordinates are along a frame's axes, which rest.
+        """Return the derivative of the coordinates' rates over the coordinates, along axes that rest.
 
         Args:
             frame: The axes.
@@ -332,10 +332,10 @@ class Field:
         ways = np.column_stack([lift.up if basis is None else lift.up @ basis, way])
         first = self._steps(y, ways, True)
         sixth, fourth, steps = self.slopes(time, y, ways, first)
-        both = []
-        for found in (sixth[:, :count], fourth[:, :count]):
-            if basis is not None:
-                found = found @ np.linalg.inv(basis)
+        both, over = [], [sixth[:, :count], fourth[:, :count]]
+        if basis is not None:
+            over = [one @ np.linalg.inv(basis) for one in over]
+        for found in over:
             change = np.zeros((self.displacement, count))
             change[own] = lift.up[rate] - self.system.manifold.bracket(v, lift.up[own])
             change[rate], change[bristles] = found[:nv], found[nv + self.bristles]
@@ -345,4 +345,5 @@ class Field:
             both[1],
             self._weighed(sixth[:, count:])[:, 0],
             self._noise(y, way[:, None], steps[count:], first[count:]),
+            over[0][nv:],
         )

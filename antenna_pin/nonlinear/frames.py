@@ -99,12 +99,14 @@ class Rates(NamedTuple):
         fourth: The same by differences of fourth order.
         along: Of rates along one displacement, in units, (nv + bristles,).
         noise: Round-off of these.
+        books: Of the rates of what is integrated over the coordinates, (nx, size).
     """
 
     sixth: Array
     fourth: Array
     along: Array
     noise: float
+    books: Array
 
 
 def parts_of(system: System, kept: int, parameters: int = 0) -> tuple[slice, ...]:

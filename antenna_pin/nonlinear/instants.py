@@ -1,7 +1,8 @@
 """Displacements at equal times, and at the neighbours' own instants: of an onset, of a release.
 
 A displacement w of a state at equal times is ``w + f dt`` at a neighbour's own instant, which is later by dt.
-With time as a coordinate beside the others it goes by the same equation, the flow f too.
+With time as a coordinate beside the others it goes by the same equation, the flow f too. What is integrated
+along a run, b' = L, acts on nothing: its displacement is carried beside these and is ``B + L dt`` there.
 """
 
 from __future__ import annotations
@@ -28,11 +29,13 @@ class Carried(NamedTuple):
         matrix: (size, k).
         other: The same by differences of another order and another rule: what is between tells the doubt.
         frame: The axes.
+        books: Displacements of what is integrated along the run, (nx, k).
     """
 
     matrix: Array
     other: Array
     frame: Frame
+    books: Array
 
 
 def with_time(carried: Carried) -> Carried:
@@ -41,7 +44,7 @@ def with_time(carried: Carried) -> Carried:
     if frame.clock:
         return carried
     matrix, other = (np.insert(one, 2 * frame.ways, 0.0, axis=0) for one in carried[:2])
-    return Carried(matrix, other, frame._replace(clock=True))
+    return Carried(matrix, other, frame._replace(clock=True), carried.books)
 
 
 def at_equal_times(field: Field, carried: Carried, time: float, y: Array) -> Carried:
@@ -58,7 +61,8 @@ def at_equal_times(field: Field, carried: Carried, time: float, y: Array) -> Car
     frame, up = carried.frame._replace(clock=False), field.lift(carried.frame, time, y).up
     late = up[field.parts[-1].start]
     back = field.lift(frame, time, y).down @ (up - np.outer(field.flow(time, y), late))
-    return Carried(back @ carried.matrix, back @ carried.other, frame)
+    books = carried.books - np.outer(field.booked(time, y), late @ carried.matrix)
+    return Carried(back @ carried.matrix, back @ carried.other, frame, books)
 
 
 def wrong_by(piece: Piece, step: Propagated, carried: Carried, flow: int, opening: Array | None) -> float:

@@ -222,7 +222,7 @@ def lyapunov_spectrum(
     growth: list[Array] = []
     while len(growth) < count:
         carrier, here = flow.carry(here, interval, frame, ways)
-        matrix, _, frame = carrier.carried
+        matrix, _, frame, _ = carrier.carried
         own = ahead.own(frame, len(matrix), here.time)
         matrix = np.where(own[:, None], matrix, 0.0)
         left = left_of(matrix, carrier.rank, here.time)

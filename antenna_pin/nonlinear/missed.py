@@ -86,7 +86,10 @@ class Missed:
 
     def own(self, carried: Carried) -> Carried:
         """Return the displacements alone."""
-        return Carried(carried.matrix[:, : self._count], carried.other[:, : self._count], carried.frame)
+        matrix, other, books = (
+            one[:, : self._count] for one in (carried.matrix, carried.other, carried.books)
+        )
+        return Carried(matrix, other, carried.frame, books)
 
     def error(self, carried: Carried) -> Array:
         """Return what the run is off by, as a displacement, (size,)."""
@@ -97,7 +100,7 @@ class Missed:
         both = carried.matrix.copy(), carried.other.copy()
         for one in both:
             one[:, self._count] += more
-        return Carried(*both, carried.frame)
+        return Carried(*both, carried.frame, carried.books)
 
     def passed(self, kink: Kink, error: Array, carried: Carried) -> Carried:
         """Return displacements with what they miss of a kink that a run passes which is off by an error."""
@@ -105,7 +108,8 @@ class Missed:
         late = kink.later * (abs(float(kink.passing @ error)) + size * self._least)
         self._parts.append(np.abs(kink.passing @ carried.matrix[:, : self._count]) * late)
         column = kink.force[:, None]
-        return Carried(np.hstack([carried.matrix, column]), np.hstack([carried.other, column]), carried.frame)
+        matrix, other = (np.hstack([one, column]) for one in carried[:2])
+        return Carried(matrix, other, carried.frame, np.pad(carried.books, ((0, 0), (0, 1))))
 
     def merged(self, carried: Carried) -> Carried:
         """Return displacements with the oldest of what is missed in one column, where there are too many."""
@@ -116,8 +120,11 @@ class Missed:
             if sizes[kept] > 0.0:
                 self._parts[1 - kept] = self._parts[1 - kept] * (sizes[1 - kept] / sizes[kept])
             self._parts[:2] = [self._parts[0] + self._parts[1]]
-            matrix, other = (np.delete(one, first + 1 - kept, axis=1) for one in carried[:2])
-            carried = Carried(matrix, other, carried.frame)
+            matrix, other, books = (
+                np.delete(one, first + 1 - kept, axis=1)
+                for one in (carried.matrix, carried.other, carried.books)
+            )
+            carried = Carried(matrix, other, carried.frame, books)
         return carried
 
     def sizes(self, carried: Carried) -> Array:

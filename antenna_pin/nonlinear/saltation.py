@@ -53,11 +53,13 @@ class _Way(NamedTuple):
             (displacement, size).
         late: By how much a neighbour comes later [s], (size,).
         going: What the flow before it makes of a state behind it, per second, (displacement,).
+        booked: Rates of what is integrated, before it, (nx,).
     """
 
     moved: Array
     late: Array
     going: Array
+    booked: Array
 
 
 class Saltation:
@@ -121,7 +123,7 @@ class Saltation:
         if not isinstance(event.when, Time):
             late = self._late(function, time, y, up, of_forces=True)
         self._note("event", one.event.name, time, (clock + late) @ carried.matrix)
-        passage = _Way(up, late, field.flow(time, y))
+        passage = _Way(up, late, field.flow(time, y), field.booked(time, y))
         if isinstance(event.action, Jump) or one.done:
             passage = self._jump(one, time, y, up, late)
         field.let_go(np.flatnonzero(field.workspace.program != one.program))
@@ -157,11 +159,12 @@ class Saltation:
             return np.concatenate([way_between(field.system, behind[:nq], there[:nq]), (there - behind)[nq:]])
 
         moved, going, kept = up.copy(), field.flow(time, y), field.parts[-2]
+        booked = field.booked(time, y)
         along, per_second = field.along(displaced, time, y, up)[0], field.per_second(displaced, time, y)
         moved[: 2 * nv], moved[kept] = along[: 2 * nv], along[2 * nv :]
         going[: 2 * nv], going[kept] = per_second[: 2 * nv], per_second[2 * nv :]
         y[: nq + nv] = behind[: nq + nv]
-        return _Way(moved, late, going)
+        return _Way(moved, late, going, booked)
 
     def _carry(self, passage: _Way, carried: Carried, time: float, y: Array) -> Carried:
         """Return displacements behind a passage, whose contacts, program and state are the field's now."""
@@ -171,9 +174,11 @@ class Saltation:
         moved, jump = passage.moved, passage.going - field.flow(time, y)
         if jump.any():  # else it matters to none when it comes, as where a joint turns back in a stop
             moved = moved + np.outer(jump, passage.late)
-        through = down @ moved
+        through, books = down @ moved, carried.books
+        if (change := passage.booked - field.booked(time, y)).any():
+            books = books + np.outer(change, passage.late @ carried.matrix)
         self._lose(through, carried.matrix[:, : self.count])
-        return Carried(through @ carried.matrix, through @ carried.other, frame)
+        return Carried(through @ carried.matrix, through @ carried.other, frame, books)
 
     def _lose(self, through: Array, displacements: Array) -> None:
         """Count the directions that are left, where what is passed may take some away."""
@@ -203,6 +208,7 @@ class Saltation:
         with np.errstate(divide="ignore", invalid="ignore"):
             flow, late = lift.down @ field.flow(time, y), -opening / rate
         ways = [one + np.outer(flow, late @ one) for one in carried[:2]]
+        books = carried.books + np.outer(field.booked(time, y), late @ carried.matrix)
         clock = lift.up[field.parts[-1].start]
         self._note("onset", str(c), time, clock @ ways[0])
 
@@ -217,7 +223,7 @@ class Saltation:
             one[carried.frame.first_bristle + field.bristles_of(c)] = 0.0
         frame = self._let(c, memory, y)
         turn = field.lift(frame, time, y).down @ lift.up
-        found = Carried(turn @ ways[0], turn @ ways[1], frame)
+        found = Carried(turn @ ways[0], turn @ ways[1], frame, books)
         for k, (contact, column) in enumerate(frame.remembered, len(turn) - len(frame.remembered)):
             if contact == c and column in slopes:
                 found.matrix[k], found.other[k] = (slopes[column] @ one for one in ways)
@@ -240,16 +246,18 @@ class Saltation:
         field = self._field
         lift = field.lift(carried.frame, time, y)
         opening, _ = field.depths.opening(y, c, lift.up)
-        ways = []
+        ways, lates = [], []
         for one in carried[:2]:
             with np.errstate(divide="ignore", invalid="ignore"):
                 late = -(opening @ one) / (opening @ one[:, flow])
             late[flow] = 0.0
             ways.append(one + np.outer(one[:, flow], late))
+            lates.append(late)
+        books = carried.books + np.outer(carried.books[:, flow], lates[0])
         self._note("release", str(c), time, lift.up[field.parts[-1].start] @ ways[0])
         frame = self._let(c, np.zeros(1, MEMORY)[0], y)
         turn = field.lift(frame, time, y).down @ lift.up
-        return Carried(turn @ ways[0], turn @ ways[1], frame)
+        return Carried(turn @ ways[0], turn @ ways[1], frame, books)
 
     def _let(self, c: int, memory: Any, y: Array) -> Frame:
         """Let a contact remember something from now on; return the axes then, with time."""

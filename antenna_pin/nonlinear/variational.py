@@ -29,39 +29,35 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.integrate import NODES, Propagator
-from antenna_pin.nonlinear.along import AlongStages
-from antenna_pin.nonlinear.breaks import BETWEEN, left_over
+from antenna_pin.nonlinear.along import AlongStages, Step
+from antenna_pin.nonlinear.by_matrices import ByMatrices
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame, Lift
-from antenna_pin.nonlinear.instants import Carried, at_equal_times, with_time, wrong_by
-from antenna_pin.nonlinear.missed import Kink, Missed, StepAnew
+from antenna_pin.nonlinear.instants import Carried, at_equal_times, with_time
+from antenna_pin.nonlinear.missed import Missed, StepAnew
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.pieces import HALVINGS, Piece
 from antenna_pin.nonlinear.saltation import Passed, Saltation
-from antenna_pin.nonlinear.within import Within, kink_in
+from antenna_pin.nonlinear.within import Within
 from antenna_pin.simulation.loop import Run
 
 __all__ = ["Carrier"]
 
 Array = NDArray[np.float64]
 
-# What a piece of a step may be wrong by, over the displacements and over the run's tolerance; and how often a
-# step is halved to find where it breaks: what is wrong then is in the doubt.
-_GOOD, _SEARCHES = 1e2, 8
+# What a piece of a step may be wrong by, over the displacements and over the run's tolerance.
+_GOOD = 1e2
 # How often a step is halved along which the run's own stages carry displacements, until whole matrices are
 # looked at for what breaks there.
 _TRIES = 4
 # What stages may be wrong by, over that: their estimate is that of a lower order.
 _BY_STAGES = 10.0
-# In how many steps the round-off of rates is looked at once, where nothing changes.
-_LOOKS = 8
 # In parts of a step, what counts as the same instant.
 _AT_ONCE = 1e-12
-# How often round-off may be what a piece's derivatives are off by.
-_NOISY = 30.0
 # From which depth on a contact is deep, over what its onset is located to.
 _DEEP = 1e6
+# How many steps wait at most to be carried along together.
+_TOGETHER = 64
 
 
 class Carrier:
@@ -102,25 +98,24 @@ class Carrier:
         self._deep = _DEEP * np.array(run.search.tolerances)
         self._young: set[int] = set()
         self._changed = self._broken = False
-        self._looked_at = self._made = 0
-        self._unseen: tuple[float, Array] | None = self._take_over(run)
-        self.matrices = 0  #: Over how many parts of steps whole matrices have carried them.
-        self._left_over, self._looks = 0.0, list(looks)
-        self._way: tuple[Frame, Array, Array] | None = None
-        self._propagator = Propagator(0)
-        self._opening: Array | None = None
+        self._take_over(run)
+        self._waiting: list[Step] = []
+        self._looks = list(looks)
         #: Told of each look: ``(time, y, displacements)``, the last (displacement, k).
         self.seen: Callable[[float, Array, Array], None] | None = None
         lift = self.field.lift(first, self._time, self._y)
         start = np.eye(lift.up.shape[1]) if ways is None else ways(lift) if callable(ways) else ways
         self._saltation = Saltation(self.field, run, start.shape[1])
         self._missed = Missed(start.shape[1], settings.rtol)
+        self._matrices = ByMatrices(self.field, within, self._again, self._missed, self._good)
+        self._matrices.begin(self._time, self._y, True)
         start = self._missed.begin(start)
-        self._all = Carried(start, start.copy(), first)
+        self._all = Carried(start, start.copy(), first, np.zeros((run.system.manifold.nx, start.shape[1])))
 
     @property
     def carried(self) -> Carried:
         """Displacements in the present state, at equal times."""
+        self._go_along()
         return self._missed.own(at_equal_times(self.field, self._all, *self._here))
 
     @property
@@ -129,15 +124,19 @@ class Carrier:
         return tuple(self._saltation.passed)
 
     @property
+    def matrices(self) -> int:
+        """Over how many parts of steps whole matrices have carried them."""
+        return self._matrices.made
+
+    @property
     def rank(self) -> int:
         """How many directions of the displacements are left: where a joint comes to rest one is lost."""
         return self._saltation.rank
 
-    def _take_over(self, run: Run) -> tuple[float, Array]:
-        """Begin the next step where the run is; return where that is."""
+    def _take_over(self, run: Run) -> None:
+        """Begin the next step where the run is."""
         self._time, self._y = self._here = run.stepper.t, run.here.copy()
         self._within.take_over(run)
-        return self._time, self._y
 
     def look(self, run: Run) -> None:
         """Carry the displacements over the step and the changes since the last look."""
@@ -146,14 +145,23 @@ class Carrier:
         happened = self._saltation.has_happened()
         broken = any(one.last == run.stepper.t for one in run.watch.value())
         if run.stepper.t > self._time:  # behind an event the state may be another than the step has led to
-            end = None if happened else run.here.copy()
-            self._within.begin(self._time, self._y, run.stepper.h, end)
+            end, ends = None if happened else run.here.copy(), bool(flipped) or happened
+            changes, known = (self._changed, ends), (self._changed or self._broken, ends or broken)
+            step = Step(self._time, run.stepper.h, self._y, run.stepper.t, end, changes, known)
             parting = [c for c in flipped if touching[c] == 0.0]
-            self._step(run.stepper.t, run.stepper.h, bool(flipped) or happened, broken, parting)
+            if self._goes_along(step):
+                self._waiting.append(step)
+            else:
+                self._go_along()
+                self._step(step, parting)
+            self._changed, self._broken = False, broken
             for c in parting:
                 self._all = self._saltation.release(c, self._missed.flow, self._all, self._time, self._y)
-            for one in self._all[:2]:
-                one[:, self._missed.flow] = 0.0
+            if parting:
+                for one in (self._all.matrix, self._all.other, self._all.books):
+                    one[:, self._missed.flow] = 0.0
+        if flipped or happened or len(self._waiting) >= _TOGETHER:
+            self._go_along()
         if happened:
             self._all = self._saltation.through_events(self._all, self._time, self._y)
         for c in flipped:
@@ -166,52 +174,76 @@ class Carrier:
             self.stages.since = run.stepper.t
         self._take_over(run)
         self._young = {c for c in {*self._young, *flipped} if touching[c] != 0.0 and self._is_shallow(c)}
-        if not self._young:
+        if not self._young and self._all.frame.clock:
+            self._go_along()
             self._all = at_equal_times(self.field, self._all, *self._here)
+
+    def book(self, place: int, more: Array) -> None:
+        """Take something to what is integrated along the run, by how much more of each displacement, (k,)."""
+        self._go_along()
+        self._all.books[place, : len(more)] += more
 
     def end(self, run: Run) -> None:
         """Carry them to the end."""
         self.look(run)
+        self._go_along()
 
     def _is_shallow(self, c: int) -> bool:
         """Whether a contact has just begun."""
         return self.field.workspace.along_normal(self._y, c)[1] > -float(self._deep[c])
 
-    def _step(
-        self, end: float, size: float, ends_in_change: bool, ends_in_break: bool, parting: Sequence[int]
-    ) -> None:
-        """Carry the displacements over a step that the run has made.
+    def _goes_along(self, step: Step) -> bool:
+        """Whether displacements may go along a step together with others.
+
+        Nothing is to be seen within it, or changes at its end, and axes stay as they are.
+        """
+        if self.stages is None or self.field.workspace.constraints is not None:
+            return False
+        seen = self._looks and self._looks[0] < step.time + (1.0 + _AT_ONCE) * step.size
+        return not (step.changes[1] or step.known[1] or seen)
+
+    def _go_along(self) -> None:
+        """Carry the displacements along the steps that wait."""
+        steps, self._waiting, here = self._waiting, [], (self._time, self._y, self._here)
+        while steps:
+            assert self.stages is not None
+            lift = self.field.lift(self._all.frame, steps[0].time, steps[0].y)
+            done, self._all = self.stages.over_steps(steps, lift, self._all, _BY_STAGES * self._good)
+            for one in steps[:done]:
+                self._matrices.begin(one.time, one.y, one.changes[0] or bool(self._young))
+            if done < len(steps):
+                self._step(steps[done], ())
+            steps = steps[done + 1 :]
+        self._time, self._y, self._here = here
+
+    def _step(self, step: Step, parting: Sequence[int]) -> None:
+        """Carry the displacements over a step.
 
         Args:
-            end: When it ended [s].
-            size: Its size [s].
-            ends_in_change: Whether contacts or drives change there.
-            ends_in_break: Whether an event or a kink that is told of is there.
+            step: The step.
             parting: Contacts that end there.
         """
-        self._again.begin(self._time, self._y)
-        self._made += 1
-        if self._changed or self._young or self._made > self._looked_at + _LOOKS:
-            self._unseen = self._time, self._y
-        begin, begins, broken = 0.0, self._changed, self._changed or self._broken
-        last = ends_in_change or ends_in_break
-        if begins and ends_in_change:
-            middle = 0.5 * (begin + 1.0)
-            self._part(Piece(begin, middle, True, False, (broken, False)))
-            begin, begins, broken = middle, False, False
+        self._time, self._y = step.time, step.y
+        self._within.begin(step.time, step.y, step.size, step.end)
+        self._again.begin(step.time, step.y)
+        (begins, ends), known, end = step.changes, step.known, step.until
+        self._matrices.begin(step.time, step.y, begins or bool(self._young))
+        rest = step.piece
+        if begins and ends:
+            self._part(Piece(0.0, 0.5, True, False, (known[0], False)))
+            rest = Piece(0.5, 1.0, False, True, (False, known[1]))
         whole = self._at(1.0)
         if parting:
-            self._carry_flow(begin)
+            self._carry_flow(rest.a)
             up = self.field.lift(self._all.frame, end, whole).up
-            self._opening = self.field.depths.opening(whole, parting[0], up)[0]
-        self._part(Piece(begin, 1.0, begins, ends_in_change, (broken, last)))
-        self._opening = None
+            self._matrices.opening = self.field.depths.opening(whole, parting[0], up)[0]
+        self._part(rest)
+        self._matrices.opening = None
         off = self._again.off(end, whole)
         if off.any():
             self._all = self._missed.off(self._all, self._down(end, whole) @ off)
         self._all = self._missed.merged(self._all)
-        self._time, self._y, self._changed, self._broken = end, whole, False, ends_in_break
-        self._here = end, whole
+        self._time, self._y = self._here = end, whole
         if self.field.workspace.constraints is not None:
             self.turn(self.field.frame(self._y, self._all.frame.clock))
 
@@ -222,6 +254,7 @@ class Carrier:
         flow = self._down(time, y) @ self.field.flow(time, y)
         for one in self._all[:2]:
             one[:, self._missed.flow] = flow
+        self._all.books[:, self._missed.flow] = self.field.booked(time, y)
 
     def _part(self, piece: Piece) -> None:
         """Carry the displacements over a part of a step, and show them where they are to be looked at."""
@@ -239,7 +272,7 @@ class Carrier:
         """Show the displacements at a fraction of the step."""
         time, y = self._here = self._looks.pop(0), self._at(theta)
         if self.seen is not None:
-            matrix, _, frame = self.carried
+            matrix, frame = (carried := self.carried).matrix, carried.frame
             self.seen(time, y, self.field.lift(frame, time, y).up @ matrix)
 
     def _down(self, time: float, y: Array) -> Array:
@@ -252,31 +285,17 @@ class Carrier:
         Args:
             frame: The axes; of the contacts that count.
         """
+        self._go_along()
         if not frame.clock:
             self._all = at_equal_times(self.field, self._all, *self._here)
         field, old = self.field, self._all
         turn = field.lift(frame, self._time, self._y).down @ field.lift(old.frame, self._time, self._y).up
-        self._all = Carried(turn @ old.matrix, turn @ old.other, frame)
-
-    def _along(self) -> tuple[Array, Array]:
-        """Return the displacement along which breaks are looked for, some of every state, and its parts."""
-        frame = self._all.frame
-        if self._way is None or self._way[0] is not frame:
-            up = self.field.lift(frame, self._time, self._y).up
-            some = np.asarray(np.random.default_rng(0).standard_normal(up.shape[1]))
-            *_, numbers, _, clock = self.field.parts
-            some[up[numbers].any(axis=0) | up[clock].any(axis=0)] = 0.0  # what breaks does so in states
-            unit = np.asarray(some / np.linalg.norm(some))
-            self._way = frame, up @ unit, unit
-        return self._way[1:]
+        self._all = Carried(turn @ old.matrix, turn @ old.other, frame, old.books)
 
     def _piece(self, piece: Piece) -> None:
         """Carry the displacements over a part of the step, by the run's own stages where these can."""
         found = self._by_stages(piece, self._all)
-        if found is None:
-            self._by_matrices(piece)
-        else:
-            self._all = found
+        self._all = self._matrices.over(piece, self._all) if found is None else found
 
     def _by_stages(self, piece: Piece, carried: Carried) -> Carried | None:
         """Return displacements behind a part of the step by the run's own stages; None where these cannot."""
@@ -291,58 +310,10 @@ class Carrier:
                 found = None if found is None else self._by_stages(half, found)
         return found
 
-    def _by_matrices(self, piece: Piece) -> None:
-        """Carry the displacements over a part of the step, cut where it breaks and as short as it must be."""
-        self.matrices += 1
-        if self._unseen is not None:
-            self.field.look_at(*self._unseen, self._along()[0])
-            self._unseen, self._looked_at = None, self._made
-        field, start, whole = self.field, self._time, self._within.size
-        frame, length, way = self._all.frame, (piece.b - piece.a) * whole, self._along()[0]
-        thetas, slopes = piece.at(NODES)
-        found = [field.matrix(frame, start + s * whole, self._at(s), way) for s in thetas.tolist()]
-        sixth, fourth = (np.array([f[k] * s for f, s in zip(found, slopes, strict=True)]) for k in (0, 1))
-        if self._propagator.size != sixth.shape[1]:
-            self._propagator = Propagator(sixth.shape[1])
-        step = self._propagator.step(length, sixth)
-        # What breaks at a place between the nodes, or behind the last, neither method sees.
-        seen = [(f.along * s, f.noise * s) for f, s in zip(found, slopes.tolist(), strict=True)]
-        for s, slope in zip(*(one.tolist() for one in piece.at(BETWEEN)), strict=True):
-            value, noise = field.along_way(start + s * whole, self._at(s), way)
-            seen.append((value * slope, noise * slope))
-        rest, (low, high) = left_over(np.array([value for value, _ in seen]), piece.known)
-        noise = _NOISY * length * max(one for _, one in seen)
-        off = length * rest if length * rest <= self._good else max(length * rest - noise, 0.0)
-        found_break = None
-        if off > self._good:
-            by = field, frame, way, self._along()[1]
-            found_break = kink_in(piece, (low, high), seen, self._within, by)
-        searching = off > self._good and piece.halvings > HALVINGS - _SEARCHES
-        rough = not wrong_by(piece, step, self._all, self._missed.flow, self._opening) <= self._good
-        if piece.halvings > 0 and (found_break is not None or searching or rough):
-            cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break[0]
-            before, behind = piece.cut(cut, found_break is not None)
-            self._by_matrices(before)
-            if found_break is not None:
-                self._pass(*found_break)
-            self._by_matrices(behind)
-            return
-        other = step.other + self._propagator.change(length, fourth - sixth)
-        old = self._all
-        self._left_over += off
-        self._all = Carried(step.matrix @ old.matrix, other @ old.other, old.frame)
-
-    def _pass(self, theta: float, kink: Kink) -> None:
-        """Count what displacements miss of a kink at a fraction of the step."""
-        time, y = self._time + theta * self._within.size, self._at(theta)
-        self._again.to(time)
-        error = self._missed.error(self._all) + self._down(time, y) @ self._again.off(time, y)
-        self._all = self._missed.passed(kink, error, self._all)
-
     @property
     def doubt(self) -> Array:
         """By how much the displacements are in doubt, of each, (k,)."""
-        matrix, other, _ = self.carried
+        matrix, other, *_ = self.carried
         missed = self._missed.sizes(at_equal_times(self.field, self._all, *self._here))
-        left_over = self._left_over * np.linalg.norm(matrix, axis=0)
+        left_over = self._matrices.left_over * np.linalg.norm(matrix, axis=0)
         return np.asarray(np.linalg.norm(matrix - other, axis=0) + left_over + missed)

@@ -1,8 +1,7 @@
-"""A run whose displacements are carried, and what is integrated along it: works, losses, impulses.
+"""A run whose displacements are carried, with what is integrated along it: works, losses, impulses.
 
-What a run integrates acts on nothing. Of b' = L(t, y, s) the derivative over a parameter is the integral of
-``DL w`` over the steps, and ``(L- - L+) dt`` more where the rate jumps at an instant by ``dt`` later.
-What a blow takes at an instant is a function of the state before it, at the neighbour's own instant.
+What a blow takes at an instant is a function of the state before it, at the neighbour's own instant; what
+goes on between is carried with displacements (:mod:`antenna_pin.nonlinear.variational`).
 """
 
 from __future__ import annotations
@@ -18,7 +17,6 @@ from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import LOSS
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.kept import Kept
-from antenna_pin.nonlinear.near import Near
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.nonlinear.saltation import Passed
@@ -104,7 +102,6 @@ class Along:
     Attributes:
         carrier: As given.
         deepest: As given.
-        books: Derivatives of what is integrated, so far, (nx, parameters).
         changes: How elements have met their joints.
         lasting: Contacts from onset to release.
     """
@@ -123,16 +120,14 @@ class Along:
         self.carrier, self._looks, self._count = carrier, list(looks), count
         self.deepest = tuple(deepest)
         self._field = Field(system, run.settings, numbers)
-        self._plain = Near(system, run.settings)
         workspace = self._field.workspace
         self._replay = Replay(workspace, Kept(system), self._field.numbers)
         self._losses = _losses(system)
-        self._nv = system.model.nv
-        self.books = np.zeros((system.manifold.nx, count))
         # Of samples what :class:`Displaced` has, in its order.
         self._seen: list[tuple[Any, ...]] = []
         self._table, self._gaps = np.zeros(len(workspace.table), CONTACT), list[Array]()
-        self._mark: tuple[float, Array, Array] | None = None
+        # Before a change: when, the state, its displacements, those of what is integrated.
+        self._mark: tuple[float, Array, Array, Array] | None = None
         self.changes: list[Change] = []
         self.lasting: list[Lasting] = []
         self._open: dict[int, int] = {}
@@ -142,7 +137,12 @@ class Along:
         for c in np.flatnonzero(run.workspace.memory["touching"]).tolist():
             self._open[c] = len(self.lasting)
             same = nothing, nothing
-            self.lasting.append(Lasting(c, -math.inf, same, same, (self.books.copy(), None)))
+            self.lasting.append(Lasting(c, -math.inf, same, same, (self.books, None)))
+
+    @property
+    def books(self) -> Array:
+        """Derivatives of what is integrated, so far, (nx, parameters)."""
+        return self.carrier.carried.books.copy()
 
     @property
     def displaced(self) -> Displaced:
@@ -167,7 +167,7 @@ class Along:
     # --- what a run shows itself to -------------------------------------------------------------------------
 
     def look(self, run: Run) -> None:
-        """Carry displacements over the step that was made, and what is integrated over what changes there."""
+        """Carry displacements over the step that was made, and note what changes there."""
         self._go(run, self.carrier.look)
 
     def end(self, run: Run) -> None:
@@ -176,13 +176,15 @@ class Along:
 
     def _go(self, run: Run, carry: Callable[[Run], None]) -> None:
         passages, noted = list(run.actions.passages or ()), len(self.carrier.passed)
-        words = None if self.carrier.field.numbers is None else self.carrier.field.numbers.program.copy()
+        words = self.carrier.field.numbers.program.copy() if passages and self.carrier.field.numbers else None
         carry(run)
         new = self.carrier.passed[noted:]
         touching, touched = run.workspace.memory["touching"], self._memory["touching"]
         flipped = np.flatnonzero(touching != touched).tolist()
-        if (passages or flipped) and self._mark is not None and self._mark[0] == run.stepper.t:
-            self._change(run, passages, new, words)
+        if new:
+            self._check(run.stepper.t, self.carrier.carried.matrix)
+        if passages and self._mark is not None and self._mark[0] == run.stepper.t:
+            self._meet_all(self._mark, passages, new, words)
         for c in flipped:
             late = next(
                 (p.late for p in new if p.what != "event" and p.name == str(c)), np.zeros(self._count)
@@ -191,56 +193,44 @@ class Along:
         self._take_over(run)
 
     def _flip(self, c: int, begins: bool, time: float, late: Array) -> None:
-        """Note a contact that begins or ends."""
-        nothing, books = np.zeros(self._count), self.books.copy()
+        """Note a contact that begins or ends: what it integrates has no rate before, and none behind."""
+        nothing = np.zeros(self._count)
         if begins:
+            books = self._mark[3] if self._mark is not None and self._mark[0] == time else self.books
             self._open[c] = len(self.lasting)
             self.lasting.append(Lasting(c, time, (late, nothing), (nothing, nothing), (books, None)))
         elif c in self._open:
             k = self._open.pop(c)
             one = self.lasting[k]
-            self.lasting[k] = one._replace(late=(one.late[0], late), books=(one.books[0], books))
+            self.lasting[k] = one._replace(late=(one.late[0], late), books=(one.books[0], self.books))
 
     # --- between changes ------------------------------------------------------------------------------------
 
-    def _see(self, time: float, y: Array, ways: Array) -> None:
-        """Look at displacements within a step."""
-        look, carrier = self._looks.pop(0), self.carrier
+    def _check(self, time: float, ways: Array) -> None:
+        """Raise where displacements have none any more."""
         if not np.isfinite(ways).all():
-            when = max((one.time for one in carrier.passed if one.time <= time), default=time)
+            when = max((one.time for one in self.carrier.passed if one.time <= time), default=time)
             raise GrazeError(
                 f"sensitivities: at {when:.9g} s a contact or an event comes with no speed: there is no "
                 "derivative behind that; take other values, or a span that ends before",
                 when,
             )
-        if look.weight:
-            self.books += look.weight * self._slopes(time, y, ways)
-            self._remember(ways)
-        elif look.sample >= 0:
+
+    def _see(self, time: float, y: Array, ways: Array) -> None:
+        """Look at displacements within a step."""
+        look, carrier = self._looks.pop(0), self.carrier
+        self._check(time, ways)
+        self._remember(ways)
+        if look.sample >= 0:
             field, sizes = carrier.field, np.linalg.norm(carrier.carried.matrix, axis=0)
             assert field.numbers is not None
             here = y.copy(), field.workspace.memory.copy(), field.workspace.program.copy(), ways.copy()
             words = field.numbers.program.copy()
             field.workspace.locate(y, self._table)
             self._gaps.append(self._table["gap"].copy())
-            self._seen.append((time, *here, self.books.copy(), carrier.doubt / sizes, words))
+            self._seen.append((time, *here, self.books, carrier.doubt / sizes, words))
         else:
-            self._mark = time, y.copy(), ways.copy()
-
-    def _slopes(self, time: float, y: Array, ways: Array) -> Array:
-        """Return the derivatives of the rates of what is integrated along displacements, (nx, parameters).
-
-        Those over the state and those over the numbers alone are each smooth on a scale of its own.
-        """
-        field, count = self.carrier.field, self._count
-        numbers = field.parts[-3]
-        alone, others = np.zeros((len(ways), count)), ways.copy()
-        alone[numbers], others[numbers] = np.eye(count), 0.0
-        units = np.concatenate(field.units)
-        sizes = np.abs(others[: len(units)] / units[:, None]).max(axis=0, initial=0.0)
-        sizes = np.where(sizes > 0.0, sizes, 1.0)
-        found = field.slopes(time, y, np.hstack([others / sizes, alone]))[0][self._nv :]
-        return np.asarray(found[:, :count] * sizes + found[:, count:] @ ways[numbers])
+            self._mark = time, y.copy(), ways.copy(), self.books
 
     def _remember(self, ways: Array) -> None:
         """Note what contacts that last remember, of neighbours."""
@@ -252,16 +242,16 @@ class Along:
 
     # --- where something changes ----------------------------------------------------------------------------
 
-    def _change(
-        self, run: Run, passages: list[Passage], new: tuple[Passed, ...], words: Array | None
+    def _meet_all(
+        self,
+        mark: tuple[float, Array, Array, Array],
+        passages: list[Passage],
+        new: tuple[Passed, ...],
+        words: Array | None,
     ) -> None:
-        """Take what is integrated through a change: its rate jumps, and blows take their part."""
-        assert self._mark is not None
-        time, y, ways = self._mark
+        """Note how elements meet their joints at an instant."""
+        time, y, ways, _ = mark
         late = next((one.late for one in new), np.zeros(self._count))
-        before = self._rates(time, y, self._memory, self._program)
-        after = self._rates(time, run.here, run.workspace.memory, run.workspace.program)
-        self.books += np.outer(before - after, late)
         field = self._field
         field.workspace.memory[:], field.workspace.program[:] = self._memory, self._program
         if field.numbers is not None and words is not None:
@@ -270,12 +260,6 @@ class Along:
         for one in passages:
             if one.acts and one.done:
                 self._meet(one, time, y, there, late)
-
-    def _rates(self, time: float, y: Array, memory: NDArray[Any], program: Array) -> Array:
-        """Return the rates of what is integrated, (nx,)."""
-        workspace = self._plain.workspace
-        workspace.memory[:], workspace.program[:] = memory, program
-        return self._plain.rates(time, np.ascontiguousarray(y))[self._nv :].copy()
 
     def _meet(self, one: Passage, time: float, y: Array, there: Array, late: Array) -> None:
         """Note how elements meet their joints, and book what blows take."""
@@ -296,7 +280,7 @@ class Along:
         for (place, angle), slope in zip(elements, slopes, strict=True):
             self.changes.append(Change(place, time, angle, late.copy(), slope))
             if struck and place in self._losses:
-                self.books[self._losses[place]] += slope[3]
+                self.carrier.book(self._losses[place], slope[3])
 
 
 def _losses(system: System) -> dict[str, int]:

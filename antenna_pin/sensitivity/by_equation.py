@@ -156,7 +156,7 @@ class ByEquation:
         begin, end = first.reached, first.reached + duration
         span = end - first.time
         plain = flow.begun(first, span)
-        pilot = Pilot(plain, self._numbers)
+        pilot = Pilot(plain)
         plain.advance(keep=pilot)
         flow.check_ended(plain, span, first)
         deepest = [time for _, time in pilot.deepest]

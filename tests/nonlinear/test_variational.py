@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pinocchio as pin
 import pytest
+from scipy.linalg import expm
 
 from antenna_pin import load_scenario
 from antenna_pin.integrate import NODES, Manifold, Propagator
@@ -224,3 +225,18 @@ def test_the_order_of_collocation():
     # Liouville: the determinant is the exponential of the trace's integral.
     trace = np.sin(2.0) + (1.0 - np.cos(6.0)) / 3.0
     assert np.linalg.det(exact) == pytest.approx(np.exp(trace), rel=1e-13)
+
+
+def test_what_is_integrated_beside_collocation():
+    """Of ``b' = R w`` over a step with a matrix that is constant: R A^-1 (exp(A h) - 1), to order 8."""
+    matrix, row = np.array([[-1.0, 3.0], [-2.0, 0.5]]), np.array([[1.0, -4.0]])
+
+    def off(h):
+        propagator = Propagator(2)
+        propagator.step(h, np.array([matrix] * len(NODES)))
+        found = propagator.integral(h, np.array([row] * len(NODES)))
+        return np.abs(found - row @ np.linalg.solve(matrix, expm(h * matrix) - np.eye(2))).max()
+
+    # One step: the next power of it. Both are far above round-off.
+    assert off(0.4) > 1e-10
+    assert np.log2(off(0.8) / off(0.4)) == pytest.approx(9.0, abs=0.5)

@@ -143,6 +143,23 @@ def test_contacts_by_both_methods(after):
         assert np.abs(ours - theirs)[known].max(initial=0.0) < (1e-6 if name == "peak_force" else 3e-8) * size
 
 
+def test_an_impulse_of_a_force_that_begins_at_once():
+    """A linear damper presses from the onset on: a play delays a blow, and does nothing to what it gives."""
+    law = "{ law = 'kelvin-voigt', stiffness = 1e7, damping = 500.0, replace = true }"
+    changes = PLAIN | {"clearance.bore.normal": law}
+    pair = load_scenario(
+        "impact_pair", case="planar", overrides=[f"{key}={one}" for key, one in changes.items()]
+    )
+    play = "clearance.bore.radial_clearance"
+    found = sensitivities(pair, [play], [2e-3], method="equation")
+    impulse = found.run.data["impulse"].values[0]
+    # Of play alone: over the impulse and a play, round-off of the radii over steps of differences, 1e-8 each.
+    for name in ("impulse", "dissipated"):
+        size = abs(float(found.run.data[name].values[0]))
+        assert size > 0.0 and abs(found.relative(name)[0, 0]) < 1e-7 * size
+    assert impulse > 0.0
+
+
 def test_a_piece_is_a_run_from_its_start():
     """Derivatives over each piece, of which the first is the run itself and the next goes on from its end."""
     pair = load_scenario("impact_pair", overrides=PLAIN)
