@@ -7,9 +7,9 @@ gaps in closed form; with a stop, friction that holds or bends, a gear, a closur
 over a radial clearance, a rate that a joint starts with, a mass, and a number of what is besides: by the
 equation, with its jumps at every onset, release and event, and by differences of sixth order of runs, each of
 which locates its own. They are to agree to ``--apart`` of the largest. Steps of a run go over kinks of laws
-and do not notice: where both are apart, runs are made anew by steps of at most a part of the span, and then of
-a fourth of that, until what is left of the difference is theirs no more. A graze is to be refused, with its
-instant.
+and do not notice: where both are apart, runs are made anew by steps of at most a part of the span, and then
+of a fourth of that, until what is left of the difference is theirs no more. A graze is to be refused, with
+its instant.
 
 A line for each mechanism, with how far it is apart, by how much finer steps have moved runs, and in how much
 doubt the equation is. ``agrees``: to ``--apart``. ``says so``: not to that, but within the equation's own
@@ -40,7 +40,6 @@ from antenna_pin.sensitivity.by_runs import ByRuns
 from antenna_pin.sensitivity.parameters import parameters_of
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import settings_of
-
 
 # In how many steps at least the runs are made that the equation is held against.
 _STEPS = (1, 2_000, 8_000)
