@@ -18,8 +18,9 @@ SPRING = 2e3  # [N/m]
 JUST = math.sqrt(2.0 * PULL * (CEILING - PLACE))
 END = 0.9
 KEY = "initial.joints.way.velocity"
-RIGID = f'kind = "rigid"\nrestitution = {BACK}'
-SOFT = f'stiffness = "{SPRING} N/m"\nexponent = 1.0\nlaw = "hooke"'
+# Rebound at any speed: by itself a stop gives none below a rate at which a joint comes to rest.
+RIGID = f'kind = "rigid"\nrestitution = {BACK}\nrest_rate = "1e-12 m/s"'
+SOFT = f'stiffness = "{SPRING} N/m"\nexponent = 1.0\nlaw = "elastic"'
 
 
 def thrown(folder, ceiling, speed):
@@ -52,7 +53,8 @@ def test_none_is_silent(tmp_path, ceiling, side):
         try:
             found = sensitivities(thrown(tmp_path, ceiling, speed), [KEY], [END], method="equation")
         except GrazeError as error:
-            assert abs(error.time - speed / PULL) < 0.5  # up there, or on the way down from there
+            # Up there, w / g before or behind the top: a tenth less or more of speed is 0.2 s of that.
+            assert abs(error.time - speed / PULL) < 0.25
             continue
         except SensitivityError:
             continue
