@@ -16,24 +16,30 @@ __all__ = ["with_more"]
 _KINDS = ("none", "stop", "rigid stop", "sticking", "lugre", "gear", "closure", "modes", "motion")
 # Part of its link's mass that a mode has, and how stiff elements are [Hz].
 _OF_MODE, _STIFF = 0.2, 100.0
+# How many ideal joints what a ball joint holds must be left to, at the least: it holds three ways.
+_LEAST = 3
 
 
 def with_more(scenario: Scenario, seed: int, number: int) -> tuple[Scenario, str, tuple[str, ...]]:
     """Return a random scenario with something more, what that is, and which of its numbers are to be varied.
 
-    Where its joints allow none of the kind that is dealt it has a mass that is varied alone.
+    Where its joints allow none of the kind that is dealt it gets the next one that they allow.
     """
-    kind = dealt(_KINDS, seed, "more", number)
+    first = _KINDS.index(dealt(_KINDS, seed, "more", number))
     masses = {
         name: float(mass)
         for name, mass in re.findall(r'<link name="(\w+)">.*?<mass value="([^"]+)"', scenario.urdf_text or "")
     }
     last = sorted(masses)[-1]
     scenario = scenario.with_overrides({f"mechanism.links.{last}.mass": masses[last]})
-    more, keys = _more(kind, scenario, masses)
-    if not more:
-        return scenario, "mass alone", (f"mechanism.links.{last}.mass",)
-    return scenario.with_overrides(more), kind, (f"mechanism.links.{last}.mass", *keys)
+    own = (f"mechanism.links.{last}.mass",)
+    if _KINDS[first] == "none":
+        return scenario, "none", own
+    for kind in (*_KINDS[first:], *_KINDS[1:first]):
+        more, keys = _more(kind, scenario, masses)
+        if more:
+            return scenario.with_overrides(more), kind, (*own, *keys)
+    raise AssertionError("modes are always allowed")
 
 
 def _more(
@@ -54,7 +60,7 @@ def _more(
             "place": [float(word) for word in centres[0].split()],
         }
         return {f"flexible.{link}": {"kind": "modes", "modes": {"bend": mode}}}, ()
-    if kind == "none" or not starts:
+    if not starts:
         return {}, ()
     if kind == "closure":
         return _closure(scenario, list(starts), sorted(masses)), ()
@@ -91,8 +97,8 @@ def _more(
 
 
 def _closure(scenario: Scenario, ideal: list[str], links: list[str]) -> dict[str, object]:
-    """Return a ball joint that closes a loop of four ideal joints or more, where there is such."""
-    if len(ideal) < 4:
+    """Return a ball joint that closes a loop with three ideal joints or more, where there is such."""
+    if len(ideal) < _LEAST:
         return {}
     system = build_system(scenario)
     q, _ = initial_state(scenario, system)

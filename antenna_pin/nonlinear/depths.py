@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS
-from antenna_pin.nonlinear.frames import Frame, Units
+from antenna_pin.nonlinear.frames import CLOCK, Frame, Units
 from antenna_pin.nonlinear.near import STEP, Function, Near
 
 __all__ = ["Depths"]
@@ -38,12 +38,33 @@ class Depths:
     def __init__(self, near: Near, units: Units) -> None:
         """Keep how fine steps must be."""
         self._near, self._coarse = near, near.coarseness(units, _STEP)
+        *_, speeds, masses, _, _, clock = near.parts
+        self._coarse[speeds] = self._coarse[masses] = 1.0 / STEP
+        self._coarse[clock] = 1.0 / (STEP * CLOCK)
 
     def along(self, function: Function, time: float, y: Array, ways: Array) -> Array:
-        """Return the derivative of a number along displacements, (displacement, k), (k,)."""
-        steps = 1.0 / np.maximum(1.0 / STEP, np.abs(self._coarse[:, None] * ways).max(axis=0))
-        each = zip(ways.T, steps.tolist(), strict=True)
-        return np.array([self._near.over(function, time, y, way, step)[0, 0] for way, step in each])
+        """Return the derivatives of a function along displacements of any size, (values, k).
+
+        Args:
+            function: ``(time, y) -> values``, smooth on the scale of a play.
+            time: [s].
+            y: State.
+            ways: By columns, (displacement, k).
+        """
+        return np.asarray(self.of_orders(function, time, y, ways, self.steps(ways))[0])
+
+    def steps(self, ways: Array) -> Array:
+        """Return the steps of such differences, (k,)."""
+        sizes = np.abs(self._coarse[:, None] * ways).max(axis=0, initial=0.0)
+        return np.asarray(1.0 / np.where(sizes > 0.0, sizes, 1.0))
+
+    def of_orders(self, function: Function, time: float, y: Array, ways: Array, steps: Array) -> Array:
+        """Return derivatives of sixth and of fourth order by given steps, (2, values, k)."""
+        out = np.zeros((len(WEIGHTS), len(function(time, y)), ways.shape[1]))
+        for k, (way, step) in enumerate(zip(ways.T, steps.tolist(), strict=True)):
+            if way.any():
+                out[:, :, k] = self._near.over(function, time, y, way, step)
+        return out
 
     def over_numbers(self, y: Array, c: int) -> Array:
         """Return how far a contact's gap opens with each parameter, (parameters,) [m]."""

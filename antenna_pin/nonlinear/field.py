@@ -106,33 +106,33 @@ class Field:
     # --- derivatives ----------------------------------------------------------------------------------------
 
     def along(
-        self,
-        function: Function,
-        time: float,
-        y: Array,
-        ways: Array,
-        *,
-        of_forces: bool = False,
-        steps: Array | None = None,
-    ) -> tuple[Array, Array]:
-        """Return the derivatives of a function of time and state along displacements.
+        self, function: Function, time: float, y: Array, ways: Array, *, of_forces: bool = False
+    ) -> Array:
+        """Return the derivatives of a function of time and state along displacements, (values, k).
 
         Args:
             function: ``(time, y) -> values``, of the contacts and program of the moment.
             time: [s].
             y: State.
-            ways: Displacements of a size of about 1 in units, by columns, (displacement, k).
-            of_forces: Whether it depends on forces, which are smooth on the scale of depths only.
-            steps: Of the differences, over a displacement, (k,); chosen if left out.
-
-        Returns:
-            By differences of sixth and of fourth order, (values, k) each.
+            ways: Displacements of any size, by columns, (displacement, k).
+            of_forces: Whether it may depend on forces, which are smooth on the scale of depths only. Where it
+                does not, steps so short leave round-off alone: of both, those count that are in less doubt.
         """
-        out = np.zeros((len(WEIGHTS), len(function(time, y)), ways.shape[1]))
-        used = self._steps(y, ways, of_forces) if steps is None else steps
-        for k, (way, step) in enumerate(zip(ways.T, used, strict=True)):
-            out[:, :, k] = self._near.over(function, time, y, way, float(step))
-        return out[0], out[1]
+        clock = np.zeros_like(ways)  # time is of no size that those of ways would tell, nor they of its
+        clock[self.parts[-1]] = ways[self.parts[-1]]
+        if (clock.any(axis=0) & (ways != clock).any(axis=0)).any():
+            found = self.along(function, time, y, np.hstack([ways - clock, clock]), of_forces=of_forces)
+            return np.asarray(found[:, : ways.shape[1]] + found[:, ways.shape[1] :])
+        if not of_forces:
+            return self.depths.along(function, time, y, ways)
+        size, best, least = np.abs(function(time, y))[:, None], None, np.array(math.inf)
+        coarse = self.depths.steps(ways)
+        for steps in (coarse, self._steps(y, ways * coarse / STEP, True) * coarse / STEP):
+            sixth, fourth = self.depths.of_orders(function, time, y, ways, steps)
+            doubt = np.abs(sixth - fourth) + _ROUND_OFF * size / steps
+            best = sixth if best is None else np.where(doubt < least, sixth, best)
+            least = np.minimum(doubt, least)
+        return np.asarray(best)
 
     def slopes(
         self, time: float, y: Array, ways: Array, first: Array | None = None
@@ -273,14 +273,10 @@ class Field:
     def per_second(self, function: Function, time: float, y: Array, *, of_forces: bool = False) -> Array:
         """Return the rate of a function of time and state along the flow, (values,)."""
         flow = self.flow(time, y)
-        way, rate, *_, clock = self.parts
-        size = max(
-            float(np.linalg.norm(flow[way] / self.units.way)),
-            float(np.linalg.norm(flow[rate] / self.units.rate)),
-            float(flow[clock][0]),
-        )
-        found = self.along(function, time, y, flow[:, None] / size, of_forces=of_forces)[0]
-        return np.asarray(found[:, 0] * size)
+        apart = np.zeros((len(flow), len(self.parts)))  # of which each has a size of its own
+        for k, part in enumerate(self.parts):
+            apart[part, k] = flow[part]
+        return np.asarray(self.along(function, time, y, apart, of_forces=of_forces).sum(axis=1))
 
     # --- coordinates ----------------------------------------------------------------------------------------
 
@@ -303,7 +299,7 @@ class Field:
 
     def _gaps(self, time: float, y: Array, ways: Array) -> Array:
         """Return the derivatives of how far constraints are violated along displacements, (rows, k)."""
-        return self.along(self._near.violated("every_gap"), time, y, ways)[0]
+        return self.along(self._near.violated("every_gap"), time, y, ways)
 
     def _opening(self, y: Array, c: int) -> Array:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""

@@ -17,12 +17,25 @@ from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.settings import ErrorScales
 from antenna_pin.simulation.scales import scale_vector
 
-__all__ = ["MEMORIES", "Frame", "Lift", "Rates", "Units", "frame_at", "own_state", "parts_of", "way_between"]
+__all__ = [
+    "CLOCK",
+    "MEMORIES",
+    "Frame",
+    "Lift",
+    "Rates",
+    "Units",
+    "frame_at",
+    "own_state",
+    "parts_of",
+    "way_between",
+]
 
 Array = NDArray[np.float64]
 
 #: What contact memory holds besides whether a contact touches, by its column.
 MEMORIES = {1: "approach speed", 2: "effective mass"}
+#: What counts as one of time where it is a coordinate [s].
+CLOCK = 1e-2
 
 
 class Units(NamedTuple):

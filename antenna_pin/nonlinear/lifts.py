@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Workspace
-from antenna_pin.nonlinear.frames import Frame, Lift, Units
+from antenna_pin.nonlinear.frames import CLOCK, Frame, Lift, Units
 from antenna_pin.nonlinear.kept import Kept
 
 __all__ = ["Lifts"]
@@ -16,7 +16,6 @@ __all__ = ["Lifts"]
 Array = NDArray[np.float64]
 
 _FAINT = 1e-10  # of what rows of constraints do, over the most: less is what round-off has left
-_CLOCK = 1e-2  # what counts as one of time where it is a coordinate [s]
 
 
 class Lifts:
@@ -64,7 +63,7 @@ class Lifts:
         up[way, ways], down[ways, way] = units.way[:, None] * frame.free, frame.free.T / units.way
         up[rate, rates], down[rates, rate] = units.rate[:, None] * frame.free, frame.free.T / units.rate
         up[bristles, own], down[own, bristles] = np.diag(units.bristle), np.diag(1.0 / units.bristle)
-        up[clock, 2 * n : first], down[2 * n : first, clock] = _CLOCK, 1.0 / _CLOCK
+        up[clock, 2 * n : first], down[2 * n : first, clock] = CLOCK, 1.0 / CLOCK
         parameters = slice(own.stop, own.stop + count)
         up[numbers, parameters] = down[parameters, numbers] = np.eye(count)
         for k, number in enumerate(frame.kept, parameters.stop):

@@ -135,7 +135,7 @@ class Saltation:
     ) -> Array:
         """Return by how much neighbours come later to where a function is zero [s], (size,)."""
         rate = float(self._field.per_second(function, time, y, of_forces=of_forces)[0])
-        slopes = self._field.along(function, time, y, up, of_forces=of_forces)[0][0]
+        slopes = self._field.along(function, time, y, up, of_forces=of_forces)[0]
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(-slopes / rate)
 
@@ -145,25 +145,28 @@ class Saltation:
         nq, nv = field.system.model.nq, field.system.model.nv
         words = field.kept.words
 
-        def jumped(t: float, state: Array) -> Array:
+        def jumped(t: float, state: Array) -> tuple[Array, Array, Array]:
             there = state.copy()
             if isinstance(action, Jump):
                 there[: nq + nv] = action.state_after(one.event.name, self._moment.set(t, state))[: nq + nv]
-            v, numbers = self._replay(one.done, t, there, field.workspace.program[words])
-            return np.concatenate([there[:nq], v, numbers])
+            return there[:nq], *self._replay(one.done, t, there, field.workspace.program[words])
 
-        behind = jumped(time, y)
+        places, rates, _ = jumped(time, y)
 
-        def displaced(t: float, state: Array) -> Array:
-            there = jumped(t, state)
-            return np.concatenate([way_between(field.system, behind[:nq], there[:nq]), (there - behind)[nq:]])
+        def changes(t: float, state: Array) -> Array:  # of what stays as it is derivatives are known
+            there, v, numbers = jumped(t, state)
+            way = np.zeros(nv)
+            if isinstance(action, Jump):
+                way = way_between(field.system, places, there) - way_between(field.system, y[:nq], state[:nq])
+            return np.concatenate([way, v - state[nq : nq + nv], numbers - field.workspace.program[words]])
 
         moved, going, kept = up.copy(), field.flow(time, y), field.parts[-2]
         booked = field.booked(time, y)
-        along, per_second = field.along(displaced, time, y, up)[0], field.per_second(displaced, time, y)
-        moved[: 2 * nv], moved[kept] = along[: 2 * nv], along[2 * nv :]
-        going[: 2 * nv], going[kept] = per_second[: 2 * nv], per_second[2 * nv :]
-        y[: nq + nv] = behind[: nq + nv]
+        along, per_second = field.along(changes, time, y, up), field.per_second(changes, time, y)
+        for one_of, more in ((moved, along), (going, per_second)):
+            one_of[: 2 * nv] += more[: 2 * nv]
+            one_of[kept] += more[2 * nv :]
+        y[:nq], y[nq : nq + nv] = places, rates
         return _Way(moved, late, going, booked)
 
     def _carry(self, passage: _Way, carried: Carried, time: float, y: Array) -> Carried:
@@ -218,7 +221,7 @@ class Saltation:
         kept: dict[int, tuple[Function, float]] = {2: (mass, float(memory["effective_mass"]))}
         if memory["approach_speed"] > field.system.approach_speed_floors[c]:
             kept[1] = self._rate(c), float(memory["approach_speed"])
-        slopes = {k: field.depths.along(one, time, y, lift.up) / size for k, (one, size) in kept.items()}
+        slopes = {k: field.depths.along(one, time, y, lift.up)[0] / size for k, (one, size) in kept.items()}
         for one in ways:
             one[carried.frame.first_bristle + field.bristles_of(c)] = 0.0
         frame = self._let(c, memory, y)

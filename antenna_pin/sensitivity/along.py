@@ -274,7 +274,7 @@ class Along:
         elements = [(found.place, found.angle) for found in self._replay.met]
         if not elements:
             return
-        slopes = field.along(met, time, y, there)[0].reshape(len(elements), 5, -1)
+        slopes = field.along(met, time, y, there).reshape(len(elements), 5, -1)
         # A passage of rigid parts takes no time: rates before it do not jump at a neighbour's own instant.
         struck = sum(isinstance(step, Blow) for step in one.done)
         for (place, angle), slope in zip(elements, slopes, strict=True):

@@ -16,6 +16,7 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
+from antenna_pin.sensitivity.unlike import first_unlike
 from antenna_pin.settings import RunSettings
 from antenna_pin.side_by_side import side_by_side
 from antenna_pin.simulation import simulate
@@ -220,26 +221,10 @@ class ByRuns:
             ):
                 continue
             if there is None or here.shape != there.shape or not np.array_equal(here.values, there.values):
-                time = _first_unlike(ours, theirs)
+                time = first_unlike(ours, theirs)
                 at = "" if np.isnan(time) else f", first at {time:.9g} s"
                 raise GrazeError(
                     f"sensitivities: {what}, other contacts begin or other events happen{at}: it has no "
                     f"derivative there; take another value, or a span that ends before",
                     time,
                 )
-
-
-def _first_unlike(ours: xr.Dataset, theirs: xr.Dataset) -> float:
-    """Return when contacts of two runs begin to differ [s]; NaN if all begin alike."""
-    if "onset_time" not in ours or "onset_time" not in theirs:
-        return float("nan")
-    mine, other = (
-        list(zip(one["onset_time"].values, one["episode_contact"].values, strict=True))
-        for one in (ours, theirs)
-    )
-    for k in range(max(len(mine), len(other))):
-        if k >= len(mine) or k >= len(other):
-            return float((mine if k < len(mine) else other)[k][0])
-        if mine[k][1] != other[k][1]:
-            return float(min(mine[k][0], other[k][0]))
-    return float("nan")
