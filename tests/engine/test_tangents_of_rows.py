@@ -12,7 +12,7 @@ from displacements import TIME, ways_of
 from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.constraints import CLOSURES
 from antenna_pin.differences import WEIGHTS
-from antenna_pin.dynamics import JointSpring
+from antenna_pin.dynamics import JointSpring, Workspace
 from antenna_pin.elements import PrescribedMotion
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.nonlinear import flow_of
@@ -75,6 +75,17 @@ def test_loops_change_as_the_whole_does(kind, to, count):
 def test_motions_change_as_the_whole_does(kind):
     """Of joints that turn and slide; the works of their drives too."""
     assert judge(*closed(kind, 4, **MOVED)) < 1.0
+
+
+def test_a_driven_twist_changes_as_the_whole_does():
+    """The row of a motion at a joint with play is its twist's gradient: swung far, and touching nothing."""
+    drive = {"replace": True, "kind": "motion", "joint": "elevation", "amplitude": 0.3, "frequency": 2.0}
+    overrides = {"clearance.elevation.geometry": "closed-form", "drives.elevation": drive}
+    system = build_system(load_scenario("bai2020", case="case3", overrides=overrides))
+    rng, workspace = np.random.default_rng(0), Workspace(system)
+    y = system.state(system.neutral(), rng.normal(size=system.model.nv))
+    workspace.retract(y, 0.5 * rng.normal(size=system.model.nv))
+    assert judge(system, y) < 1.0
 
 
 @pytest.mark.parametrize("kind", ["spherical", "fixed"])
