@@ -6,7 +6,7 @@ many coordinates there are; the time of both over that of a run of the same span
 and by how much the variational equation differs from differences of second order of a small step, over the
 largest number of the matrix. What is left is mostly theirs.
 
-Then of one derivative of the rates, in contact, of case 3, the slider-crank and the 4UPS-UPU, which are loops:
+Then of one derivative of the rates, in contact, of case 3, the slider-crank and the 4UPS-UPU, in loops:
 its time along one displacement, ten and all, over that of the rates themselves; put together from parts, and
 by differences of the whole.
 """
