@@ -1,7 +1,9 @@
 """The row of a motion of a joint that does more than turn about its axis, as one with play; compiled.
 
 Its motion angle is the twist about the axis (:mod:`antenna_pin.mechanism.twist_kernels`), the row its
-gradient; the multiplier is a couple that acts on both sides, along the axis where these are parallel.
+gradient; the multiplier is a couple that acts on both sides, along the axis where these are parallel. How
+that changes along a displacement is found by differences of the gradient and of the bias alone: of a turn,
+they are smooth on the scale of one.
 """
 
 from __future__ import annotations
@@ -10,10 +12,14 @@ import math
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.constraints.layout_kernels import plan_of
+from antenna_pin.constraints.layout_kernels import driven_at, plan_of
 from antenna_pin.mechanism.tree_kernels import unwrapped
 from antenna_pin.mechanism.twist_kernels import twist_angle, twist_bias
 from antenna_pin.records import PLANE
+
+# Step of differences of a turn [rad]; of sixth order they are off by 1e-19 of what is smooth on the scale of
+# one, and round-off is 1e-13.
+_TURN = 1e-3
 
 
 @kernel
@@ -41,6 +47,102 @@ def twist_row(y: Any, plan: Any, work: Any, driven: Any) -> tuple[float, float]:
         gradient = axes[k, 0] * gx + axes[k, 1] * gy + axes[k, 2]
         work[at + (driven.v + 3 + k) * width] = head.length * gradient
     return unwrapped(angle, near), twist_bias((hx, hy, hz), y[q + 3], (wx, wy, wz))
+
+
+@inlined
+def _about(axes: Any, values: Any, at: int, k: int) -> float:
+    """Return component k of a vector at values[at:] in axes that are columns."""
+    return float(axes[0, k] * values[at] + axes[1, k] * values[at + 1] + axes[2, k] * values[at + 2])
+
+
+@inlined
+def _turned_twist(h: Any, qw: float, s: float, turn: Any, w: Any) -> tuple[float, float, float]:
+    """Return gx, gy and bias of a twist whose body is turned further by s times a turn."""
+    x, y, z = turn
+    hx = h[0] + 0.5 * s * (qw * x + h[1] * z - h[2] * y)
+    hy = h[1] + 0.5 * s * (qw * y + h[2] * x - h[0] * z)
+    hz = h[2] + 0.5 * s * (qw * z + h[0] * y - h[1] * x)
+    own = qw - 0.5 * s * (h[0] * x + h[1] * y + h[2] * z)
+    _, gx, gy = twist_angle(hx, hy, hz, own)
+    # Not of length one: gx and gy are of ratios, their rate too.
+    return gx, gy, twist_bias((hx, hy, hz), own, w)
+
+
+@kernel
+def change_of_twist(y: Any, way: Any, acceleration: Any, plan: Any, driven: Any, out: Any) -> None:
+    """Write how the gradient, the bias and the rate of a driven twist change along a displacement.
+
+    Args:
+        y: State.
+        way: The displacement, [w (nv), dv (nv), ...].
+        acceleration: (nv,).
+        plan: Of the constraints.
+        driven: The motion.
+        out: Changes of what the angle accelerates by at accelerations that stay [rad/s^2], of its rate
+            [rad/s], and of its gradient, along the joint's axes x and y [-], (4,).
+    """
+    head, axes, v = plan_of(plan), driven.axes, driven.v + 3
+    for k in range(4):
+        out[k] = 0.0
+    if driven.moves == PLANE:
+        out[1] = way[head.nv + driven.v + 2]
+        return
+    q = driven.q + 3
+    h = (_about(axes, y, q, 0), _about(axes, y, q, 1), _about(axes, y, q, 2))
+    at = head.nq + v
+    w = (_about(axes, y, at, 0), _about(axes, y, at, 1), _about(axes, y, at, 2))
+    turn = (_about(axes, way, v, 0), _about(axes, way, v, 1), _about(axes, way, v, 2))
+    at = head.nv + v
+    faster = (_about(axes, way, at, 0), _about(axes, way, at, 1), _about(axes, way, at, 2))
+    size = math.sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2])
+    bias = 0.0
+    for point in range(3 if size > 0.0 else 0):
+        s = (point + 1.0) * _TURN / size
+        ahead, behind = _turned_twist(h, y[q + 3], s, turn, w), _turned_twist(h, y[q + 3], -s, turn, w)
+        weight = (45.0 if point == 0 else (-9.0 if point == 1 else 1.0)) / 60.0 * size / _TURN
+        out[2] += weight * (ahead[0] - behind[0])
+        out[3] += weight * (ahead[1] - behind[1])
+        bias += weight * (ahead[2] - behind[2])
+    # A quadratic form of w: of that the central difference over any step is exact.
+    more = (w[0] + faster[0], w[1] + faster[1], w[2] + faster[2])
+    less = (w[0] - faster[0], w[1] - faster[1], w[2] - faster[2])
+    bias += 0.5 * (twist_bias(h, y[q + 3], more) - twist_bias(h, y[q + 3], less))
+    _, gx, gy = twist_angle(h[0], h[1], h[2], y[q + 3])
+    out[0] = out[2] * _about(axes, acceleration, v, 0) + out[3] * _about(axes, acceleration, v, 1) + bias
+    out[1] = out[2] * w[0] + out[3] * w[1] + gx * faster[0] + gy * faster[1] + faster[2]
+
+
+@kernel
+def change_motions(
+    y: Any, way: Any, acceleration: Any, force: Any, plan: Any, scratch: Any, out: Any
+) -> None:
+    """Add how rows of motions change along a displacement, time and numbers of the system left as they are.
+
+    Args:
+        y: State.
+        way: The displacement, [w (nv), dv (nv), ...].
+        acceleration: (nv,).
+        force: Multipliers, (rows,).
+        plan: Of the constraints.
+        scratch: Minus the changes of ``J a - lack``, (width,), added to; changes of rates, (motions,),
+            written; and room, (4,).
+        out: Change of J^T lambda, added to, (nv,).
+    """
+    lack, speeds, room = scratch
+    head = plan_of(plan)
+    for m in range(head.motions):
+        driven = driven_at(plan, m)
+        speeds[m] = way[head.nv + driven.v]
+        if driven.moves == 0:
+            continue
+        change_of_twist(y, way, acceleration, plan, driven, room)
+        speeds[m] = room[1]
+        lack[driven.row] -= head.length * room[0]
+        if driven.moves == PLANE:
+            continue
+        for k in range(3):
+            change = driven.axes[k, 0] * room[2] + driven.axes[k, 1] * room[3]
+            out[driven.v + 3 + k] += head.length * force[driven.row] * change
 
 
 @inlined

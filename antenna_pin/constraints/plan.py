@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,24 @@ class DrivenJoint:
     loaded: bool = False
 
 
+class PlanParts(NamedTuple):
+    """Where in a plan's words the records of its parts stand.
+
+    Attributes:
+        tree: Of bodies, BODY.
+        closures: CLOSURE.
+        motions: DRIVEN.
+        couplings: COUPLED.
+        holds: Of elements that may hold, DRIVEN.
+    """
+
+    tree: slice
+    closures: slice
+    motions: slice
+    couplings: slice
+    holds: slice
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
     """Constraints in numbers.
@@ -73,6 +92,26 @@ class Plan:
     couplings: tuple[str, ...]
     holds: tuple[str, ...]
     length: float
+
+    @property
+    def parts(self) -> PlanParts:
+        """Where in the words the records of its parts stand."""
+        head, at, found = self.words[: _layout.PLAN_WORDS].view(_layout.PLAN)[0], _layout.PLAN_WORDS, []
+        for name, words in (
+            ("bodies", _layout.BODY_WORDS),
+            ("closures", _layout.CLOSURE_WORDS),
+            ("motions", _layout.DRIVEN_WORDS),
+            ("couplings", _layout.COUPLED_WORDS),
+            ("holds", _layout.DRIVEN_WORDS),
+        ):
+            found.append(slice(at, at + words * int(head[name])))
+            at = found[-1].stop
+        return PlanParts(*found)
+
+    @property
+    def loaded(self) -> bool:
+        """Whether a joint has friction by its own load."""
+        return bool(self.words[: _layout.PLAN_WORDS].view(_layout.PLAN)[0]["loaded"])
 
     @property
     def count(self) -> int:

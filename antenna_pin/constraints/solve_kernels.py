@@ -87,14 +87,49 @@ def solve_rows(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: An
     by their load is not in it.
     """
     head = plan_of(plan)
+    nv = head.nv
+    free = work[head.scratch : head.scratch + head.span]
+    for i in range(nv):
+        free[i] = effort[i] - bias[i]
+    _solve(plan, work, rates, work[head.force : head.force + head.rows])
+    for m in range(head.motions):
+        driven = driven_at(plan, m)
+        rate = driven_rate(y, plan, work, driven)
+        scale = 1.0 if driven.slides != 0 else head.length
+        power = scale * work[head.force + driven.row] * rate
+        write_work(program, driven.words, 0.0, rate, power, rates, nv + driven.x)
+
+
+@kernel
+def solve_changes(plan: Any, work: Any, out: Any, force: Any) -> None:
+    """Write how accelerations and multipliers change, where rows are factorized.
+
+    A change of ``M a + h - J^T lambda = tau`` that is none of a or lambda, and one of ``J a - lack``, make
+    accelerations and multipliers change as forces and what accelerations lack would make them.
+
+    Args:
+        plan: Of the constraints.
+        work: With the factors, and minus the change of ``J a - lack`` in place of what accelerations lack.
+        out: The change of tau + J^T lambda - h - M a, (nv,); written over by that of accelerations.
+        force: To write to: change of the multipliers, (rows,).
+    """
+    head = plan_of(plan)
+    free = work[head.scratch : head.scratch + head.span]
+    for i in range(head.nv):
+        free[i] = out[i]
+    _solve(plan, work, out, force)
+
+
+@inlined
+def _solve(plan: Any, work: Any, rates: Any, force: Any) -> None:
+    """Write accelerations and multipliers under forces that stand, (nv,), where numbers for scratch begin."""
+    head = plan_of(plan)
     nv, rows, width, root = head.nv, head.rows, head.width, head.root
     rank = found_in(plan, work).rank
     span = head.span
     second = head.scratch + max(span, width)
     free, factors = work[head.scratch : head.scratch + span], work[second : second + width]
     triangle = work[head.triangle : head.triangle + rows * width]
-    for i in range(nv):
-        free[i] = effort[i] - bias[i]
     for i in range(nv, span):
         free[i] = 0.0
     solve_forth(nv, work[root : root + nv * nv], work[head.first : head.first + nv], free)
@@ -105,16 +140,10 @@ def solve_rows(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: An
     _add_directions(plan, work, factors, free)
     _from_reduced(plan, work, free, rates)
     for r in range(rows):
-        work[head.force + r] = 0.0
+        force[r] = 0.0
     for j in range(rank - 1, -1, -1):
         total = same_lane(0.0)
         for c in range(j + 1 - (j + 1) % LANES, width, LANES):
             total = total + lane(triangle, j * width + c) * lane(factors, c)
         factors[j] = (factors[j] - sum_of_lane(total)) * work[head.inverses + j]
-        work[head.force + int(work[head.order + j])] = factors[j]
-    for m in range(head.motions):
-        driven = driven_at(plan, m)
-        rate = driven_rate(y, plan, work, driven)
-        scale = 1.0 if driven.slides != 0 else head.length
-        power = scale * work[head.force + driven.row] * rate
-        write_work(program, driven.words, 0.0, rate, power, rates, nv + driven.x)
+        force[int(work[head.order + j])] = factors[j]

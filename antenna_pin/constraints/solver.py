@@ -87,12 +87,9 @@ class Constraints:
         self.every_row = part("jacobian", nv, int(head["width"]))[:, :every].T
         self.every_gap, self.every_speed = part("gap", every), part("speed", every)
         self._loads, self._holds = np.zeros(len(plan.motions) + len(plan.couplings) + holds), holds
-        bodies, closures = int(head["bodies"]), int(head["closures"])
-        driven = _layout.PLAN_WORDS + _layout.BODY_WORDS * bodies + _layout.CLOSURE_WORDS * closures
-        coupled = driven + _layout.DRIVEN_WORDS * len(plan.motions)
-        slides = [plan.words[driven:coupled].view(_layout.DRIVEN)["slides"]]
-        held = coupled + _layout.COUPLED_WORDS * len(plan.couplings)
-        slides.append(plan.words[coupled:held].view(_layout.COUPLED)["slides"])
+        parts = plan.parts
+        slides = [plan.words[parts.motions].view(_layout.DRIVEN)["slides"]]
+        slides.append(plan.words[parts.couplings].view(_layout.COUPLED)["slides"])
         #: Whether the rows of motions and couplings, which come first, hold turns.
         self.turning = np.concatenate(slides) == 0
 

@@ -159,13 +159,19 @@ def add_element_changes(part: Any, t: float, y: Any, ways: Any, steps: Any, room
             _add_column(part, at, ways, room, out)
     if room.asks[TIMES] == 0:
         return
+    _differentiate(part, (3, 0, 0), t, y, time_step(ways, steps), room)
+    _add_column(part, ways.shape[1] - 1, ways, room, out)
+
+
+@inlined
+def time_step(ways: Any, steps: Any) -> float:
+    """Return the step of differences over time: the largest of those along displacements."""
     at, step = ways.shape[1] - 1, 0.0
     for d in range(ways.shape[0]):
         own = steps[d] * abs(ways[d, at])
         if own > 0.0:
             step = max(step, own)
-    _differentiate(part, (3, 0, 0), t, y, step, room)
-    _add_column(part, at, ways, room, out)
+    return float(step)
 
 
 @inlined

@@ -18,3 +18,11 @@ def write_work(words: Any, at: int, angle: float, rate: float, power: float, rat
     works = record(rates[x : x + WORKS_WORDS], WORKS)
     works.work = power
     works.gross_work = abs(power)
+
+
+@inlined
+def write_work_change(power: float, change: float, rates: Any, x: int) -> None:
+    """Change of what :func:`write_work` writes, with that of the power."""
+    works = record(rates[x : x + WORKS_WORDS], WORKS)
+    works.work = change
+    works.gross_work = change if power >= 0.0 else -change

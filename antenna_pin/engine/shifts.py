@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.constraints import layout_kernels as layout_of_rows
 from antenna_pin.dynamics import System, kernels
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.tangent_kernels import Shifts
@@ -30,6 +31,7 @@ class SystemSlopes(NamedTuple):
     Attributes:
         program: Of its program, (parameters, words).
         tree: Of its bodies, flat, (parameters, words).
+        plan: Of its constraints, (parameters, words).
         gravity: (parameters, 3) [m/s^2].
         kept: Words of the program that are coordinates of a state themselves, (kept,).
         units: What counts as one of these, (kept,).
@@ -37,13 +39,20 @@ class SystemSlopes(NamedTuple):
 
     program: Array
     tree: Array
+    plan: Array
     gravity: Array
     kept: NDArray[np.int_]
     units: Array
 
 
-def takes_slopes(slopes: SystemSlopes) -> bool:
-    """Whether changes of the bodies' numbers are ones of which the derivative is known: not of axes."""
+def takes_slopes(system: System, slopes: SystemSlopes) -> bool:
+    """Whether changes of bodies' and constraints' numbers have a derivative that is known: not of axes."""
+    if system.plan is not None:
+        driven = slopes.plan[:, system.plan.parts.motions]
+        axes = place_of(layout_of_rows.DRIVEN, "axes")
+        for first in range(axes, driven.shape[1], layout_of_rows.DRIVEN_WORDS):
+            if driven[:, first : first + 9].any():
+                return False
     bodies = slopes.tree.reshape(len(slopes.tree), slopes.tree.shape[1] // words_of(BODY), words_of(BODY))
     first = place_of(BODY, "axis")
     return not bodies[:, :, first : first + 3].any()
@@ -71,22 +80,55 @@ def shifts_of(
     own = np.zeros((len(slopes.kept), len(numbers.program)))
     own[np.arange(len(own)), slopes.kept] = 1.0
     program = np.concatenate([slopes.program, own])
-    tree = np.concatenate([slopes.tree, np.zeros((len(own), slopes.tree.shape[1]))])
-    gravity = np.concatenate([slopes.gravity, np.zeros((len(own), 3))])
+    tree, plan, gravity = (
+        np.concatenate([one, np.zeros((len(own), one.shape[1]))])
+        for one in (slopes.tree, slopes.plan, slopes.gravity)
+    )
     count, contacts = len(program), len(numbers.memory)
+    closures, couplings = _held(system, plan)
+    motions = _motions_moved(system, program.astype(bool))
+    heavy = tree.any(axis=1) | gravity.any(axis=1) | motions
+    if system.plan is not None:
+        heavy |= plan[:, system.plan.parts.closures].any(axis=1)
+        heavy |= plan[:, system.plan.parts.couplings].any(axis=1)
+    width = 0 if system.plan is None else layout_of_rows.plan_of(system.plan.words).width
     return Shifts(
         program=_words(program),
         tree=_words(tree),
         flat=numbers.tree.view(np.float64).reshape(-1),
         bodies=tree.reshape(count, len(numbers.tree), words_of(BODY)).view(BODY)[:, :, 0],
         gravity=gravity,
-        heavy=(tree.any(axis=1) | gravity.any(axis=1)).astype(np.int64),
+        heavy=heavy.astype(np.int64),
+        closures=closures,
+        couplings=couplings,
+        motions=motions.astype(np.int64),
+        lacks=np.zeros((count, 2, width)),
         acts=_acts(system, parts, program.astype(bool), np.asarray(tree.any(axis=1))),
         steps=np.concatenate([np.full(len(slopes.program), _STEP), _STEP * slopes.units]),
         geometry=np.zeros((count, 2, looked)),
         laws=np.zeros((contacts, count, 2, said)),
         forces=np.zeros((count, nv)),
     )
+
+
+def _held(system: System, plan: Array) -> tuple[NDArray[np.void], NDArray[np.void]]:
+    """Return by how much closures' and couplings' own numbers change, (numbers, ...) each."""
+    kinds = layout_of_rows.CLOSURE, layout_of_rows.COUPLED
+    if system.plan is None:
+        return np.zeros((len(plan), 0), kinds[0]), np.zeros((len(plan), 0), kinds[1])
+    parts = system.plan.parts
+    closures, couplings = (np.ascontiguousarray(plan[:, one]) for one in (parts.closures, parts.couplings))
+    return closures.view(kinds[0]), couplings.view(kinds[1])
+
+
+def _motions_moved(system: System, changed: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which numbers motions go with, (numbers,)."""
+    moved = np.zeros(len(changed), dtype=bool)
+    if system.plan is not None:
+        for one in system.plan.words[system.plan.parts.motions].view(layout_of_rows.DRIVEN):
+            block = int(one["words"]) - int(kernels.PARAMETERS)
+            moved |= changed[:, block : block + _length(system.program, block)].any(axis=1)
+    return moved
 
 
 def _words(slopes: Array) -> Words:

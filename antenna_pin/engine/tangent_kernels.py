@@ -1,9 +1,10 @@
-"""The derivative of a tree's rates along displacements of a state, part by part, compiled.
+"""The derivative of a system's rates along displacements of a state, part by part, compiled.
 
 Displacements are laid out as in :mod:`antenna_pin.engine.slope_kernels`. The state's own forces and
 accelerations are computed once for all of them. What joints with play and elements do is differentiated over
 their own arguments (:mod:`antenna_pin.joints.tangent_kernels`, :mod:`antenna_pin.dynamics.tangent_kernels`);
-the tree in closed form (:mod:`antenna_pin.mechanism.tangent_kernels`).
+the tree in closed form (:mod:`antenna_pin.mechanism.tangent_kernels`), and constraints with it
+(:mod:`antenna_pin.engine.row_tangent_kernels`).
 """
 
 from __future__ import annotations
@@ -14,11 +15,24 @@ from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.link_kernels import add_forces
-from antenna_pin.dynamics.tangent_kernels import add_element_changes, add_link_changes
+from antenna_pin.dynamics.tangent_kernels import add_element_changes, add_link_changes, time_step
+from antenna_pin.engine.row_tangent_kernels import (
+    change_rows,
+    differentiate_over_time,
+    has_rows,
+    prepare_rows,
+    shift_rows,
+    solve_held,
+)
 from antenna_pin.joints.slope_kernels import REMEMBERED, TIMES, is_moved
 from antenna_pin.joints.tangent_kernels import add_joint_changes
-from antenna_pin.mechanism.number_kernels import subtract_number_changes
-from antenna_pin.mechanism.tangent_kernels import prepare_changes, solve_tree, subtract_changes
+from antenna_pin.mechanism.number_kernels import write_number_changes
+from antenna_pin.mechanism.tangent_kernels import (
+    prepare_changes,
+    solve_tree,
+    subtract_wrenches,
+    write_changes,
+)
 
 
 @by_address
@@ -31,7 +45,11 @@ class Shifts(NamedTuple):
         flat: The bodies' numbers, flat, the tree's own.
         bodies: By how much each body's change, BODY, (numbers, bodies).
         gravity: By how much gravity does, (numbers, 3) [m/s^2].
-        heavy: Whether the tree or gravity changes, (numbers,).
+        heavy: Whether the tree, gravity or a constraint changes, (numbers,).
+        closures: By how much closures' own numbers change, CLOSURE, (numbers, closures).
+        couplings: Those of couplings, COUPLED, (numbers, couplings).
+        motions: Whether motions change, (numbers,).
+        lacks: How what accelerations lack does, scratch, (numbers, kinds, width).
         acts: What of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers).
         steps: First steps of differences, (numbers,).
         geometry: Derivatives of what is looked at of a joint, scratch, (numbers, kinds, looked).
@@ -45,6 +63,10 @@ class Shifts(NamedTuple):
     bodies: Any
     gravity: Any
     heavy: Any
+    closures: Any
+    couplings: Any
+    motions: Any
+    lacks: Any
     acts: Any
     steps: Any
     geometry: Any
@@ -84,15 +106,16 @@ class TangentRoom(NamedTuple):
         said: What they say, scratch.
         laws: Derivatives of that, (contacts of a joint, asked, kinds, said).
         twirls: What arms of flanges do, (contacts of a joint,).
-        places: PLACE, (bodies + 1,), the tree's own.
+        places: PLACE, (bodies + 1,), the tree's own; those that constraints write, if there are any.
         room: ROOM, likewise.
-        mass: Factors of the mass matrix, (nv, nv).
+        mass: Factors of the mass matrix, of a tree without constraints, (nv, nv).
         acceleration: (nv,).
-        bodies: CHANGE, (bodies,).
+        bodies: CHANGE, (bodies + 1,), the last the ground.
         body: CHANGE, scratch, (1,).
         first_number: Where in a displacement numbers of the system begin, (1,).
         seen: Which of them a joint sees, scratch, (numbers,).
         shifts: How these numbers go.
+        rows: What constraints are differentiated with.
     """
 
     numbers: Any
@@ -131,6 +154,7 @@ class TangentRoom(NamedTuple):
     first_number: Any
     seen: Any
     shifts: Any
+    rows: Any
 
 
 @kernel
@@ -151,16 +175,20 @@ def _prepare(t: float, y: Any, ways: Any, room: Any) -> None:
     evaluate(t, y, numbers.program, numbers.work, room.rates)
     if head.points < numbers.program.shape[0]:
         add_forces(t, y, numbers.program, numbers.tree, numbers.places, tau, room.rates)
+    if has_rows(room):
+        prepare_rows(t, y, tau, room)
+    else:
+        space, scratch = (numbers.tree, room.below), (room.places, room.room, room.mass, room.acceleration)
+        prepare_changes(y, head.nq, space, numbers.gravity, tau, scratch, room.bodies)
     for k in range(room.drift.shape[0]):
         room.drift[k] = room.rates[nv + k]
-    space, scratch = (numbers.tree, room.below), (room.places, room.room, room.mass, room.acceleration)
-    prepare_changes(y, head.nq, space, numbers.gravity, tau, scratch, room.bodies)
 
 
 @inlined
-def _shift_tree(ways: Any, room: Any) -> None:
-    """Write to ``room.shifts.forces`` what changes of the tree itself and of gravity do."""
+def _shift_tree(t: float, ways: Any, room: Any) -> None:
+    """Write to ``room.shifts`` what changes of the tree itself, of gravity and of constraints do."""
     shifts, numbers = room.shifts, room.numbers
+    ground = room.bodies[numbers.tree.shape[0]]
     for m in range(shifts.steps.shape[0]):
         if shifts.heavy[m] == 0 or not is_moved(ways, room.first_number[0] + m):
             continue
@@ -169,7 +197,14 @@ def _shift_tree(ways: Any, room: Any) -> None:
             own[k] = 0.0
         pulls, scratch = (numbers.gravity, shifts.gravity[m]), (room.acceleration, room.body)
         space = numbers.tree, room.places
-        subtract_number_changes(shifts.bodies[m], space, pulls, scratch, room.bodies, own)
+        write_number_changes(shifts.bodies[m], space, pulls, scratch, room.bodies, own)
+        if has_rows(room):
+            for k in range(3):
+                ground.acceleration_change[k] = -shifts.gravity[m, k]
+            shift_rows(t, m, room, own)
+            for k in range(3):
+                ground.acceleration_change[k] = 0.0
+        subtract_wrenches(numbers.tree, room.places, room.bodies, own)
 
 
 @kernel
@@ -196,7 +231,9 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
             add_joint_changes(numbers.program, part, y, ways, room, out)
     if head_of(numbers.program).points < numbers.program.shape[0]:
         add_link_changes(t, y, ways, steps, room, out)
-    _shift_tree(ways, room)
+    _shift_tree(t, ways, room)
+    if has_rows(room) and room.asks[TIMES] != 0:
+        differentiate_over_time(t, time_step(ways, steps), room)
     shifts = room.shifts
     for d in range(ways.shape[0]):
         own = out[0, d, :nv]
@@ -205,12 +242,18 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
             for k in range(nv):
                 out[kind, d, k] -= own[k]
                 differs = differs or out[kind, d, k] != 0.0
-        subtract_changes(ways[d], numbers.tree, room.places, numbers.gravity, room.bodies, own)
+        write_changes(ways[d], nv, numbers.tree, room.places, numbers.gravity, room.bodies)
+        if has_rows(room):
+            change_rows(y, ways[d], room, own)
+        subtract_wrenches(numbers.tree, room.places, room.bodies, own)
         for m in range(shifts.steps.shape[0]):
             share = ways[d, room.first_number[0] + m]
             if share != 0.0 and shifts.heavy[m] != 0:
                 for k in range(nv):
                     own[k] += share * shifts.forces[m, k]
+        if has_rows(room):
+            solve_held(y, d, room, out)
+            continue
         solve_tree(room.mass, room.below, own)
         for kind in range(1, out.shape[0]):
             if differs:

@@ -1,20 +1,23 @@
-"""Derivatives of a tree's rates along displacements of a state, at less than an evaluation for each."""
+"""Derivatives of a system's rates along displacements of a state, at less than an evaluation for each."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.constraints.layout_kernels import plan_of
+from antenna_pin.constraints.tangent_kernels import TIE
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.dynamics.tangent_kernels import PART
 from antenna_pin.engine.compiled import CompiledStepper
+from antenna_pin.engine.row_tangent_kernels import RowRoom
 from antenna_pin.engine.shifts import SystemSlopes, shifts_of, takes_slopes
 from antenna_pin.engine.step_kernels import Numbers
 from antenna_pin.engine.tangent_kernels import Shifts, TangentRoom, write_tangent
 from antenna_pin.integrate import manifold_kernels
 from antenna_pin.joints import layout_kernels, slope_kernels
 from antenna_pin.mechanism import CHANGE, PLACE, ROOM, freedoms_below
-from antenna_pin.records import MEMORY, POSE, PROGRAM
+from antenna_pin.records import MEMORY, POSE, PROGRAM, words_of
 
 __all__ = ["Tangents"]
 
@@ -22,13 +25,13 @@ Array = NDArray[np.float64]
 
 
 class Tangents:
-    """Derivatives of a tree's rates, put together from those of its parts.
+    """Derivatives of a system's rates, put together from those of its parts.
 
     They are what :class:`antenna_pin.engine.Slopes` has by differences of the whole, and good to round-off
     where those are to that of a force over its step: geometry, laws and elements are differentiated over
-    their own arguments, the tree in closed form. Each of these is looked at on its own scale, and finer where
-    a kink is near. Not taken are systems with rows (closures, motions, couplings, elements that hold), loads
-    that are distributed, and gaps, laws or elements that are asked in Python (:meth:`takes`).
+    their own arguments, the tree and constraints in closed form. Each of these is looked at on its own scale,
+    and finer where a kink is near. Not taken are friction by what an ideal joint carries, loads that are
+    distributed, and gaps, laws or elements that are asked in Python (:meth:`takes`).
 
     Args:
         system: The system.
@@ -83,15 +86,16 @@ class Tangents:
             said=np.zeros(said),
             laws=np.zeros((contacts, asked, kinds, said)),
             twirls=np.zeros(contacts),
-            places=np.zeros(len(numbers.tree) + 1, PLACE),
+            places=_places(numbers),
             room=np.zeros(len(numbers.tree) + 1, ROOM),
             mass=np.zeros((nv, nv)),
             acceleration=np.zeros(nv),
-            bodies=np.zeros(len(numbers.tree), CHANGE),
+            bodies=np.zeros(len(numbers.tree) + 1, CHANGE),
             body=np.zeros(1, CHANGE),
             first_number=np.array([2 * nv + len(bristles) + 2 * contacts]),
             seen=np.zeros(0, dtype=np.int64),
             shifts=self._shifts(_none(numbers), parts),
+            rows=_row_room(system, nv, kinds),
         )
         self._rates = nv + nx
 
@@ -104,7 +108,7 @@ class Tangents:
         Returns:
             Whether they are ones that it can take; none are taken if not.
         """
-        if not takes_slopes(slopes):
+        if not takes_slopes(self._system, slopes):
             return False
         shifts = self._shifts(slopes, self.room.parts)
         seen = np.zeros(len(shifts.steps), dtype=np.int64)
@@ -116,7 +120,8 @@ class Tangents:
         """Whether a system is one whose rates are differentiated part by part."""
         joints = system.clearances
         compiled = all(j.compiled and j.backend == "closed-form" and j.load == "point" for j in joints)
-        return compiled and not system.plan and not system.callables
+        loaded = system.plan is not None and system.plan.loaded
+        return compiled and not loaded and not system.callables
 
     def rates(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
         """Return the derivatives of [acceleration (nv), rate of x (nx)], (2, nv + nx, k).
@@ -174,7 +179,37 @@ def _none(numbers: Numbers) -> SystemSlopes:
     """Return that no numbers of a system are displaced."""
     tree = np.zeros((0, numbers.tree.view(np.float64).size))
     nothing = np.zeros(0, dtype=np.int64)
-    return SystemSlopes(np.zeros((0, len(numbers.program))), tree, np.zeros((0, 3)), nothing, np.zeros(0))
+    program, plan = np.zeros((0, len(numbers.program))), np.zeros((0, len(numbers.plan)))
+    return SystemSlopes(program, tree, plan, np.zeros((0, 3)), nothing, np.zeros(0))
+
+
+def _places(numbers: Numbers) -> NDArray[np.void]:
+    """Return where the kernels write where bodies are: where constraints do, if there are any."""
+    bodies = len(numbers.tree) + 1
+    if not len(numbers.plan):
+        return np.zeros(bodies, PLACE)
+    return numbers.held[: bodies * words_of(PLACE)].view(PLACE)
+
+
+def _row_room(system: System, nv: int, kinds: int) -> RowRoom:
+    """Return what rows of constraints are differentiated with."""
+    closures = motions = rows = width = 0
+    if system.plan is not None:
+        head = plan_of(system.plan.words)
+        closures, motions, rows, width = head.closures, head.motions, head.rows, head.width
+    return RowRoom(
+        ties=np.zeros(closures, TIE),
+        bias=np.zeros(nv),
+        force=np.zeros(rows),
+        force_change=np.zeros(rows),
+        lacks=np.zeros((kinds, width)),
+        speeds=np.zeros(motions),
+        twist=np.zeros(4),
+        wanted=np.zeros(motions),
+        trial=np.zeros((kinds, motions)),
+        jerks=np.zeros((kinds, motions)),
+        column=np.zeros((kinds, motions)),
+    )
 
 
 def _head(system: System, block: int) -> np.void:

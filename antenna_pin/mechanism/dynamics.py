@@ -13,7 +13,13 @@ from antenna_pin.mechanism.dynamics_kernels import aba
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.model import Mechanism
 from antenna_pin.mechanism.room_kernels import ROOM
-from antenna_pin.mechanism.tangent_kernels import CHANGE, prepare_changes, solve_tree, subtract_changes
+from antenna_pin.mechanism.tangent_kernels import (
+    CHANGE,
+    prepare_changes,
+    solve_tree,
+    subtract_wrenches,
+    write_changes,
+)
 from antenna_pin.mechanism.tree import body_tree, freedoms_below
 from antenna_pin.mechanism.tree_kernels import PLACE, bias_accelerations, place_bodies
 
@@ -88,7 +94,8 @@ class TreeDynamics:
         prepare_changes(self._state(q, v), self.nq, (self.tree, below), self.gravity, force, scratch, bodies)
         out = along[:, 2 * nv :].copy()
         for way, change in zip(along, out, strict=True):
-            subtract_changes(way, self.tree, places, self.gravity, bodies, change)
+            write_changes(way, nv, self.tree, places, self.gravity, bodies)
+            subtract_wrenches(self.tree, places, bodies, change)
             solve_tree(mass, below, change)
         return np.asarray(out.T)
 

@@ -13,23 +13,31 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.mechanism.room_kernels import crossed, turned, turned_symmetric
 from antenna_pin.mechanism.spatial_kernels import add_six, cross_wrench, set_six, times_inertia
-from antenna_pin.mechanism.tangent_kernels import change_motion, subtract_wrenches
+from antenna_pin.mechanism.tangent_kernels import change_motion
 
 
 @inlined
-def _place_change(body: Any, change: Any, places: Any, out: Any) -> None:
-    """Write the way that a change of a joint's place in its parent is, about the first body's origin."""
-    m, r = change.rotation, body.rotation
-    p, x, y, z = body.position, 0.0, 0.0, 0.0
+def write_frame_change(frame: Any, change: Any, parent: int, places: Any, out: Any) -> None:
+    """Write the way that a change of a frame's place on a body, or on the world, is.
+
+    Args:
+        frame: Rotation and position of the frame.
+        change: By how much these change.
+        parent: The body, -1 for the world.
+        places: Where bodies are, PLACE.
+        out: The way, about the first body's origin.
+    """
+    (r, p), (m, d) = frame, change
+    x, y, z = 0.0, 0.0, 0.0
     # The turn is that of R' R^T.
     for k in range(3):
         x += 0.5 * (m[2, k] * r[1, k] - m[1, k] * r[2, k])
         y += 0.5 * (m[0, k] * r[2, k] - m[2, k] * r[0, k])
         z += 0.5 * (m[1, k] * r[0, k] - m[0, k] * r[1, k])
-    ux, uy, uz = change.position[0], change.position[1], change.position[2]
+    ux, uy, uz = d[0], d[1], d[2]
     px, py, pz = p[0], p[1], p[2]
-    if body.parent >= 0:
-        on = places[body.parent]
+    if parent >= 0:
+        on = places[parent]
         x, y, z = turned(on.rotation, x, y, z)
         ux, uy, uz = turned(on.rotation, ux, uy, uz)
         px, py, pz = turned(on.rotation, px, py, pz)
@@ -62,16 +70,18 @@ def _inertia_change(body: Any, change: Any, rotation: Any, own: Any, out: Any) -
 
 
 @kernel
-def subtract_number_changes(change: Any, space: Any, pulls: Any, scratch: Any, bodies: Any, out: Any) -> None:
-    """Subtract from ``out`` how M a + b changes with a number of the tree.
+def write_number_changes(change: Any, space: Any, pulls: Any, scratch: Any, bodies: Any, out: Any) -> None:
+    """Write how bodies' motions and own wrenches change with a number of the tree.
+
+    As :func:`antenna_pin.mechanism.tangent_kernels.write_changes` does along a displacement.
 
     Args:
         change: By how much each body's own numbers change, BODY, (bodies,).
         space: Bodies, BODY, (bodies,), and where they are, PLACE.
         pulls: Gravity in world axes [m/s^2], and its change, (3,) each.
         scratch: The acceleration that is, (nv,), and room for one body, CHANGE, (1,).
-        bodies: How they move (:func:`antenna_pin.mechanism.tangent_kernels.prepare_changes`); written to.
-        out: (nv,).
+        bodies: How they move (:func:`antenna_pin.mechanism.tangent_kernels.read_bodies`); written to.
+        out: What of the forces is no wrench is subtracted from it, (nv,).
     """
     tree, places = space
     gravity, pull = pulls
@@ -79,7 +89,8 @@ def subtract_number_changes(change: Any, space: Any, pulls: Any, scratch: Any, b
     more = room[0]
     for b in range(tree.shape[0]):
         body, one, own = tree[b], change[b], bodies[b]
-        _place_change(body, one, places, own.way)
+        frame, moved = (body.rotation, body.position), (one.rotation, one.position)
+        write_frame_change(frame, moved, body.parent, places, own.way)
         set_six(own.velocity_change, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
         change_motion(body.parent, bodies, own, gravity)
         _inertia_change(body, one, places[b].rotation, own, more)
@@ -93,4 +104,3 @@ def subtract_number_changes(change: Any, space: Any, pulls: Any, scratch: Any, b
         add_six(f, times_inertia(more, own.acceleration))
         add_six(f, cross_wrench(own.velocity, more.momentum))
         out[body.v] -= one.armature * acceleration[body.v]
-    subtract_wrenches(tree, places, bodies, out)

@@ -104,7 +104,7 @@ def _onto_joint(body: Any, rotation: Any, own: Any, out: Any) -> None:
 
 
 @kernel
-def _read_bodies(y: Any, nq: int, tree: Any, places: Any, gravity: Any, a: Any, bodies: Any) -> None:
+def read_bodies(y: Any, nq: int, tree: Any, places: Any, gravity: Any, a: Any, bodies: Any) -> None:
     """Write how bodies move about the first one's origin, accelerating by a, and the wrenches that takes."""
     count = tree.shape[0]
     point = places[0].origin
@@ -189,24 +189,24 @@ def subtract_wrenches(tree: Any, places: Any, bodies: Any, out: Any) -> None:
 
 
 @kernel
-def subtract_changes(way: Any, tree: Any, places: Any, gravity: Any, bodies: Any, out: Any) -> None:
-    """Subtract from ``out`` how M a + b changes along a displacement, with :func:`prepare_changes` done.
+def write_changes(way: Any, nv: int, tree: Any, places: Any, gravity: Any, bodies: Any) -> None:
+    """Write how bodies' motions and own wrenches change along a displacement, after :func:`read_bodies`.
+
+    What these do along the joints, :func:`subtract_wrenches` makes of them: how M a + b changes.
 
     Args:
         way: Displacement, [w (nv), dv (nv), ...].
+        nv: Size of the generalized velocity.
         tree: Bodies, parents first, BODY, (bodies,).
         places: Where they are, PLACE.
         gravity: In world axes [m/s^2], (3,).
         bodies: How they move; written to, CHANGE, (bodies,).
-        out: (nv,).
     """
-    nv = out.shape[0]
     for b in range(tree.shape[0]):
         body, place, own = tree[b], places[b], bodies[b]
         _along_joint(body, place.rotation, own, way, own.way)
         _along_joint(body, place.rotation, own, way[nv:], own.velocity_change)
         change_motion(body.parent, bodies, own, gravity)
-    subtract_wrenches(tree, places, bodies, out)
 
 
 @kernel
@@ -266,4 +266,4 @@ def prepare_changes(y: Any, nq: int, space: Any, gravity: Any, tau: Any, scratch
     for k in range(tau.shape[0]):
         acceleration[k] = tau[k] - acceleration[k]
     solve_tree(mass, below, acceleration)
-    _read_bodies(y, nq, tree, places, gravity, acceleration, bodies)
+    read_bodies(y, nq, tree, places, gravity, acceleration, bodies)

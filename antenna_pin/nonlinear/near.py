@@ -95,9 +95,10 @@ class Near:
         """Let derivatives know the system's numbers and what elements keep; return whether they can."""
         own, numbers = self.stepper.numbers, self.numbers
         tree = own.tree.view(np.float64).reshape(-1)
-        found = np.zeros((0, len(own.program))), np.zeros((0, len(tree))), np.zeros((0, 3))
+        sizes = len(own.program), len(tree), len(own.plan), 3
+        found = tuple(np.zeros((0, size)) for size in sizes)
         if numbers is not None:
-            found = numbers.program, numbers.tree, numbers.gravity
+            found = numbers.program, numbers.tree, numbers.plan, numbers.gravity
         kept = self.kept.words, self.kept.units(units.way, units.rate)
         return tangents is not None and tangents.follow(SystemSlopes(*found, *kept))
 

@@ -113,8 +113,9 @@ class InPlace:
         self._armature = numbers.slopes["armature"]
         self._heavier = [i for i in joints if self._inertias[:, i].any()]
         self._moved = [i for i in joints if self._places[:, i].any()]
-        #: Of the bodies' numbers, flat, and of gravity, likewise.
-        self.tree, self.gravity = numbers.slopes["tree"], numbers.slopes["gravity"]
+        #: Of the bodies' numbers, flat, of constraints', and of gravity, likewise.
+        self.tree, self.plan = numbers.slopes["tree"], numbers.slopes["plan"]
+        self.gravity = numbers.slopes["gravity"]
         self._of_model = bool(self._heavier or self._moved or self._armature.any() or self.gravity.any())
         #: How far each is displaced at present, (count,).
         self.present = np.zeros(self.count)

@@ -302,7 +302,8 @@ class Carrier:
         if self.stages is None or all(piece.known):
             return None
         start = self._time, self._within.size, self._at(piece.a)
-        lift = self.field.lift(carried.frame, self._time, self._y)
+        # Of constraints displacements are those where the piece begins.
+        lift = self.field.lift(carried.frame, self._time + piece.a * self._within.size, start[2])
         found = self.stages.over(piece, start, lift, carried, _BY_STAGES * self._good)
         if found is None and piece.halvings > HALVINGS - _TRIES:
             found = carried

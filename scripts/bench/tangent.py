@@ -6,8 +6,9 @@ many coordinates there are; the time of both over that of a run of the same span
 and by how much the variational equation differs from differences of second order of a small step, over the
 largest number of the matrix. What is left is mostly theirs.
 
-Then of one derivative of the rates, of case 3 in contact: its time along one displacement, ten and all, over
-that of the rates themselves; put together from parts, and by differences of the whole.
+Then of one derivative of the rates, in contact, of case 3, the slider-crank and the 4UPS-UPU, in loops:
+its time along one displacement, ten and all, over that of the rates themselves; put together from parts, and
+by differences of the whole.
 """
 
 from __future__ import annotations
@@ -56,10 +57,12 @@ def seconds(make: Callable[[], object]) -> float:
     return fastest
 
 
-def of_rates(report: Report) -> None:
-    """Measure one derivative of the rates, in the first contact of case 3."""
-    closed = COMPILED | {"clearance.elevation.geometry": "closed-form"}
-    flow, start = flow_of(load_scenario("bai2020", case="case3", overrides=closed))
+def of_rates(report: Report, name: str) -> None:
+    """Measure one derivative of the rates, in the first contact of a problem."""
+    model, case, joint, begin, *_ = PROBLEMS[name]
+    closed = COMPILED | {f"clearance.{joint}.geometry": "closed-form"}
+    flow, start = flow_of(load_scenario(model, case=case, overrides=closed))
+    start = flow.after(start, begin) if begin else start
     while not memory_records(start.memory)["touching"].any():
         start = flow.after(start, 1e-3)
     system, settings = flow.system, RunSettings(engine="compiled")
@@ -83,7 +86,7 @@ def of_rates(report: Report) -> None:
             taken = seconds(
                 lambda maker=maker, ways=ways, steps=steps: maker.rates(start.time, y, ways, steps)
             )
-            report.add(f"{label}: derivatives along {k}, over the rates", taken / rates)
+            report.add(f"{name}, {label}: derivatives along {k}, over the rates", taken / rates)
 
 
 def main() -> int:
@@ -113,7 +116,8 @@ def main() -> int:
         for label in list(makers)[1:]:
             report.add(f"{name}: {label}, over a run", fastest[label] / fastest["run"])
         report.add(f"{name}: apart", float(np.abs(ours - other).max() / np.abs(ours).max()))
-    of_rates(report)
+    for name in ("bai2020 case3", "slider_crank", "chen2021"):
+        of_rates(report, name)
     return report.finish()
 
 

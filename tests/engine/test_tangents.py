@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from displacements import TIME, ways_of
 
 from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.differences import WEIGHTS
@@ -16,7 +17,6 @@ from antenna_pin.scenario import with_number
 from antenna_pin.sensitivity.parameters import parameters_of
 
 ROOT = Path(__file__).parents[2]
-TIME = 0.123
 STEPS = 10.0 ** np.arange(-2.0, -6.5, -0.5)
 """Of differences; at finer ones the two orders agree by chance on what is round-off."""
 CLOSE, NOTHING = 1e-7, 1e-9
@@ -64,15 +64,6 @@ def anywhere(system, seed):
     y[nq + nv + field.bristles] = 0.01 * rng.normal(size=len(field.bristles)) * units.bristle
     system.turn_on(y)
     return field, y
-
-
-def ways_of(field):
-    """Return displacements by one unit of everything that rates depend on, by columns, and one of all."""
-    own, every = field.parts[-2], np.eye(field.displacement)
-    scale = np.concatenate([*field.units, np.ones(field.displacement - sum(map(len, field.units)))])
-    scale[-1] = 1e-3
-    ways = np.delete(every * scale, np.arange(field.displacement)[own], axis=1)
-    return np.column_stack([ways, ways.sum(axis=1)])
 
 
 def judge(system, seed):
