@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System
 from antenna_pin.sensitivity.along import Along
+from antenna_pin.sensitivity.by_equation import ByEquation
 from antenna_pin.sensitivity.by_runs import Slopes
+from antenna_pin.sensitivity.in_time import InTime
+from antenna_pin.sensitivity.largest import largest_of, peaks_of
 from antenna_pin.sensitivity.parameters import Parameter
 from antenna_pin.simulation.sources import TOTALS
 
@@ -25,24 +28,23 @@ _OF_CHANGES = ("change_angle", "change_rate", "change_rate_after", "change_loss"
 
 
 def by_names(
+    equation: ByEquation,
     along: Along,
-    series: dict[str, tuple[Array, Array]],
     here: xr.Dataset,
     run: xr.Dataset,
-    system: System,
     parameters: tuple[Parameter, ...],
 ) -> list[Slopes]:
     """Return derivatives over each parameter; NaN where a number has none that is known.
 
     Args:
-        along: The run that was looked at.
-        series: Derivatives at its samples and their doubts, by name, (n, ..., parameters).
+        equation: Along whose run displacements were carried.
+        along: That run, as it was looked at.
         here: What the result has at the times that are asked for.
         run: The result.
-        system: The system.
         parameters: The parameters.
     """
-    displaced = along.displaced
+    displaced, system = along.displaced, equation.flow.system
+    series, in_time = equation.series(displaced), InTime(equation, displaced)
     times, scales = displaced.chunk.times, np.array([one.scale for one in parameters])
     most = displaced.doubts.max(axis=0, initial=0.0) if len(displaced.doubts) else np.zeros(len(parameters))
     found: dict[str, tuple[Array, Array]] = {}
@@ -59,6 +61,12 @@ def by_names(
     for name, value in instants.items():
         if name in here:
             found[name] = value, np.abs(value) * most
+    peaks = peaks_of(along, series, in_time, run, scales)
+    if "peak_time" in here:
+        found["peak_time"] = peaks.late, peaks.late_doubt
+        found["peak_force"] = peaks.force, peaks.force_doubt
+    if at is not None:
+        found |= largest_of(along, series, in_time, run, peaks, (here["time"].values, scales))
     return [
         Slopes(
             {name: v[..., k] for name, (v, _) in found.items()}, {n: d[..., k] for n, (_, d) in found.items()}
@@ -93,7 +101,7 @@ def _episodes(
         return {}
     times = along.displaced.chunk.times
     begin = float(times[0])
-    names = ("impulse", "dissipated", "approach_speed", "effective_mass", "peak_force", "peak_depth")
+    names = ("impulse", "dissipated", "approach_speed", "effective_mass", "peak_depth")
     found = {name: np.full((len(run["onset_time"]), len(scales)), math.nan) for name in names}
     used: set[int] = set()
     for i, (onset, c) in enumerate(
@@ -117,10 +125,6 @@ def _episodes(
         found["dissipated"][i] = (books[system.lost_normal_x[c]] + books[system.lost_friction_x[c]]) / scales
         for name, logarithm in zip(("approach_speed", "effective_mass"), one.remembered, strict=True):
             found[name][i] = float(run[name].values[i]) * logarithm / scales
-        when = float(run["peak_time"].values[i])
-        if max(onset, begin) < when < until:
-            at = int(np.argmin(np.abs(times - when)))
-            found["peak_force"][i] = series["normal_force"][0][at, c]
         deepest = [
             time for contact, time in along.deepest if contact == c and max(onset, begin) < time < until
         ]
