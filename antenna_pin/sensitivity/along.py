@@ -238,6 +238,9 @@ class Along:
         alone[numbers], others[numbers] = np.eye(count), 0.0
         units = np.concatenate(field.units)
         sizes = np.abs(others[: len(units)] / units[:, None]).max(axis=0, initial=0.0)
+        # What contacts remember is displaced by its logarithm, and may be where the state itself is not.
+        remembered = others[field.parts[3].start : field.parts[4].stop]
+        sizes = np.maximum(sizes, np.abs(remembered).max(axis=0, initial=0.0))
         sizes = np.where(sizes > 0.0, sizes, 1.0)
         found = field.slopes(time, y, np.hstack([others / sizes, alone]))[0][self._nv :]
         return np.asarray(found[:, :count] * sizes + found[:, count:] @ ways[numbers])
