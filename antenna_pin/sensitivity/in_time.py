@@ -33,13 +33,13 @@ _ROUND_OFF = 1e-15
 
 
 class Bend(NamedTuple):
-    """How forces of contacts go on in time at samples, (n,), and over each parameter's scale, (n, parameters).
+    """How forces of contacts go on in time at samples, (n,), and over parameters, (n, parameters).
 
     Attributes:
         force: Of each [N].
         rate: Of it [N/s].
         bend: Of that [N/s^2].
-        over: Of the rate over each parameter, at equal times.
+        over: Of the rate over each parameter, in its scale, at equal times.
         bend_doubt: By how much it is in doubt.
         over_doubt: Likewise.
     """

@@ -200,7 +200,9 @@ def _moves(
             return None
         until = float(run["release_time"].values[i])
         end = float(along.displaced.chunk.times[-1])
-        return peaks.late[i], peaks.late_doubt[i], (until if until < end else end) - float(
-            run["onset_time"].values[i]
+        return (
+            peaks.late[i],
+            peaks.late_doubt[i],
+            (until if until < end else end) - float(run["onset_time"].values[i]),
         )
     return still, still, 0.0

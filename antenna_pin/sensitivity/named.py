@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System
-from antenna_pin.sensitivity.along import Along
+from antenna_pin.sensitivity.along import Along, Lasting
 from antenna_pin.sensitivity.by_equation import ByEquation
 from antenna_pin.sensitivity.by_runs import Slopes
 from antenna_pin.sensitivity.in_time import InTime
@@ -24,7 +24,14 @@ Array = NDArray[np.float64]
 # Two times of one event [s].
 _SAME = 1e-9
 # What is told of how elements meet their joints, in the order of what ``Change`` has of it.
-_OF_CHANGES = ("change_angle", "change_rate", "change_rate_after", "change_loss", "change_impulse")
+_OF_CHANGES = (
+    "change_angle",
+    "change_rate",
+    "change_rate_after",
+    "change_loss",
+    "change_impulse",
+    "change_energy",
+)
 
 
 def by_names(
@@ -76,21 +83,46 @@ def by_names(
 
 
 def _instants(along: Along, here: xr.Dataset, run: xr.Dataset, scales: Array) -> dict[str, Array]:
-    """Return by how much contacts begin and end and events happen later."""
+    """Return by how much contacts begin and end and events happen later, and what these bring in."""
     found = {}
-    for name, what in (("onset_time", "onset"), ("release_time", "release"), ("event_time", "event")):
-        if name not in here:
-            continue
-        late = np.zeros((len(run[name]), len(scales)))
-        for i, time in enumerate(run[name].values.tolist()):
-            if math.isnan(time):
-                late[i] = math.nan
-                continue
-            own = "" if what == "event" else str(run["episode_contact"].values[i])
-            near = (p for p in along.passed if p.what == what and own in ("", p.name))
-            late[i] = next((p.late / scales for p in near if abs(p.time - time) < _SAME), 0.0)
-        found[name] = late
+    matched = matched_contacts(along, run)
+    for at, name in enumerate(("onset_time", "release_time")):
+        if name in here:
+            found[name] = np.full((len(run[name]), len(scales)), math.nan)
+            for i, one in enumerate(matched):
+                if one is not None and not math.isnan(float(run[name].values[i])):
+                    found[name][i] = one.late[at] / scales
+    if "event_time" in here:
+        found |= _events(along, run, scales)
     return found
+
+
+def _events(along: Along, run: xr.Dataset, scales: Array) -> dict[str, Array]:
+    """Return when events happen and what they bring in; changes of mode at one instant are one event."""
+    count = len(run["event_time"])
+    times, energies = np.full((2, count, len(scales)), math.nan)
+    used: set[int] = set()
+    for i, (name, time) in enumerate(
+        zip(run["event"].values, run["event_time"].values.tolist(), strict=True)
+    ):
+        near = [k for k, one in enumerate(along.happened) if abs(one.time - time) < _SAME]
+        same = [k for k in near if along.happened[k].name == name and k not in used]
+        if not (same or near):
+            continue
+        k = (same or [k for k in near if k not in used] or near)[0]
+        times[i] = along.happened[k].late / scales
+        # Of several changes by one passage the first has all that it brings in.
+        energies[i] = 0.0 if k in used else along.happened[k].energy / scales
+        used.add(k)
+    return {"event_time": times, "event_energy": energies}
+
+
+def matched_contacts(along: Along, run: xr.Dataset) -> list[Lasting | None]:
+    """Return of each contact of a result how it is displaced: those of one place follow in one order."""
+    contacts = run["episode_contact"].values.tolist() if "episode_contact" in run else []
+    own = {c: [one for one in along.lasting if one.contact == c] for c in set(contacts)}
+    alike = {c: len(own[c]) == contacts.count(c) for c in own}
+    return [own[c].pop(0) if alike[c] else None for c in contacts]
 
 
 def _episodes(
@@ -101,24 +133,15 @@ def _episodes(
         return {}
     times = along.displaced.chunk.times
     begin = float(times[0])
+    matched = matched_contacts(along, run)
     names = ("impulse", "dissipated", "approach_speed", "effective_mass", "peak_depth")
     found = {name: np.full((len(run["onset_time"]), len(scales)), math.nan) for name in names}
-    used: set[int] = set()
-    for i, (onset, c) in enumerate(
-        zip(run["onset_time"].values.tolist(), run["episode_contact"].values.tolist(), strict=True)
+    for i, (onset, c, one) in enumerate(
+        zip(run["onset_time"].values.tolist(), run["episode_contact"].values.tolist(), matched, strict=True)
     ):
-        near = (
-            k
-            for k, one in enumerate(along.lasting)
-            if one.contact == c
-            and k not in used
-            and (abs(one.onset - onset) < _SAME or one.onset == -math.inf)
-        )
-        k = next(near, None)
-        if k is None:
+        if one is None:
             continue
-        used.add(k)
-        one, end = along.lasting[k], float(run["release_time"].values[i])
+        end = float(run["release_time"].values[i])
         until = math.inf if math.isnan(end) else end
         books = (along.books if one.books[1] is None else one.books[1]) - one.books[0]
         found["impulse"][i] = books[system.impulse_x[c]] / scales
@@ -157,4 +180,6 @@ def _changes(along: Along, run: xr.Dataset, scales: Array) -> dict[str, Array]:
             for name, slope in zip(_OF_CHANGES, one.slopes, strict=True):
                 found[name][i] = slope / scales
             break
+    lacks = np.isnan(run["change_energy"].values)
+    found["change_energy"][lacks] = math.nan  # of elements that do not weigh their joint
     return found
