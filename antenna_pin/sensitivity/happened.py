@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import Workspace, audit
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.replay import Replay
-from antenna_pin.simulation.events import Jump, Time
+from antenna_pin.simulation.events import Jump, Set, Time
 from antenna_pin.simulation.modes import kinetic
 from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.own_actions import Switch
 from antenna_pin.simulation.passages import Passage
 
 __all__ = ["Happened", "Happenings"]
@@ -63,7 +64,7 @@ class Happenings:
             late: By how much later it comes, of one that acts.
         """
         field, name = self._field, one.event.name
-        if not one.acts or not self._changes(one):
+        if not one.acts or not isinstance(one.event.action, Set | Jump | Switch):  # noted, or the run's end
             return Happened(name, time, self._late(one, time, y, ways), np.zeros_like(late))
         if isinstance(one.event.action, Jump):  # a function of the user's, which knows states only
             return Happened(name, time, late, np.full_like(late, np.nan))
@@ -74,11 +75,6 @@ class Happenings:
             return np.array([self._brought(one, base, t, state)])
 
         return Happened(name, time, late, field.along(brought, time, y, there)[0][0])
-
-    def _changes(self, one: Passage) -> bool:
-        """Whether an event changes anything, rather than be noted or end the run."""
-        program = self._field.workspace.program
-        return bool(one.done) or isinstance(one.event.action, Jump) or bool((program != one.program).any())
 
     def _late(self, one: Passage, time: float, y: Array, ways: Array) -> Array:
         """Return by how much later an event comes that changes nothing [s]."""
