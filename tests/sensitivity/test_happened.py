@@ -10,7 +10,6 @@ from tests.sensitivity.test_closed_forms import (
     MASS,
     PLACE,
     PULL,
-    SPEED,
     STIFFNESS,
     oscillation,
 )
