@@ -267,7 +267,7 @@ class ByRuns:
         Raises:
             GrazeError: Other contacts begin in it, or other events happen.
         """
-        what = f"with {parameter.key} = {value:.9g}"
+        what = f"with {parameter.key} = {value:.12g}"
         try:
             other = with_number(self._scenario, parameter.key, value)
         except AntennaPinError as error:
@@ -277,7 +277,12 @@ class ByRuns:
         start = self._start
         if start is not None and self._system is not None and is_of_start(parameter.key):
             start = begun_from(start, self._scenario, other, self._system)
-        run = self._made(other, f"a run {what}", start)
+        try:
+            run = self._made(other, f"a run {what}", start)
+        except SensitivityError:
+            raise
+        except AntennaPinError as error:  # of what is built, which only some values want more for
+            raise SensitivityError(f"sensitivities: {what}, which is next to its value: {error}") from error
         self._check_alike(run, what)
         there = numbers_at(run, self._times)
         return {str(name): np.asarray(there[name].values, dtype=float) for name in self.here.data_vars}

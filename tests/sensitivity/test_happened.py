@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from antenna_pin.sensitivity import sensitivities
+from antenna_pin.sensitivity import results_of, sensitivities
 from tests.sensitivity.test_closed_forms import (
     COIL,
     DAMPING,
@@ -98,3 +98,16 @@ def test_what_a_latch_weighs_and_lets_go(tmp_path):
     assert np.abs((found.derivative("change_loss")[0] - weighed) * scales).max() < 1e-9
     let_go = found.derivative("event_energy")[0] * scales
     assert let_go == pytest.approx([-0.5 * STIFFNESS * 0.2**2, 0.0, 0.0, 0.0, 0.0], abs=1e-9)
+
+
+def test_events_of_one_name_are_told_together(tmp_path):
+    """The last of two instants at which the mass passes a place; all that the event of a name brings in."""
+    long = mass(tmp_path, COIL + EVENTS)
+    found = sensitivities(long, ["springs.coil.stiffness"], [1.4], method="quick-runs")
+    rows = {row.result: row for row in results_of(found)}
+    data = found.run.data
+    at = [k for k, name in enumerate(data["event"].values) if name == "passes"]
+    assert len(at) > 1 and rows["last event_time passes"].value == data["event_time"].values[at[-1]]
+    assert rows["last event_time passes"].slopes == found.relative("event_time")[at[-1]]
+    assert rows["sum event_energy stiffer"].value == pytest.approx(0.15, abs=1e-9)
+    assert not any(name.startswith("change_") for name in rows)
