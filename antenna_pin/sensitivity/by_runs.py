@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,6 +14,7 @@ from antenna_pin.assemble import build_system
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario, with_number
+from antenna_pin.sensitivity.alike import check_alike, in_order_of
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
 from antenna_pin.settings import RunSettings
@@ -283,43 +284,6 @@ class ByRuns:
             raise
         except AntennaPinError as error:  # of what is built, which only some values want more for
             raise SensitivityError(f"sensitivities: {what}, which is next to its value: {error}") from error
-        self._check_alike(run, what)
-        there = numbers_at(run, self._times)
+        check_alike(self.run.data, in_order_of(self.run.data, run.data), what)
+        there = in_order_of(self.run.data, numbers_at(run, self._times), run.data)
         return {str(name): np.asarray(there[name].values, dtype=float) for name in self.here.data_vars}
-
-    def _check_alike(self, run: Trajectory, what: str) -> None:
-        """Refuse a neighbour in which other contacts begin, or other things happen."""
-        ours, theirs = self.run.data, run.data
-        for name, here in ours.variables.items():
-            there: Any = theirs.variables.get(name)
-            if (
-                "time" in here.dims
-                or here.dtype.kind == "f"
-                and there is not None
-                and here.shape == there.shape
-            ):
-                continue
-            if there is None or here.shape != there.shape or not np.array_equal(here.values, there.values):
-                time = _first_unlike(ours, theirs)
-                at = "" if np.isnan(time) else f", first at {time:.9g} s"
-                raise GrazeError(
-                    f"sensitivities: {what}, other contacts begin or other events happen{at}: it has no "
-                    f"derivative there; take another value, or a span that ends before",
-                    time,
-                )
-
-
-def _first_unlike(ours: xr.Dataset, theirs: xr.Dataset) -> float:
-    """Return when contacts of two runs begin to differ [s]; NaN if all begin alike."""
-    if "onset_time" not in ours or "onset_time" not in theirs:
-        return float("nan")
-    mine, other = (
-        list(zip(one["onset_time"].values, one["episode_contact"].values, strict=True))
-        for one in (ours, theirs)
-    )
-    for k in range(max(len(mine), len(other))):
-        if k >= len(mine) or k >= len(other):
-            return float((mine if k < len(mine) else other)[k][0])
-        if mine[k][1] != other[k][1]:
-            return float(min(mine[k][0], other[k][0]))
-    return float("nan")
