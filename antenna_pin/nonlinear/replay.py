@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Workspace, acting_in, impulse, kernels
+from antenna_pin.dynamics import Workspace, acting_in, impulse, kernels, reduced_inertia
 from antenna_pin.elements import Met
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.numbers import InPlace
@@ -31,6 +31,7 @@ class Meeting(NamedTuple):
         rate_after: See there.
         loss: Energy lost in it [J].
         impulse: On the child [N m s] ([N s]).
+        energy: Of the joint's own motion before, of elements that weigh it, else 0 [J].
     """
 
     place: str
@@ -39,6 +40,7 @@ class Meeting(NamedTuple):
     rate_after: float
     loss: float = 0.0
     impulse: float = 0.0
+    energy: float = 0.0
 
 
 class Replay:
@@ -118,7 +120,13 @@ class Replay:
         """Let an element keep what it keeps of a change, in place."""
         own, nq = self._own[one.place], self._workspace.model.nq
         angle, rate, *_ = kernels.joint_motion(self._workspace.program, self._blocks[one.place], state, nq)
-        self.met.append(Meeting(one.place, float(angle), float(rate), float(rate)))
+        inertia = (
+            reduced_inertia(self._workspace, time, state, self._blocks[one.place])
+            if one.before.weighs
+            else 0.0
+        )
+        energy = 0.5 * inertia * float(rate) ** 2
+        self.met.append(Meeting(one.place, float(angle), float(rate), float(rate), energy=energy))
         if not own:
             return
         before: dict[str, Any] = {

@@ -22,6 +22,7 @@ from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.nonlinear.saltation import Passed
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.records import CONTACT
+from antenna_pin.sensitivity.happened import Happened, Happenings
 from antenna_pin.sensitivity.parameters import GrazeError
 from antenna_pin.sensitivity.timetable import Look
 from antenna_pin.simulation.loop import Run
@@ -59,7 +60,7 @@ class Change(NamedTuple):
         time: When [s].
         angle: Of the joint [rad] ([m]).
         late: By how much later it comes, (parameters,) [s].
-        slopes: Of angle, rate before and after, loss and impulse, (5, parameters).
+        slopes: Of angle, rate before and after, loss, impulse and energy, (6, parameters).
     """
 
     place: str
@@ -103,6 +104,7 @@ class Along:
         carrier: As given.
         deepest: As given.
         changes: How elements have met their joints.
+        happened: How events are displaced, in their order.
         lasting: Contacts from onset to release.
     """
 
@@ -129,6 +131,8 @@ class Along:
         # Before a change: when, the state, its displacements, those of what is integrated.
         self._mark: tuple[float, Array, Array, Array] | None = None
         self.changes: list[Change] = []
+        self.happened: list[Happened] = []
+        self._happenings = Happenings(self._field, self._replay)
         self.lasting: list[Lasting] = []
         self._open: dict[int, int] = {}
         carrier.seen = self._see
@@ -258,6 +262,8 @@ class Along:
             field.numbers.program[:] = words
         there = ways + np.outer(field.flow(time, y), late)
         for one in passages:
+            own = (p.late for p in new if p.what == "event" and p.name == one.event.name)
+            self.happened.append(self._happenings.of(one, time, y, ways, next(own, late)))
             if one.acts and one.done:
                 self._meet(one, time, y, there, late)
 
@@ -274,7 +280,7 @@ class Along:
         elements = [(found.place, found.angle) for found in self._replay.met]
         if not elements:
             return
-        slopes = field.along(met, time, y, there).reshape(len(elements), 5, -1)
+        slopes = field.along(met, time, y, there).reshape(len(elements), 6, -1)
         # A passage of rigid parts takes no time: rates before it do not jump at a neighbour's own instant.
         struck = sum(isinstance(step, Blow) for step in one.done)
         for (place, angle), slope in zip(elements, slopes, strict=True):

@@ -76,21 +76,21 @@ class ByEquation:
     ) -> None:
         """Build the system and its neighbours."""
         check_without_controllers("sensitivities", scenario)
-        self._scenario, self._parameters, self._settings = scenario, tuple(parameters), settings
+        self._scenario, self.parameters, self.settings = scenario, tuple(parameters), settings
         self._from = start
-        self._made = functools.cache(self._neighbour)
-        self._here = self._made(0, 0.0)
+        self.made = functools.cache(self._neighbour)
+        self._here = self.made(0, 0.0)
         system = self._here.system
         self.flow = Flow(system, settings, events_of(scenario), scenario)
-        builds = [functools.partial(self._system, k) for k in range(len(self._parameters))]
-        self._numbers = Numbers(system, builds, [one.key for one in self._parameters])
-        self._next = Displacer(system, len(self._parameters))
+        builds = [functools.partial(self._system, k) for k in range(len(self.parameters))]
+        self._numbers = Numbers(system, builds, [one.key for one in self.parameters])
+        self._next = Displacer(system, len(self.parameters))
         # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
         self._numbers.slopes["program"][:, self._next.kept.words] = 0.0
 
     def _neighbour(self, k: int, s: float) -> Neighbour:
         """Return the scenario with a parameter so many scales farther."""
-        one, scenario = self._parameters[k], self._scenario
+        one, scenario = self.parameters[k], self._scenario
         if s != 0.0:
             value = one.value + s * one.scale
             try:
@@ -104,34 +104,34 @@ class ByEquation:
         system = build_system(scenario)
         if self._from is not None:
             first = self._from
-            if s != 0.0 and is_of_start(self._parameters[k].key):
+            if s != 0.0 and is_of_start(self.parameters[k].key):
                 first = begun_from(first, self._scenario, scenario, system)
             return Neighbour(scenario, system, first)
-        flow = Flow(system, self._settings, events_of(scenario))
+        flow = Flow(system, self.settings, events_of(scenario))
         first = flow.first(*initial_state(scenario, system), initial_angles(scenario, system))
         return Neighbour(scenario, system, first)
 
     def _system(self, k: int, s: float) -> System:
-        return self._made(k, s).system
+        return self.made(k, s).system
 
     def _start(self, lift: Lift) -> Array:
         """Return the displacements of the first state in coordinates, (size, parameters)."""
         columns = []
-        for k in range(len(self._parameters)):
+        for k in range(len(self.parameters)):
             ahead, behind = (
                 np.array([self._apart(k, side * j * _START) for j in (1, 2, 3)]) for side in (1, -1)
             )
             columns.append(WEIGHTS[0] @ (ahead - behind) / _START)
         ways = np.column_stack(columns)
-        ways[self._next.parts[-3]] = np.eye(len(self._parameters))
+        ways[self._next.parts[-3]] = np.eye(len(self.parameters))
         return np.asarray(lift.down @ ways)
 
     def _apart(self, k: int, s: float) -> Array:
         """Return the displacement of a neighbour's first state, without that of the parameter itself."""
         here = self._here.first
-        found = self._next.between(here, self._made(k, s).first)
+        found = self._next.between(here, self.made(k, s).first)
         if found is None:
-            one = self._parameters[k]
+            one = self.parameters[k]
             raise GrazeError(
                 f"sensitivities: with {one.key} = {one.value + s * one.scale:.9g} other contacts touch "
                 "at the start: it has no derivative there; start apart, or deeper",
@@ -165,7 +165,7 @@ class ByEquation:
         frame = Chart(flow.system, first).frame
         run = flow.begun(first, span)
         carrier = Carrier(run, frame, self._start, self._numbers, [one.time for one in looks])
-        along = Along(run, carrier, self._numbers, looks, len(self._parameters), pilot.deepest)
+        along = Along(run, carrier, self._numbers, looks, len(self.parameters), pilot.deepest)
         run.advance(keep=along)
         flow.check_ended(run, span, first)
         return along
@@ -177,15 +177,15 @@ class ByEquation:
 
         The first sample is where what is integrated along the run counts from.
         """
-        here = self._seen(displaced.chunk, 0, 0.0)
+        here = self.seen(displaced.chunk, 0, 0.0)
         names = [name for name, one in here.items() if one.dtype.kind == "f"]
         found: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names if name != "time"}
-        for k in range(len(self._parameters)):
+        for k in range(len(self.parameters)):
             best: dict[str, tuple[Array, Array]] = {}
             for step in _STEPS:
                 ahead, behind = (
                     [
-                        self._seen(self._displaced(displaced, k, side * j * step), k, side * j * step)
+                        self.seen(self.moved(displaced, k, side * j * step), k, side * j * step)
                         for j in (1, 2, 3)
                     ]
                     for side in (1, -1)
@@ -208,7 +208,7 @@ class ByEquation:
                     )
                 if good:
                     break
-            scale = self._parameters[k].scale
+            scale = self.parameters[k].scale
             for name, (value, rest) in best.items():
                 carried = displaced.doubts[:, k].reshape(-1, *[1] * (value.ndim - 1)) * _most(np.abs(value))
                 found[name].append((value / scale, (rest + carried) / scale))
@@ -217,17 +217,17 @@ class ByEquation:
             for name, each in found.items()
         }
 
-    def _seen(self, chunk: Chunk, k: int, s: float) -> dict[str, Array]:
+    def seen(self, chunk: Chunk, k: int, s: float) -> dict[str, Array]:
         """Return the series that states imply of a neighbour's system, by name."""
-        one = self._made(k, s)
-        run = Run(one.system, one.first, one.first.reached + 1.0, self._settings, ())
+        one = self.made(k, s)
+        run = Run(one.system, one.first, one.first.reached + 1.0, self.settings, ())
         return dict(series_at(run, chunk))
 
-    def _displaced(self, displaced: Displaced, k: int, s: float) -> Chunk:
+    def moved(self, displaced: Displaced, k: int, s: float) -> Chunk:
         """Return states displaced along a parameter so many scales."""
         every = displaced.ways[..., k], displaced.words[:, k], displaced.books[..., k]
         moves, words, books = (s * one for one in every)
-        return self._next.states(displaced.chunk, moves, words, self._made(k, s).system, books)
+        return self._next.states(displaced.chunk, moves, words, self.made(k, s).system, books)
 
 
 def _most(sizes: Array) -> Array:

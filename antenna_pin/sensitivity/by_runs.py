@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,9 +14,9 @@ from antenna_pin.assemble import build_system
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario, with_number
+from antenna_pin.sensitivity.alike import check_alike, in_order_of
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
-from antenna_pin.sensitivity.unlike import first_unlike
 from antenna_pin.settings import RunSettings
 from antenna_pin.side_by_side import side_by_side
 from antenna_pin.simulation import simulate
@@ -33,10 +33,14 @@ Array = NDArray[np.float64]
 # smaller blows only the finest leave their number as it is.
 _STEPS = {6: (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), 2: (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)}
 _GOOD = {6: 1e-7, 2: 1e-3}
+# How much finer each of them is than the one before.
+_FINER = 10.0
 # Numbers of how a run is computed, none of the motion.
 _OF_THE_RUN = ("energy_error",)
 # How many of its tolerances a run is off by, about.
 _TOLERANCES = 10.0
+# A force's largest value is located by its values alone: to the root of round-off, over how long it lasts.
+_LOCATED = 1.5e-8
 # Where a run has samples that are asked for: how near [ulp of the last].
 _ULPS = 4.0
 
@@ -51,6 +55,22 @@ class Slopes(NamedTuple):
 
     values: dict[str, Array]
     doubts: dict[str, Array]
+
+
+class _Difference(NamedTuple):
+    """A derivative of a variable by one step.
+
+    Attributes:
+        value: The derivative.
+        doubt: Of it.
+        worst: The largest doubt, over the derivative or the variable's own size over the scale.
+        noise: What of that the runs' own error is, which goes with one over the step.
+    """
+
+    value: Array
+    doubt: Array
+    worst: float
+    noise: float
 
 
 def numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
@@ -84,6 +104,14 @@ def _sizes(data: xr.Dataset) -> dict[str, float]:
     return {name: most[str(data[name].attrs.get("units", ""))] for name in own}
 
 
+def _longest(data: xr.Dataset) -> float:
+    """Return how long the longest of a run's contacts lasts [s]."""
+    if "onset_time" not in data:
+        return 0.0
+    until = np.fmin(data["release_time"].values, float(data.attrs["end_time"]))
+    return float(np.nanmax(until - data["onset_time"].values, initial=0.0))
+
+
 class ByRuns:
     """Differentiates what runs of a scenario give.
 
@@ -108,7 +136,7 @@ class ByRuns:
         order: int = 6,
     ) -> None:
         """Make the run itself."""
-        self._order = order
+        self._order, self._first = order, 0
         self._scenario, self._settings, self._duration = scenario, settings, duration
         self._times, self._start, self._processes = times, start, processes
         self._system = build_system(scenario) if start is not None else None
@@ -116,6 +144,8 @@ class ByRuns:
         self.here = numbers_at(self.run, times)
         #: How large numbers of a variable are, or of others of its unit: it may be next to zero itself.
         self.sizes = _sizes(self.here)
+        #: How long the longest contact lasts that has a largest force [s].
+        self._longest = _longest(self.run.data)
 
     def _made(self, scenario: Scenario, what: str, start: State | None) -> Trajectory:
         """Return a run.
@@ -145,30 +175,68 @@ class ByRuns:
         return [self._over(one) for one in parameters]
 
     def _over(self, parameter: Parameter) -> Slopes:
-        best: dict[str, tuple[float, Array, Array]] = {}
+        """Return derivatives by the steps that are best for each number, of as few steps as tell that.
+
+        They begin with the largest one that left the last parameter's neighbours alike. Finer ones are made
+        while a number that is not known well would be known better, to judge by the two before; coarser ones
+        where what it is off by at the first is the runs' own error.
+        """
+        best: dict[str, _Difference] = {}
+        steps, first = _STEPS[self._order], self._first
         unlike: GrazeError | None = None
-        for step in _STEPS[self._order]:
+        for k in range(first, len(steps)):
             try:
-                found = self._differences(parameter, step)
+                found = self._differences(parameter, steps[k])
             except GrazeError as error:
                 unlike = error
                 continue
-            for name, (value, doubt) in found.items():
-                # What changes a number by less than its own size over the scale is faint beside it.
-                own = self.sizes[name] / parameter.scale
-                size = max(float(np.nanmax(np.abs(value), initial=0.0)), own)
-                worst = float(np.nanmax(doubt, initial=0.0)) / size if size > 0.0 else 0.0
-                if name not in best or worst < best[name][0]:
-                    best[name] = worst, value, doubt
-            if max((worst for worst, *_ in best.values()), default=0.0) <= _GOOD[self._order]:
+            if not best:
+                self._first, best = k, found
+            elif not self._take(best, found, finer=True):
+                break
+            if not any(self._poor(one) and _FINER * one.noise < one.worst for one in found.values()):
                 break
         if not best:
+            self._first = 0
+            if first > 0:
+                return self._over(parameter)
             assert unlike is not None
             raise unlike
-        return Slopes({k: value for k, (_, value, _) in best.items()}, {k: d for k, (*_, d) in best.items()})
+        coarser = () if unlike is not None and self._first > first else reversed(steps[: self._first])
+        for step in coarser:  # of which none has just been found to part neighbours
+            if not any(self._poor(one) and one.worst < 2.0 * one.noise for one in best.values()):
+                break
+            try:
+                better = self._take(best, self._differences(parameter, step), finer=False)
+            except GrazeError:
+                break
+            if not better:
+                break
+            self._first -= 1
+        return Slopes({k: one.value for k, one in best.items()}, {k: one.doubt for k, one in best.items()})
 
-    def _differences(self, parameter: Parameter, step: float) -> dict[str, tuple[Array, Array]]:
-        """Return derivatives and their doubts by variable, by runs of neighbours on both sides."""
+    def _poor(self, one: _Difference) -> bool:
+        """Whether a number is not known well."""
+        return one.worst > _GOOD[self._order]
+
+    def _take(self, best: dict[str, _Difference], found: dict[str, _Difference], *, finer: bool) -> bool:
+        """Keep of each number the difference that is least in doubt; return whether one was poor and is less.
+
+        What parts two orders goes with a power of the step: what is more of it than that is noise.
+        """
+        less = _FINER ** (1 if self._order == 2 else 4)
+        gained = False
+        for name, one in found.items():
+            here = best[name]
+            if finer:
+                found[name] = one = one._replace(noise=max(one.noise, one.worst - here.worst / less))
+            if one.worst < here.worst:
+                gained = gained or self._poor(here)
+                best[name] = one
+        return gained
+
+    def _differences(self, parameter: Parameter, step: float) -> dict[str, _Difference]:
+        """Return derivatives by variable, by runs of neighbours on both sides."""
         h, points = step * parameter.scale, (1, 2, 3) if self._order == 6 else (1,)
         values = [parameter.value + side * point * h for side in (1, -1) for point in points]
         work: Callable[[float], dict[str, Array]] = functools.partial(self._neighbour, parameter)
@@ -184,7 +252,14 @@ class ByRuns:
             # What a run is off by grows on the way as what a parameter changes does.
             grown = float(np.nanmax(np.abs(best), initial=0.0)) * parameter.scale
             noise = _TOLERANCES * self._settings.rtol * max(self.sizes[str(name)], grown) / h
-            found[str(name)] = best, np.abs(best - other) + noise
+            if name == "peak_time":
+                noise += _LOCATED * self._longest / h
+            doubt = np.abs(best - other) + noise
+            # What changes a number by less than its own size over the scale is faint beside it.
+            own = self.sizes[str(name)] / parameter.scale
+            size = max(float(np.nanmax(np.abs(best), initial=0.0)), own)
+            worst = float(np.nanmax(doubt, initial=0.0)) / size if size > 0.0 else 0.0
+            found[str(name)] = _Difference(best, doubt, worst, noise / size if size > 0.0 else 0.0)
         return found
 
     def _neighbour(self, parameter: Parameter, value: float) -> dict[str, Array]:
@@ -193,7 +268,7 @@ class ByRuns:
         Raises:
             GrazeError: Other contacts begin in it, or other events happen.
         """
-        what = f"with {parameter.key} = {value:.9g}"
+        what = f"with {parameter.key} = {value:.12g}"
         try:
             other = with_number(self._scenario, parameter.key, value)
         except AntennaPinError as error:
@@ -203,28 +278,12 @@ class ByRuns:
         start = self._start
         if start is not None and self._system is not None and is_of_start(parameter.key):
             start = begun_from(start, self._scenario, other, self._system)
-        run = self._made(other, f"a run {what}", start)
-        self._check_alike(run, what)
-        there = numbers_at(run, self._times)
+        try:
+            run = self._made(other, f"a run {what}", start)
+        except SensitivityError:
+            raise
+        except AntennaPinError as error:  # of what is built, which only some values want more for
+            raise SensitivityError(f"sensitivities: {what}, which is next to its value: {error}") from error
+        check_alike(self.run.data, in_order_of(self.run.data, run.data), what)
+        there = in_order_of(self.run.data, numbers_at(run, self._times), run.data)
         return {str(name): np.asarray(there[name].values, dtype=float) for name in self.here.data_vars}
-
-    def _check_alike(self, run: Trajectory, what: str) -> None:
-        """Refuse a neighbour in which other contacts begin, or other things happen."""
-        ours, theirs = self.run.data, run.data
-        for name, here in ours.variables.items():
-            there: Any = theirs.variables.get(name)
-            if (
-                "time" in here.dims
-                or here.dtype.kind == "f"
-                and there is not None
-                and here.shape == there.shape
-            ):
-                continue
-            if there is None or here.shape != there.shape or not np.array_equal(here.values, there.values):
-                time = first_unlike(ours, theirs)
-                at = "" if np.isnan(time) else f", first at {time:.9g} s"
-                raise GrazeError(
-                    f"sensitivities: {what}, other contacts begin or other events happen{at}: it has no "
-                    f"derivative there; take another value, or a span that ends before",
-                    time,
-                )

@@ -18,6 +18,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.sensitivity.by_equation import ByEquation
 from antenna_pin.sensitivity.by_runs import ByRuns, Slopes
 from antenna_pin.sensitivity.found import Sensitivities, dataset_of
+from antenna_pin.sensitivity.largest import moments_of
 from antenna_pin.sensitivity.named import by_names
 from antenna_pin.sensitivity.parameters import Parameter, SensitivityError, parameters_of
 from antenna_pin.sensitivity.pieces import borders_of, over_pieces
@@ -141,11 +142,8 @@ def _by_equation(
 ) -> list[Slopes]:
     """Return the derivatives over each parameter by the variational equation."""
     data = runs.run.data
-    peaks = data["peak_time"].values if "peak_time" in data else np.zeros(0)
-    along = equation.carried(at, span, peaks[np.isfinite(peaks)])
-    return by_names(
-        along, equation.series(along.displaced), runs.here, data, equation.flow.system, parameters
-    )
+    along = equation.carried(at, span, moments_of(data))
+    return by_names(equation, along, runs.here, data, parameters)
 
 
 def _held_against(

@@ -9,8 +9,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System
-from antenna_pin.sensitivity.along import Along
+from antenna_pin.sensitivity.along import Along, Lasting
+from antenna_pin.sensitivity.by_equation import ByEquation
 from antenna_pin.sensitivity.by_runs import Slopes
+from antenna_pin.sensitivity.in_time import InTime
+from antenna_pin.sensitivity.largest import largest_of, peaks_of
 from antenna_pin.sensitivity.parameters import Parameter
 from antenna_pin.simulation.sources import TOTALS
 
@@ -21,28 +24,34 @@ Array = NDArray[np.float64]
 # Two times of one event [s].
 _SAME = 1e-9
 # What is told of how elements meet their joints, in the order of what ``Change`` has of it.
-_OF_CHANGES = ("change_angle", "change_rate", "change_rate_after", "change_loss", "change_impulse")
+_OF_CHANGES = (
+    "change_angle",
+    "change_rate",
+    "change_rate_after",
+    "change_loss",
+    "change_impulse",
+    "change_energy",
+)
 
 
 def by_names(
+    equation: ByEquation,
     along: Along,
-    series: dict[str, tuple[Array, Array]],
     here: xr.Dataset,
     run: xr.Dataset,
-    system: System,
     parameters: tuple[Parameter, ...],
 ) -> list[Slopes]:
     """Return derivatives over each parameter; NaN where a number has none that is known.
 
     Args:
-        along: The run that was looked at.
-        series: Derivatives at its samples and their doubts, by name, (n, ..., parameters).
+        equation: Along whose run displacements were carried.
+        along: That run, as it was looked at.
         here: What the result has at the times that are asked for.
         run: The result.
-        system: The system.
         parameters: The parameters.
     """
-    displaced = along.displaced
+    displaced, system = along.displaced, equation.flow.system
+    series, in_time = equation.series(displaced), InTime(equation, displaced)
     times, scales = displaced.chunk.times, np.array([one.scale for one in parameters])
     most = displaced.doubts.max(axis=0, initial=0.0) if len(displaced.doubts) else np.zeros(len(parameters))
     found: dict[str, tuple[Array, Array]] = {}
@@ -59,6 +68,12 @@ def by_names(
     for name, value in instants.items():
         if name in here:
             found[name] = value, np.abs(value) * most
+    peaks = peaks_of(along, series, in_time, run, scales)
+    if "peak_time" in here:
+        found["peak_time"] = peaks.late, peaks.late_doubt
+        found["peak_force"] = peaks.force, peaks.force_doubt
+    if at is not None:
+        found |= largest_of(along, series, in_time, run, peaks, (here["time"].values, scales))
     return [
         Slopes(
             {name: v[..., k] for name, (v, _) in found.items()}, {n: d[..., k] for n, (_, d) in found.items()}
@@ -68,21 +83,46 @@ def by_names(
 
 
 def _instants(along: Along, here: xr.Dataset, run: xr.Dataset, scales: Array) -> dict[str, Array]:
-    """Return by how much contacts begin and end and events happen later."""
+    """Return by how much contacts begin and end and events happen later, and what these bring in."""
     found = {}
-    for name, what in (("onset_time", "onset"), ("release_time", "release"), ("event_time", "event")):
-        if name not in here:
-            continue
-        late = np.zeros((len(run[name]), len(scales)))
-        for i, time in enumerate(run[name].values.tolist()):
-            if math.isnan(time):
-                late[i] = math.nan
-                continue
-            own = "" if what == "event" else str(run["episode_contact"].values[i])
-            near = (p for p in along.passed if p.what == what and own in ("", p.name))
-            late[i] = next((p.late / scales for p in near if abs(p.time - time) < _SAME), 0.0)
-        found[name] = late
+    matched = matched_contacts(along, run)
+    for at, name in enumerate(("onset_time", "release_time")):
+        if name in here:
+            found[name] = np.full((len(run[name]), len(scales)), math.nan)
+            for i, one in enumerate(matched):
+                if one is not None and not math.isnan(float(run[name].values[i])):
+                    found[name][i] = one.late[at] / scales
+    if "event_time" in here:
+        found |= _events(along, run, scales)
     return found
+
+
+def _events(along: Along, run: xr.Dataset, scales: Array) -> dict[str, Array]:
+    """Return when events happen and what they bring in; changes of mode at one instant are one event."""
+    count = len(run["event_time"])
+    times, energies = np.full((2, count, len(scales)), math.nan)
+    used: set[int] = set()
+    for i, (name, time) in enumerate(
+        zip(run["event"].values, run["event_time"].values.tolist(), strict=True)
+    ):
+        near = [k for k, one in enumerate(along.happened) if abs(one.time - time) < _SAME]
+        same = [k for k in near if along.happened[k].name == name and k not in used]
+        if not (same or near):
+            continue
+        k = (same or [k for k in near if k not in used] or near)[0]
+        times[i] = along.happened[k].late / scales
+        # Of several changes by one passage the first has all that it brings in.
+        energies[i] = 0.0 if k in used else along.happened[k].energy / scales
+        used.add(k)
+    return {"event_time": times, "event_energy": energies}
+
+
+def matched_contacts(along: Along, run: xr.Dataset) -> list[Lasting | None]:
+    """Return of each contact of a result how it is displaced: those of one place follow in one order."""
+    contacts = run["episode_contact"].values.tolist() if "episode_contact" in run else []
+    own = {c: [one for one in along.lasting if one.contact == c] for c in set(contacts)}
+    alike = {c: len(own[c]) == contacts.count(c) for c in own}
+    return [own[c].pop(0) if alike[c] else None for c in contacts]
 
 
 def _episodes(
@@ -93,34 +133,21 @@ def _episodes(
         return {}
     times = along.displaced.chunk.times
     begin = float(times[0])
-    names = ("impulse", "dissipated", "approach_speed", "effective_mass", "peak_force", "peak_depth")
+    matched = matched_contacts(along, run)
+    names = ("impulse", "dissipated", "approach_speed", "effective_mass", "peak_depth")
     found = {name: np.full((len(run["onset_time"]), len(scales)), math.nan) for name in names}
-    used: set[int] = set()
-    for i, (onset, c) in enumerate(
-        zip(run["onset_time"].values.tolist(), run["episode_contact"].values.tolist(), strict=True)
+    for i, (onset, c, one) in enumerate(
+        zip(run["onset_time"].values.tolist(), run["episode_contact"].values.tolist(), matched, strict=True)
     ):
-        near = (
-            k
-            for k, one in enumerate(along.lasting)
-            if one.contact == c
-            and k not in used
-            and (abs(one.onset - onset) < _SAME or one.onset == -math.inf)
-        )
-        k = next(near, None)
-        if k is None:
+        if one is None:
             continue
-        used.add(k)
-        one, end = along.lasting[k], float(run["release_time"].values[i])
+        end = float(run["release_time"].values[i])
         until = math.inf if math.isnan(end) else end
         books = (along.books if one.books[1] is None else one.books[1]) - one.books[0]
         found["impulse"][i] = books[system.impulse_x[c]] / scales
         found["dissipated"][i] = (books[system.lost_normal_x[c]] + books[system.lost_friction_x[c]]) / scales
         for name, logarithm in zip(("approach_speed", "effective_mass"), one.remembered, strict=True):
             found[name][i] = float(run[name].values[i]) * logarithm / scales
-        when = float(run["peak_time"].values[i])
-        if max(onset, begin) < when < until:
-            at = int(np.argmin(np.abs(times - when)))
-            found["peak_force"][i] = series["normal_force"][0][at, c]
         deepest = [
             time for contact, time in along.deepest if contact == c and max(onset, begin) < time < until
         ]
@@ -153,4 +180,6 @@ def _changes(along: Along, run: xr.Dataset, scales: Array) -> dict[str, Array]:
             for name, slope in zip(_OF_CHANGES, one.slopes, strict=True):
                 found[name][i] = slope / scales
             break
+    lacks = np.isnan(run["change_energy"].values)
+    found["change_energy"][lacks] = math.nan  # of elements that do not weigh their joint
     return found

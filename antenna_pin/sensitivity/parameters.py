@@ -78,7 +78,10 @@ def parameters_of(
         number = number_of(scenario, key, place)
         size = abs(number.value) if scale is None else quantity(scale, number.unit or "1", f"{place}: {key}")
         if not 0.0 < size < math.inf:
-            rule = f"given with its scale, positive, where its value is 0, such as {{{key!r}: 0.1}}"
+            rule = (
+                f"given with its scale, positive, where its value is 0: {{{key!r}: 0.1}}, or {key}=0.1 "
+                "on the command line"
+            )
             raise InvalidParameterError(place, key, rule, said="0" if scale is None else f"{scale}")
         found.append(Parameter(key, number.value, number.unit, size))
     return tuple(found)

@@ -36,8 +36,19 @@ _OF_CONTACTS = {
     "dissipated": "sum",
     "onset_time": "last",
 }
+# What is told of events and of elements that meet their joints: of all of one name together. Instants of both
+# are the same, and angles and rates are those of the elements.
+_OF_EVENTS = {
+    "event_time": "last",
+    "event_energy": "sum",
+    "change_loss": "sum",
+    "change_impulse": "max",
+    "change_energy": "last",
+}
 # Series that are kept as curves, each component one.
 _CURVES = ("v", "normal_force", "motion_angle", "slide_position", "drive_torque")
+# The unit of velocities, whose components turn or slide.
+_OF_VELOCITIES = "m/s or rad/s"
 
 
 class Changed(NamedTuple):
@@ -69,7 +80,7 @@ def results_of(found: Sensitivities) -> list[Changed]:
     """Return the numbers of a result that change by more than is in doubt, those that change most first.
 
     Of contacts it is what they come to together: the largest force and depth, all impulses and losses, when
-    the last one begins. Series are not among them.
+    the last one begins; of events and changes of mode likewise, of all of one name. Series are none of them.
     """
     rows = [row for row in _rows(found) if bool((np.abs(row.slopes) > row.doubts).any())]
     return sorted(rows, key=lambda row: -row.most)
@@ -83,20 +94,40 @@ def _rows(found: Sensitivities) -> Iterator[Changed]:
         unit = str(here.attrs.get("units", ""))
         if "time" in here.dims:
             continue
-        if "episode" in here.dims:
-            way = _OF_CONTACTS.get(name)
-            if way is None or not len(values):
-                continue
-            if way == "sum":
-                sums = (one.sum(axis=0) for one in (slopes, doubts))
-                yield Changed(f"sum {name}", unit, float(values.sum()), *sums)
-            else:
-                at = int(np.argmax(values)) if way == "max" else len(values) - 1
-                yield Changed(f"{way} {name}", unit, float(values[at]), slopes[at], doubts[at])
+        groups = _together(here)
+        if groups is not None:
+            way = (_OF_CONTACTS | _OF_EVENTS).get(name, "")
+            for label, rows in groups.items() if way else ():
+                parts = values[rows], slopes[rows], doubts[rows]
+                yield _taken(way, f"{name} {label}".strip(), unit, parts)
             continue
         for index in np.ndindex(values.shape):
             label = f"{name} {_labels(here, index)}".strip()
             yield Changed(label, unit, float(values[index]), slopes[index], doubts[index])
+
+
+def _together(here: xr.DataArray) -> dict[str, list[int]] | None:
+    """Return which of what has happened is told together, by its name; None of what is no such thing."""
+    if "episode" in here.dims:
+        return {"": list(range(here.size))} if here.size else {}
+    dim = next((one for one in ("event", "change") if one in here.dims), None)
+    if dim is None:
+        return None
+    groups: dict[str, list[int]] = {}
+    for k, name in enumerate(here[dim].values.tolist()):
+        groups.setdefault(str(name), []).append(k)
+    return groups
+
+
+def _taken(way: str, name: str, unit: str, numbers: tuple[Array, Array, Array]) -> Changed:
+    """Return what numbers come to together, with their changes and doubts: one alone is itself."""
+    values, slopes, doubts = numbers
+    said = name if len(values) == 1 and not name.startswith(tuple(_OF_CONTACTS)) else f"{way} {name}"
+    if way == "sum":
+        return Changed(said, unit, float(values.sum()), slopes.sum(axis=0), doubts.sum(axis=0))
+    sizes = np.nan_to_num(np.abs(values))
+    at = int(np.argmax(sizes)) if way == "max" else len(values) - 1
+    return Changed(said, unit, float(values[at]), slopes[at], doubts[at])
 
 
 def _labels(here: xr.DataArray, index: tuple[int, ...], without: str = "") -> str:
@@ -165,10 +196,21 @@ def _curves(found: Sensitivities) -> tuple[tuple[Array, Array], list[str], list[
             changes.append(slopes[at])
             doubts.append(rest[at])
             labels.append(f"{name} {_labels(here, index, 'time')}".strip())
-            units.append(str(here.attrs.get("units", "")))
+            units.append(_unit(found.run.data, str(here.attrs.get("units", "")), labels[-1]))
     shape = (found.data.sizes["time"], 0, len(scales))
     both = tuple(np.stack(one, axis=1) if one else np.zeros(shape) for one in (changes, doubts))
     return (both[0], both[1]), labels, units
+
+
+def _unit(run: xr.Dataset, unit: str, label: str) -> str:
+    """Return the unit of one component, of a variable whose components have several."""
+    if unit != _OF_VELOCITIES:
+        return unit
+    joint, _, axis = label.split()[-1].partition(".")
+    if axis:
+        return "rad/s" if axis.startswith("w") else "m/s"
+    slides = run["sliding_joint"].values.tolist() if "sliding_joint" in run else []
+    return "m/s" if joint in slides else "rad/s"
 
 
 @takes()
@@ -189,6 +231,10 @@ def growth_said(found: Sensitivities, share: float = 0.01) -> str:
         if math.isnan(fastest.exponent)
         else (f"derivatives of velocities go like exp({fastest.exponent:.3g}/s t) (over {fastest.key}), ")
     )
+    if first.believed <= float(found.data["time"].values[0]):
+        return (
+            f"{grown}not known to {share:.0%} at all (over {first.key}): little changes, or all is in doubt"
+        )
     if first.believed == math.inf:
         return f"{grown}known to {share:.0%} to the end"
     return f"{grown}known to {share:.0%} up to {first.believed:.6g} s (over {first.key}); then take pieces"

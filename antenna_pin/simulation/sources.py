@@ -14,7 +14,7 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.motors import of_motors
 from antenna_pin.simulation.seen import Seen
 
-__all__ = ["SERIES", "TOTALS", "episodes_of", "sizes_of"]
+__all__ = ["SERIES", "SIZES", "TOTALS", "episodes_of", "sizes_of"]
 
 Values = Mapping[str, Any]
 
@@ -134,27 +134,33 @@ TOTALS = {
 }
 
 
+#: What is said with its largest size at a sample, by the series that it is of: of vectors their length.
+SIZES = {
+    "peak_effort": "drive_torque",
+    "peak_closure_force": "closure_force",
+    "peak_closure_moment": "closure_moment",
+    "peak_coupling_torque": "coupling_torque",
+    "peak_acceleration": "motion_acceleration",
+    "peak_slide_acceleration": "slide_acceleration",
+    "peak_deflection": "deflection",
+    "peak_elastic_energy": "elastic_energy",
+    "peak_bearing_force": "bearing_force",
+    "peak_bearing_moment": "bearing_moment",
+    "peak_applied_force": "applied_force",
+    "peak_applied_torque": "applied_torque",
+    "peak_energy_error": "energy_error",
+}
+
+
 def sizes_of(seen: Seen, values: Values) -> Values:
     """Return, of all that is said with its largest size in a run, the sizes at samples."""
-    motions = [isinstance(drive, Motion) for drive in seen.system.drives.values()]
-    closure = np.linalg.norm(seen.found.closure, axis=3)
-    return {
-        "peak_effort": np.abs(values["drive_torque"][:, motions]),
-        "peak_closure_force": closure[:, :, 0],
-        "peak_closure_moment": closure[:, :, 1],
-        "peak_coupling_torque": np.abs(seen.found.coupling),
-        "peak_acceleration": np.abs(values["motion_acceleration"]),
-        "peak_slide_acceleration": np.abs(values["slide_acceleration"]),
-        "peak_deflection": np.abs(values["deflection"]),
-        "peak_elastic_energy": values["elastic_energy"],
-        "peak_bearing_force": np.linalg.norm(values["bearing_force"], axis=2),
-        "peak_bearing_moment": np.linalg.norm(values["bearing_moment"], axis=2),
-        "peak_applied_force": np.linalg.norm(values["applied_force"], axis=2),
-        "peak_applied_torque": np.linalg.norm(values["applied_torque"], axis=2),
-        "peak_spin": seen.elastic.spin,
-        "peak_energy_error": np.abs(values["energy_error"]),
-        "peak_residual": seen.found.residual,
+    sizes = {
+        name: np.linalg.norm(values[of], axis=2) if values[of].ndim == 3 else np.abs(values[of])
+        for name, of in SIZES.items()
     }
+    motions = [isinstance(drive, Motion) for drive in seen.system.drives.values()]
+    sizes["peak_effort"] = sizes["peak_effort"][:, motions]
+    return {**sizes, "peak_spin": seen.elastic.spin, "peak_residual": seen.found.residual}
 
 
 def episodes_of(run: Run) -> Values:

@@ -1,9 +1,10 @@
 """What has no derivative, and what is asked for wrongly, in one line each."""
 
+import numpy as np
 import pytest
 
 from antenna_pin import AntennaPinError, load_scenario
-from antenna_pin.sensitivity import GrazeError, sensitivities
+from antenna_pin.sensitivity import GrazeError, SensitivityError, sensitivities
 
 PLAIN = {
     "integrator.engine": "compiled",
@@ -55,3 +56,29 @@ def test_a_graze_is_refused_with_its_instant(impact, method):
     with pytest.raises(GrazeError, match="other contacts begin") as caught:
         sensitivities(impact, [SPEED], duration=1e-3 + 1e-13, method=method)
     assert caught.value.time == pytest.approx(1e-3, rel=1e-6)
+
+
+def test_rims_that_are_met_at_once_are_no_graze():
+    """A journal falls onto both rims of its bore: which is noted first changes from run to run.
+
+    It falls for sqrt(2 c / g'), half of which is the derivative over the logarithm of the clearance.
+    """
+    plain = {"clearance.hinge.geometry": "closed-form", "integrator.engine": "compiled"}
+    pendulum = load_scenario("pendulum", case="contact", overrides=plain)
+    key = "clearance.hinge.radial_clearance"
+    found = sensitivities(pendulum, [key], [0.02], method="quick-runs")
+    onsets, slopes = found.run.data["onset_time"].values, found.relative("onset_time")[:, 0]
+    assert len(onsets) == 6 and np.ptp(onsets.reshape(3, 2), axis=1).max() < 1e-11
+    # Differences of second order of steps of 1e-4: 1e-8 / 8 of it.
+    assert slopes[:2] == pytest.approx(onsets[:2] / 2.0, rel=1e-7)
+    assert np.ptp(slopes.reshape(3, 2), axis=1).max() < 1e-7 * slopes.max()
+
+
+def test_what_is_built_of_a_neighbour_is_told_with_its_value():
+    """Materials give a stiffness for an exponent of 1.5 alone."""
+    pair = load_scenario("impact_pair", overrides={"clearance.bore.normal.exponent": 1.5})
+    key = "clearance.bore.normal.exponent"
+    with pytest.raises(
+        SensitivityError, match=rf"with {key} = 1\.5\d+, which is next to its value: .*stiffness"
+    ):
+        sensitivities(pair, [key], [1e-4], method="quick-runs")
