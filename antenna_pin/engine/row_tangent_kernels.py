@@ -30,7 +30,7 @@ from antenna_pin.constraints.tangent_kernels import (
 )
 from antenna_pin.elements import kernels as elements
 from antenna_pin.elements.ledger_kernels import write_work_change
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, apart, clear, goes_on, keep
+from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tangent_kernels import read_bodies
@@ -50,7 +50,7 @@ class RowRoom(NamedTuple):
         speeds: How rates of motions change, scratch, (motions,).
         twist: Scratch, (4,).
         wanted: Accelerations of motions, scratch, (motions,).
-        trial: Their differences, scratch, (kinds, motions).
+        trial: Their differences, then how they bend, scratch, (kinds + 1, motions).
         jerks: Those over time, (kinds, motions).
         column: Those over one number, scratch, (kinds, motions).
     """
@@ -97,23 +97,20 @@ def _differentiate_motions(t: float, m: int, step: float, room: Any, out: Any) -
     """Write the derivatives of motions' accelerations over number m, or over time (-1), (kinds, motions)."""
     numbers, rows, words = room.numbers, room.rows, room.shifts.program
     plan, program = numbers.plan, numbers.program
-    count, best = plan_of(plan).motions, -1.0
+    count, best, points = plan_of(plan).motions, -1.0, room.weights.shape[1]
     if m >= 0:
         note_words(program, words, m)
     for _ in range(OFTEN):
         clear(rows.trial, count)
-        for point in range(room.weights.shape[1]):
-            for side in (1.0, -1.0):
-                h = side * (point + 1.0) * step
-                if m >= 0:
-                    displace_words(program, words, m, h)
-                for k in range(count):
-                    own = driven_at(plan, k)
-                    _, _, rows.wanted[k] = elements.motion(
-                        own.kind, program, own.words, t if m >= 0 else t + h
-                    )
-                add(rows.wanted, count, side, point, step, room.weights, rows.trial)
-        off = apart(rows.trial, rows.wanted, step, 0, count)
+        for place in range(-points, points + 1):
+            h = place * step
+            if m >= 0:
+                displace_words(program, words, m, h)
+            for k in range(count):
+                own = driven_at(plan, k)
+                _, _, rows.wanted[k] = elements.motion(own.kind, program, own.words, t if m >= 0 else t + h)
+            add(rows.wanted, count, place, step, room.weights, rows.trial)
+        off = judge(rows.trial, rows.wanted, step, 0, count)
         best = keep(rows.trial, count, off, best, out)
         if not goes_on(off, best):
             break

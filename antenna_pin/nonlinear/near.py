@@ -95,12 +95,13 @@ class Near:
         """Let derivatives know the system's numbers and what elements keep; return whether they can."""
         own, numbers = self.stepper.numbers, self.numbers
         tree = own.tree.view(np.float64).reshape(-1)
-        sizes = len(own.program), len(tree), len(own.plan), 3
-        found = tuple(np.zeros((0, size)) for size in sizes)
+        program, bodies, plan, gravity = (
+            np.zeros((0, size)) for size in (len(own.program), len(tree), len(own.plan), 3)
+        )
         if numbers is not None:
-            found = numbers.program, numbers.tree, numbers.plan, numbers.gravity
+            program, bodies, plan, gravity = numbers.program, numbers.tree, numbers.plan, numbers.gravity
         kept = self.kept.words, self.kept.units(units.way, units.rate)
-        return tangents is not None and tangents.follow(SystemSlopes(*found, *kept))
+        return tangents is not None and tangents.follow(SystemSlopes(program, bodies, plan, gravity, *kept))
 
     def coarseness(self, units: Units, in_play: float | None = None) -> Array:
         """Return over what a step of each part of a displacement must be one at most, (displacement,).
