@@ -30,6 +30,4 @@ def test_a_step_in_a_plane_is_that_of_a_screw_however_small_its_turn(turn):
     expected = [float(c * ahead - s * aside), float(s * ahead + c * aside)]
     # Round-off of a dozen operations, of the length of the way: its parts may cancel in one of the axes.
     np.testing.assert_allclose(y[hinge.q][:2], expected, rtol=0.0, atol=1e-15 * np.hypot(3e-13, 7e-13))
-    np.testing.assert_allclose(
-        y[hinge.q][2:], [np.cos(0.4 + turn), np.sin(0.4 + turn)], rtol=0.0, atol=4e-16
-    )
+    np.testing.assert_allclose(y[hinge.q][2:], [np.cos(0.4 + turn), np.sin(0.4 + turn)], rtol=0.0, atol=4e-16)

@@ -1,13 +1,19 @@
 """The two ways to derivatives, of mechanisms with contacts: by the variational equation and by runs."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from planar_joint import record
 
 from antenna_pin.fit import Problem, load_fit
 from antenna_pin.fit.jacobian import by_differences
+from antenna_pin.fit.pieces import piece_start
+from antenna_pin.fit.runs import bench_of
 
 from .joint import FIT, TIMES, TRUTH, write_record
+
+EXAMPLES = Path(__file__).parents[2] / "scripts" / "examples"
 
 PAIR = """
 scenario = "impact_pair"
@@ -79,3 +85,23 @@ def test_both_make_the_same_of_a_noise_to_a_hundred_thousandth_of_bands(tmp_path
     # onset, of force like depth^1.5; numbers that hang together make ten times that of it.
     assert apart.max() < 1e-5
     np.testing.assert_allclose(bands[0], bands[1], rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_a_piece_that_starts_in_the_wall_touches_it_there():
+    """Noise of a half micrometre takes starts into the wall; how deep, and how fast, moves all behind them."""
+    settings = {"jacobian": "equation", "records.test.pieces.length": "4 ms", "difference_step": 1e-4}
+    problem = Problem(load_fit(EXAMPLES / "hinge.fit.toml", settings))
+    whole = np.concatenate([problem.start, problem.states])
+    (rig,) = problem._prepared.rigs
+    starts = [piece_start(rig.begun, one, np.zeros(6), bench_of(rig, (0.102e-3, 1.1e10, 0.75, 0.12)).system)
+              for one in rig.origins]  # fmt: skip
+    deep = [one for one in starts if np.hypot(*one.q[:2]) > 0.102e-3]
+    assert deep and all(one.memory[0, 0] == 1.0 and len(one.contacts) == 1 for one in deep)
+    assert all(one.memory[0, 0] == 0.0 and not one.contacts for one in starts if one not in deep)
+    found, why = problem._by_equation(whole)
+    assert not why
+    runs = problem._by_runs(problem.unknowns.searched(whole))
+    off = np.linalg.norm(found - runs, axis=0) / np.linalg.norm(runs, axis=0)
+    # The error of differences: of the square of their step by parameters, of 1e-5 error scales by starts.
+    assert off.max() < 3e-5
