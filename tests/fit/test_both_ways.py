@@ -89,7 +89,7 @@ def test_both_make_the_same_of_a_noise_to_a_hundred_thousandth_of_bands(tmp_path
 
 @pytest.mark.slow
 def test_a_piece_that_starts_in_the_wall_touches_it_there():
-    """Noise of a half micrometre takes starts into the wall; how deep, and how fast, moves all behind them."""
+    """Noise takes starts into the wall; how deep and how fast they are there moves all behind them."""
     settings = {"jacobian": "equation", "records.test.pieces.length": "4 ms", "difference_step": 1e-4}
     problem = Problem(load_fit(EXAMPLES / "hinge.fit.toml", settings))
     whole = np.concatenate([problem.start, problem.states])
