@@ -1,4 +1,4 @@
-"""Columns of a measured record from its file: CSV, NetCDF or MAT. What is no number in it is NaN here."""
+"""Columns of a measured record from its file, of any of some formats. What is no number in it is NaN here."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.files import absence
 from antenna_pin.fit.layout import LayoutSpec, unit_factor
 from antenna_pin.fit.text_record import from_text
+from antenna_pin.fit.uff_record import from_universal
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 
 __all__ = ["SUFFIXES", "Columns", "read_columns"]
 
 Array = NDArray[np.float64]
 
-#: What the names of records may end in; all but the last two are texts.
-SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", ".nc", ".mat")
+#: What the names of records may end in: of texts, of others.
+_TEXTS, _UNIVERSAL = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm"), (".uff", ".unv", ".uf", ".bunv")
+SUFFIXES = (*_TEXTS, ".nc", ".mat", *_UNIVERSAL)
 _OF_TEXTS = ("delimiter", "decimal", "encoding", "comment", "skip", "names", "units_row", "time_format")
 _SHOWN = 12  # names that a message offers
 _NO_NUMBERS = (b"char", b"cell", b"string", b"function_handle")  # what MATLAB's arrays are of
@@ -60,7 +62,7 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
     clock = [] if layout.rate is not None else [layout.time]
     wanted = list(dict.fromkeys([*clock, *names]))
     kind = path.suffix.lower()
-    if kind in SUFFIXES[-2:]:
+    if kind not in _TEXTS:
         for name in _OF_TEXTS:
             if getattr(layout, name) != LayoutSpec.model_fields[name].default:
                 raise ScenarioError(f"{place}.{name} must be left out for {path.name}, which is no text")
@@ -68,6 +70,8 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
         found, units = _from_netcdf(path, wanted, layout, place)
     elif kind == ".mat":
         found, units = _from_mat(path, wanted, place), {}
+    elif kind in _UNIVERSAL:
+        found, units = from_universal(path, wanted, layout.time, place)
     else:
         found, units = from_text(path, wanted, layout, place)
     lengths = {name: len(values) for name, values in found.items()}
@@ -96,7 +100,7 @@ def _known(path: Path, name: str, known: Iterable[str], place: str) -> None:
             has = ", ".join(names[:_SHOWN]) or "none at all"
             raise ScenarioError(
                 f"{place}: {path.name} must have a column of times, got no {name!r} but {has}; give "
-                " time, the name of theirs, or rate, how many rows a second has"
+                "time, the name of theirs, or rate, how many rows a second has"
             )
         raise UnknownNameError(f"{place}: {path.name}", "column", name, names[:_SHOWN])
 
