@@ -172,3 +172,12 @@ def test_what_only_looks_odd_is_not_noted(write):
     angle[1:4] = angle[0]
     angle[100:120] = 0.01
     assert not Problem(write(columns={"angle": angle})).notes
+
+
+def test_a_servos_log_with_units_in_its_names_is_read(tmp_path):
+    """As a public data set of a four-bar linkage lays its records out (DaRUS, doi 10.18419/darus-4152)."""
+    head = "% Time s, Goal Current mA, Present Current mA, Present Position rad"
+    rows = "\n".join(f"{t:.17g}, 0.0, 2.69, {a:.17g}" for t, a in zip(TIME, ANGLE, strict=True))
+    parts = {"record": 'time = "% Time s"', "column": 'column = "Present Position rad"'}
+    problem = problem_of(tmp_path, f"{head}\n{rows}\n", "output.00.txt", **parts)
+    np.testing.assert_array_equal(problem.predictions(problem.start)["data"], ANGLE)
