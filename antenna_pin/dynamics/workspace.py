@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -14,13 +15,14 @@ from antenna_pin.constraints import Constraints
 from antenna_pin.dynamics import kernels, link_kernels, point_kernels, query_kernels, trial_kernels
 from antenna_pin.dynamics.links import OnLinksInPython
 from antenna_pin.dynamics.system import System
+from antenna_pin.integrate.manifold_kernels import FACTOR, SPACE_WORDS
 from antenna_pin.joints import PythonPath
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import PLACE, body_tree
 from antenna_pin.mechanism.tree_kernels import place_bodies
-from antenna_pin.records import CONTACT, MEMORY, POSE, memory_records, words_of
+from antenna_pin.records import CONTACT, MEMORY, PLANE, POSE, memory_records, words_of
 
 __all__ = ["Workspace"]
 
@@ -96,6 +98,9 @@ class Workspace:
             self.program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)["on"]
             for block, *_ in system.callables
         ]
+        factors = self.manifold.layout[SPACE_WORDS:].view(FACTOR)
+        #: Where in q and in v joints are that move in a plane.
+        self._planes = [(int(one["q"]), int(one["v"])) for one in factors if one["kind"] == PLANE]
         #: The bodies, and room for where they are, if elements on links ask for that.
         self._bodies: tuple[NDArray[Any], NDArray[Any]] | None = None
         if system.point_springs or system.forces:
@@ -255,8 +260,15 @@ class Workspace:
             self.program[:] = present
 
     def retract(self, y: Array, step: Array) -> None:
-        """Move the configuration in y, in place, by a step in the coordinates of velocities, (nv,)."""
-        y[: self.model.nq] = pin.integrate(self.model, y[: self.model.nq], step)
+        """Move the configuration in y, in place, by a step in the coordinates of velocities, (nv,).
+
+        Pinocchio's own divides by the turn what cancels but for that, where a joint moves in a plane: of a
+        turn of 1e-13 rad a step keeps three digits.
+        """
+        there = pin.integrate(self.model, y[: self.model.nq], step)
+        for i, j in self._planes:
+            there[i : i + 2] = _moved_in_plane(y[i : i + 4], step[j : j + 3])
+        y[: self.model.nq] = there
 
     def lengths(self, y: Array) -> Array:
         """Return the lengths of the springs between points, (springs,) [m]; 0 where points coincide."""
@@ -313,3 +325,18 @@ class Workspace:
         direction = np.zeros(self.model.nv)
         unit_normal_force(self.program, block, pose, table, contact, direction)
         return direction, float(table[contact].gap)
+
+
+def _moved_in_plane(place: Array, way: Array) -> tuple[float, float]:
+    """Return where a motion in a plane leads, x and y, whose velocity in the body's axes stays as it is.
+
+    Args:
+        place: x, y, cosine and sine of the turn, (4,).
+        way: In the body's axes, and the turn, (3,).
+    """
+    x, y, c, s = place.tolist()
+    u, v, turn = way.tolist()
+    along = math.sin(turn) / turn if turn != 0.0 else 1.0
+    across = along * math.tan(0.5 * turn)  # (1 - cos) / turn, of which no digits cancel
+    u, v = along * u - across * v, across * u + along * v
+    return x + c * u - s * v, y + s * u + c * v

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench, Ran
+from antenna_pin.fit.pieces import touching
 from antenna_pin.fit.runs import Rig, rows_of, sensed
 from antenna_pin.nonlinear import Chart
 from antenna_pin.state import State
@@ -51,7 +52,7 @@ def followed(
             own = [(gain, offset, data[here], noise[here]) for gain, offset, data, noise in curves]
             state = _nearer(rig, bench, state, rows, until, own)
             origins.append(state.to_json())
-        ran = bench.run(np.zeros(0), until, state)
+        ran = bench.run(np.zeros(0), until, state and touching(state, bench.system))
         if ran.failed:
             raise ScenarioError(f"{place}: with the start values: {ran.failed}")
         state = ran.end
@@ -79,7 +80,7 @@ def _nearer(
 
     def run(z: Array) -> Ran | None:
         try:
-            ran = bench.run(rows, until, state(z))
+            ran = bench.run(rows, until, touching(state(z), bench.system))
         except AntennaPinError:
             return None
         return None if ran.failed else ran

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 # Of the middle step of a record's clock: from one row to the next more than this is a gap; and how far steps
 # may be off for the clock to count as even.
 _GAP, _EVEN = 5.5, 1e-3
+# So many rows in turn at a column's end are no noise's doing.
+_STAYS = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +34,12 @@ class Measured:
     Attributes:
         time: Of the rows that count, by the file's clock, rising [s].
         values: Of the columns, in SI units, by name, (rows,).
+        notes: What is odd about them, a line each.
     """
 
     time: Array
     values: Mapping[str, Array]
+    notes: tuple[str, ...] = ()
 
 
 def measured(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: str) -> Measured:
@@ -55,11 +59,11 @@ def measured(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: st
     path = folder / os.path.expanduser(spec.file)
     for name, one in spec.columns.items():  # what is written wrongly is told before a file is read
         _factor(one, None, units[name], f"{place}.columns.{name}")
-    found = read_columns(path, list(dict.fromkeys(in_file.values())), spec, place)
-    time = found.time
+    columns = read_columns(path, list(dict.fromkeys(in_file.values())), spec, place)
+    time = columns.time
     values = {
-        name: found.values[in_file[name]]
-        * _factor(one, found.units.get(in_file[name]), units[name], f"{place}.columns.{name}")
+        name: columns.values[in_file[name]]
+        * _factor(one, columns.units.get(in_file[name]), units[name], f"{place}.columns.{name}")
         for name, one in spec.columns.items()
     }
     where, clock = f"{place}: {path.name}", spec.time if spec.rate is None else "rate"
@@ -76,10 +80,12 @@ def measured(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: st
     for name, column in values.items():
         bad = kept & ~np.isfinite(column)
         if spec.gaps == "refuse" and bad.any():
-            row = int(np.flatnonzero(bad)[0])
+            rows = np.flatnonzero(bad)
+            row, count = int(rows[0]), len(rows)
+            more = f" and {count - 1} others up to row {rows[-1] + 1}" if count > 1 else ""
             raise ScenarioError(
                 f"{where}: {in_file[name]} must be a number in each row, got none in row {row + 1}, at "
-                f'{time[row]:g} s; give a window, or gaps = "skip"'
+                f'{time[row]:g} s{more}; give a window, or gaps = "skip"'
             )
         kept &= np.isfinite(column)
     if np.count_nonzero(kept) < 2:
@@ -90,7 +96,37 @@ def measured(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: st
     for name, one in spec.columns.items():
         if one.compare in ("spectrum", "blows"):
             _check_even(time, f"{place}.columns.{name}: {one.compare}")
-    return Measured(time, {name: column[kept] for name, column in values.items()})
+    rows = np.flatnonzero(kept) + 1
+    found = {name: column[kept] for name, column in values.items()}
+    notes = [
+        f"records.{place.rpartition('records.')[2]}: {path.name}: {in_file[name]} {words}"
+        for name, one in spec.columns.items()
+        if one.sensor != "encoder" and (words := _odd(found[name], rows))
+    ]
+    return Measured(time, found, tuple(notes))
+
+
+def _odd(values: Array, rows: NDArray[np.int64]) -> str:
+    """Return what is odd about a column whose noise never lets it repeat itself, in words; or nothing.
+
+    Args:
+        values: The column, (rows,).
+        rows: Their numbers in the file.
+    """
+    changes = np.flatnonzero(np.diff(values) != 0.0)
+    if not changes.size:
+        return f"is the same in all {len(values)} rows: is its sensor connected?"
+    begins, ends = np.append(0, changes + 1), np.append(changes, len(values) - 1)
+    for end, side in ((np.max(values), "largest"), (np.min(values), "smallest")):
+        long = (values[begins] == end) & (ends - begins >= _STAYS - 1)
+        if long.any():
+            k = int(np.flatnonzero(long)[0])
+            stays = int(np.sum((ends - begins + 1)[long]))
+            return (
+                f"stays at its {side} value in {stays} rows, first from row {rows[begins[k]]} to "
+                f'{rows[ends[k]]}: if that is as far as its sensor goes, empty them and give gaps = "skip"'
+            )
+    return ""
 
 
 def _factor(column: ColumnSpec, in_file: str | None, unit: str, place: str) -> float:

@@ -7,19 +7,20 @@ that is fitted (Bock 1981, Springer Series in Chemical Physics 18, 102-125).
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import System, contact_memory
 from antenna_pin.nonlinear import Chart
 from antenna_pin.nonlinear.frames import way_between
 from antenna_pin.scenario import Scenario
-from antenna_pin.state import State
+from antenna_pin.state import OpenContact, State
 
-__all__ = ["from_origin", "instants_of", "piece_start", "ways_of"]
+__all__ = ["from_origin", "instants_of", "piece_start", "touching", "ways_of"]
 
 Array = NDArray[np.float64]
 
@@ -52,11 +53,47 @@ def ways_of(begun: str, origin: str) -> int:
 
 
 def piece_start(begun: str, origin: str, z: Array, system: System) -> State:
-    """Return the state at coordinates z about an origin, (ways,), in error scales, of a system."""
+    """Return the state at coordinates z about an origin, (ways,), in error scales, of a system.
+
+    A journal that is in the wall there, and was not touching at the origin, touches as one does that a
+    scenario starts from: with its speed there as that of its approach.
+    """
     chart = _chart(begun, origin)
     whole = np.zeros(chart.size)
     whole[: len(z)] = z
-    return chart.state(whole, system)
+    return touching(chart.state(whole, system), system)
+
+
+def touching(state: State, system: System) -> State:
+    """Return a state in which contacts without a gap touch: those that did not before as if they began.
+
+    Without it a run from inside the wall would find them begun in its first step, at an instant that no
+    neighbour's depth and speed there move.
+    """
+    if not system.contact_names:
+        return state
+    first, books = contact_memory(system, state.y), state.x
+    new = np.flatnonzero((first[:, 0] != 0.0) & (state.memory[:, 0] == 0.0)).tolist()
+    if not new:
+        return state
+    memory = state.memory.copy()
+    memory[new] = first[new]
+    contacts = [
+        OpenContact(
+            contact=c,
+            onset=state.time,
+            approach_speed=float(first[c, 1]),
+            effective_mass=float(first[c, 2]),
+            impulse=-float(books[system.impulse_x[c]]),
+            dissipated=-float(books[system.lost_normal_x[c]] + books[system.lost_friction_x[c]]),
+            peak=(0.0, state.time, 0.0),
+            peak_state=np.zeros(0),
+            peak_memory=np.zeros((0, 3)),
+        )
+        for c in new
+    ]
+    every = sorted((*state.contacts, *contacts), key=lambda one: one.contact)
+    return dataclasses.replace(state, memory=memory, contacts=tuple(every))
 
 
 def from_origin(begun: str, origin: str, q: Array, v: Array) -> Array:

@@ -58,7 +58,7 @@ class RecordSpec(LayoutSpec):
     """One measured run: how its file is laid out, and what was measured.
 
     Attributes:
-        file: CSV, NetCDF or MAT, from the fit file's folder.
+        file: A text (CSV and its kin), NetCDF, MAT or universal file, from the fit file's folder.
         clock_shift: What is added to the file's times to have the run's [s].
         window: Of the file's clock, what counts of it [s]; all if left out.
         gaps: Whether rows without numbers, and times at which rows are missing, are ``refuse``d, or the rows

@@ -26,6 +26,8 @@ from antenna_pin.sweep.design import put_value
 
 __all__ = ["Prepared", "prepared"]
 
+# How much longer or shorter than its run a record is that may be in another unit.
+_FAR = 100.0
 _GLANCE = 1e-6  # of a run's duration: enough to have all its variables
 
 
@@ -41,6 +43,7 @@ class Prepared:
         offsets: Of the readings [SI], likewise.
         ways: Of each record, in how many coordinates each piece's start is told, but the first's.
         joints: Of each record, how many numbers tell how far a piece is from the next, all joints together.
+        notes: What is odd about the records, a line each.
     """
 
     place: str
@@ -50,6 +53,7 @@ class Prepared:
     offsets: dict[str, float]
     ways: tuple[tuple[int, ...], ...]
     joints: tuple[int, ...]
+    notes: tuple[str, ...]
 
     def sizes_of_states(self) -> list[int]:
         """Return how many coordinates each record's pieces start from."""
@@ -59,7 +63,7 @@ class Prepared:
         """Return how many residuals each record's joints of pieces have."""
         return self.joints
 
-    def check_span(self, record: str, least: float, most: float, span: float) -> None:
+    def check_span(self, record: str, least: float, most: float, span: float, windowed: bool) -> None:
         """Refuse a record with rows before its run's start or behind its end.
 
         Args:
@@ -67,6 +71,7 @@ class Prepared:
             least: Smallest shift of its clock [s].
             most: Largest.
             span: Of the run [s].
+            windowed: Whether a window of it is given, which may be as short as is wanted.
         """
         rig = next(one for one in self.rigs if one.name == record)
         first, last = float(rig.time[0]) + least, float(rig.time[-1]) + most
@@ -76,9 +81,15 @@ class Prepared:
             raise ScenarioError(f"{where} {rule}, got a row at {first:.6g} s; give a window or a clock_shift")
         if last > span * (1.0 + 1e-12):
             rule = f"must end with the run, at {span:g} s, or before"
+            also = "" if last < _FAR * span else ", or a time_unit if they are no seconds"
             raise ScenarioError(
                 f"{where} {rule}, got a row at {last:.6g} s; give a window, a clock_shift or a longer "
-                "duration"
+                f"duration{also}"
+            )
+        if last < span / _FAR and not windowed:
+            raise ScenarioError(
+                f"{where} must reach beyond a hundredth of its run of {span:g} s, got its last row at "
+                f"{last:.6g} s; give time_unit or rate as they are, or a shorter duration, or a window"
             )
 
 
@@ -95,6 +106,7 @@ def prepared(plan: FitPlan) -> Prepared:
     offsets: dict[str, float] = {}
     ways: list[tuple[int, ...]] = []
     joints: list[int] = []
+    notes: list[str] = []
     for name, spec in plan.records.items():
         where = f"{place}: records.{name}"
         base = plan.scenario_of(name)
@@ -108,6 +120,7 @@ def prepared(plan: FitPlan) -> Prepared:
             if spec.pieces is not None or plan.jacobian == "equation":
                 _check_of_states(one, read_in[column], counted, at, "pieces" if spec.pieces else "jacobian")
         found = measured(spec, plan.folder, read_in, where)
+        notes.extend(found.notes)
         for column, one in spec.columns.items():
             _check_pace(one, found.time, f"{where}.columns.{column}")
             full = f"{name}.{column}"
@@ -135,7 +148,7 @@ def prepared(plan: FitPlan) -> Prepared:
         rigs.append(rig)
         ways.append(tuple(ways_of(rig.begun, origin) for origin in rig.origins))
         joints.append(2 * data.sizes["coordinate"] * len(rig.origins))
-    return Prepared(place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints))
+    return Prepared(place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints), tuple(notes))
 
 
 def _check_pace(column: ColumnSpec, time: np.ndarray, place: str) -> None:

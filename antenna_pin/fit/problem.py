@@ -114,6 +114,11 @@ class Problem:
         return self.unknowns.scale
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What is odd about the records, a line each."""
+        return tuple(f"note: {one}" for one in self._prepared.notes)
+
+    @property
     def runs(self) -> int:
         """How many runs have been made, of all records and pieces."""
         return self.laboratory.made
@@ -323,7 +328,8 @@ class Problem:
                         )
                     shifts += [float(self.lower[i]), float(self.upper[i])]
             span = json.loads(rig.scenario)["duration"]
-            self._prepared.check_span(name, min(shifts), max(shifts), span)
+            windowed = self.plan.records[name].window is not None
+            self._prepared.check_span(name, min(shifts), max(shifts), span, windowed)
 
 
 def _is_of(records: tuple[str, ...] | None, name: str) -> bool:

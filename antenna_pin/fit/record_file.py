@@ -1,8 +1,8 @@
-"""Columns of a measured record from its file: CSV, NetCDF or MAT. What is no number in it is NaN here."""
+"""Columns of a measured record from its file, of any of some formats. What is no number in it is NaN here."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,14 +13,16 @@ from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.files import absence
 from antenna_pin.fit.layout import LayoutSpec, unit_factor
 from antenna_pin.fit.text_record import from_text
+from antenna_pin.fit.uff_record import from_universal
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 
 __all__ = ["SUFFIXES", "Columns", "read_columns"]
 
 Array = NDArray[np.float64]
 
-#: What the names of records may end in; all but the last two are texts.
-SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", ".nc", ".mat")
+#: What the names of records may end in: of texts, of others.
+_TEXTS, _UNIVERSAL = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm"), (".uff", ".unv", ".uf", ".bunv")
+SUFFIXES = (*_TEXTS, ".nc", ".mat", *_UNIVERSAL)
 _OF_TEXTS = ("delimiter", "decimal", "encoding", "comment", "skip", "names", "units_row", "time_format")
 _SHOWN = 12  # names that a message offers
 _NO_NUMBERS = (b"char", b"cell", b"string", b"function_handle")  # what MATLAB's arrays are of
@@ -60,7 +62,7 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
     clock = [] if layout.rate is not None else [layout.time]
     wanted = list(dict.fromkeys([*clock, *names]))
     kind = path.suffix.lower()
-    if kind in SUFFIXES[-2:]:
+    if kind not in _TEXTS:
         for name in _OF_TEXTS:
             if getattr(layout, name) != LayoutSpec.model_fields[name].default:
                 raise ScenarioError(f"{place}.{name} must be left out for {path.name}, which is no text")
@@ -68,6 +70,8 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
         found, units = _from_netcdf(path, wanted, layout, place)
     elif kind == ".mat":
         found, units = _from_mat(path, wanted, place), {}
+    elif kind in _UNIVERSAL:
+        found, units = from_universal(path, wanted, layout.time, place)
     else:
         found, units = from_text(path, wanted, layout, place)
     lengths = {name: len(values) for name, values in found.items()}
@@ -92,6 +96,12 @@ def _known(path: Path, name: str, known: Iterable[str], place: str) -> None:
     """Refuse a column that a file does not have."""
     names = [str(one) for one in known]
     if name not in names:
+        if name == LayoutSpec.model_fields["time"].default:
+            has = ", ".join(names[:_SHOWN]) or "none at all"
+            raise ScenarioError(
+                f"{place}: {path.name} must have a column of times, got no {name!r} but {has}; give "
+                "time, the name of theirs, or rate, how many rows a second has"
+            )
         raise UnknownNameError(f"{place}: {path.name}", "column", name, names[:_SHOWN])
 
 
@@ -143,10 +153,11 @@ def _arrays(content: dict[str, Any]) -> dict[str, Any]:
         if name.startswith("__"):
             continue
         array = np.asarray(value)
-        if array.dtype.names:
-            arrays |= {f"{name}.{field}": np.asarray(array[field].item()) for field in array.dtype.names}
-        else:
+        if array.dtype.names is None:
             arrays[name] = array
+        elif array.ndim == 0:  # a structure; of an array of them no field is a column
+            fields = {field: array[field].item() for field in array.dtype.names}
+            arrays |= {f"{name}.{one}": inner for one, inner in _arrays(fields).items()}
     return arrays
 
 
@@ -155,25 +166,28 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
     arrays: dict[str, Any] = {}
     try:
         with open_hdf5(path) as file:
-            for name, item in file.items():
-                if name.startswith("#"):  # what cells refer to
+            for name, one in _leaves(file):
+                if one.attrs.get("MATLAB_class", b"double") in _NO_NUMBERS:
                     continue
-                parts = (
-                    {f"{name}.{field}": one for field, one in item.items()}
-                    if hasattr(item, "items")
-                    else {name: item}
-                )
-                for called, one in parts.items():
-                    if not hasattr(one, "dtype") or one.attrs.get("MATLAB_class", b"double") in _NO_NUMBERS:
-                        continue
-                    array = np.squeeze(np.asarray(one[()]))
-                    if one.attrs.get("MATLAB_empty", 0) or array.dtype.kind not in "fiub":
-                        continue
-                    arrays[called] = array
+                array = np.squeeze(np.asarray(one[()]))
+                if one.attrs.get("MATLAB_empty", 0) or array.dtype.kind not in "fiub":
+                    continue
+                arrays[name] = array
     except Exception as error:  # HDF5 raises any
         words = " ".join(str(error).split())
         raise ScenarioError(f"{place}: {path.name} cannot be read as a MAT file: {words}") from None
     return arrays
+
+
+def _leaves(group: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the arrays of an HDF5 file by their names, with points between those of structures."""
+    for name, item in group.items():
+        if name.startswith("#"):  # what cells refer to
+            continue
+        if hasattr(item, "items"):
+            yield from ((f"{name}.{inner}", one) for inner, one in _leaves(item))
+        elif hasattr(item, "dtype"):
+            yield name, item
 
 
 def _numbers(path: Path, name: str, values: Any, place: str) -> Array:

@@ -137,7 +137,7 @@ def _found(problem: Problem) -> Fit:
         message=_ENDS.get(int(best.status), str(best.message)),
         evaluations=int(sum(end.nfev for _, end in ends if end is not None)),
         searches=tuple(searches),
-        notes=(*grown, *_of_derivatives(problem)),
+        notes=(*problem.notes, *grown, *_of_derivatives(problem)),
     )
 
 

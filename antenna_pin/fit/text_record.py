@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 # Cells that say that there is no number, as spreadsheets and recorders write them.
 _NO_NUMBER = frozenset({"", "nan", "na", "n/a", "null", "none", "inf", "-inf", "+inf", "-", "#n/a"})
+_OF_UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # with what such a text begins
 _SHOWN = 12  # names that a message offers
 _LOOKED_AT = 200  # lines in which column names are looked for, to say where they are
 # Seconds of a stamp and what is behind their decimal sign: Python's own reading ends at microseconds.
@@ -58,17 +59,23 @@ def from_text(
                 _look_for(names, head, lines, layout, f"{place}: {path.name}")
             known = [one for one in header if one]
             raise UnknownNameError(f"{place}: {path.name}", "column", name, known[:_SHOWN])
+        if header.count(name) > 1:
+            places = [str(k + 1) for k, one in enumerate(header) if one == name]
+            raise ScenarioError(
+                f"{place}: {path.name}: line {head}: {name} must be the name of one column, got it of "
+                f"columns {' and '.join(places)}; give names of your own, and skip = {head}"
+            )
     at = {name: header.index(name) for name in names}
     units = {}
     if layout.units_row:
         line, cells = next(rows, (0, []))
-        _check_length(cells, header, at, f"{place}: {path.name}: line {line}")
+        _check_length(cells, header, at, f"{place}: {path.name}: line {line}", layout)
         units = {name: _bare_unit(cells[k]) for name, k in at.items()}
     columns: dict[str, list[float]] = {name: [] for name in names}
     first: tuple[datetime.datetime, float] | None = None
     for line, cells in rows:
         where = f"{place}: {path.name}: line {line}"
-        _check_length(cells, header, at, where)
+        _check_length(cells, header, at, where, layout)
         for name, k in at.items():
             if layout.time_format is not None and name == layout.time:
                 stamp = _stamp(cells[k], name, layout.time_format, where)
@@ -87,6 +94,8 @@ def _text(path: Path, layout: LayoutSpec, place: str) -> str:
         said = "UTF-8" if encoding else layout.encoding
         byte = f" (byte {error.start})" if isinstance(error, UnicodeDecodeError) else ""
         way = 'give encoding = "latin-1", "utf-16" or what it is in'
+        if path.read_bytes()[:2] in _OF_UTF_16:
+            way = 'give encoding = "utf-16"'
         raise ScenarioError(f"{place}: {path.name} is not {said} text{byte}; {way}") from None
     except OSError as error:
         raise ScenarioError(f"{place}: {path.name} cannot be read: {error.strerror}") from None
@@ -109,11 +118,17 @@ def _rows(lines: list[str], layout: LayoutSpec, place: str) -> Iterator[tuple[in
         raise ScenarioError(f"{place}: line {layout.skip + reader.line_num}: {error}") from None
 
 
-def _check_length(cells: list[str], header: Sequence[str], at: dict[str, int], line: str) -> None:
+def _check_length(
+    cells: list[str], header: Sequence[str], at: dict[str, int], line: str, layout: LayoutSpec
+) -> None:
     """Refuse a line that is longer than the names, or that ends before a column that is wanted."""
     more = [cell for cell in cells[len(header) :] if cell.strip()]  # a delimiter at the end is no cell
-    if more or max(at.values()) >= len(cells):
-        raise ScenarioError(f"{line} must have {len(header)} values, got {len(cells)}")
+    if not more and max(at.values()) < len(cells):
+        return
+    hint = ""
+    if layout.delimiter == "," and len(cells) == 2 * len(header):
+        hint = "; if commas are in numbers, have the file written with another delimiter, or numbers quoted"
+    raise ScenarioError(f"{line} must have {len(header)} values, got {len(cells)}{hint}")
 
 
 def _look_for(names: Sequence[str], head: int, lines: list[str], layout: LayoutSpec, where: str) -> None:

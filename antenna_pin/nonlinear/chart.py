@@ -133,7 +133,7 @@ class Chart:
         n, nq, nv = self.ways, model.nq, model.nv
         y = origin.y
         way = self.frame.free @ z[:n]
-        y[:nq] = pin.integrate(model, origin.q, self.units.way * way)
+        self._workspace.retract(y, self.units.way * way)
         y[nq : nq + nv] += self.units.rate * (self.frame.free @ z[n : 2 * n])
         bristles = 2 * n + len(self._bristles)
         y[nq + nv + self._bristles] += self.units.bristle * z[2 * n : bristles]
@@ -198,7 +198,8 @@ class Chart:
             moved = pin.dIntegrate(model, self.origin.q, self.units.way * way, pin.ArgumentPosition.ARG1)
             rows = constraints.every_row @ moved @ (self.units.way[:, None] * bound)
             way = way - bound @ np.linalg.lstsq(rows, constraints.every_gap, rcond=_FAINT)[0]
-            y[:nq] = pin.integrate(model, self.origin.q, self.units.way * way)
+            y[:nq] = self.origin.q
+            workspace.retract(y, self.units.way * way)
         if not now <= _OPEN * length:
             rule = "so near that closures hold there; take a smaller step"
             raise OutOfReachError("chart", "coordinates", rule, said=f"{now:.1g} m off them")

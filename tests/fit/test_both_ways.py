@@ -1,0 +1,107 @@
+"""The two ways to derivatives, of mechanisms with contacts: by the variational equation and by runs."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from planar_joint import record
+
+from antenna_pin.fit import Problem, load_fit
+from antenna_pin.fit.jacobian import by_differences
+from antenna_pin.fit.pieces import piece_start
+from antenna_pin.fit.runs import bench_of
+
+from .joint import FIT, TIMES, TRUTH, write_record
+
+EXAMPLES = Path(__file__).parents[2] / "scripts" / "examples"
+
+PAIR = """
+scenario = "impact_pair"
+case = "planar"
+[set]
+duration = "16.1 ms"
+integrator.engine = "compiled"
+clearance.bore.geometry = "closed-form"
+clearance.bore.normal = { replace = true, law = "lankarani-nikravesh", stiffness = 1e10, restitution = 0.8 }
+[parameters.play]
+key = "clearance.bore.radial_clearance"
+start = "0.1 mm"
+[parameters.stiffness]
+key = "clearance.bore.normal.stiffness"
+start = "1e10 N/m**1.5"
+[parameters.restitution]
+key = "clearance.bore.normal.restitution"
+start = 0.8
+[records.test]
+file = "test.csv"
+[records.test.columns.x]
+of = "journal_position[bore].x"
+unit = "um"
+sd = "0.5 um"
+[records.test.columns.force]
+of = "joint_force[bore].x"
+unit = "N"
+sd = "5 N"
+"""
+
+
+def pair(folder):
+    """Write four impacts of two bodies, whose rows do not fall on an onset, at 1 ms: there is no slope."""
+    time = 4e-5 * (np.arange(400) + 0.37)
+    rows = np.column_stack([time, 0.0 * time, 0.0 * time])
+    np.savetxt(folder / "test.csv", rows, delimiter=",", header="time,x,force", comments="")
+    return PAIR
+
+
+def joint(folder):
+    """Write the first blows of a planar joint with friction."""
+    write_record(folder / "test.csv", record(*TRUTH.values(), TIMES), 0)
+    return FIT.replace("[records.test]\n", '[records.test]\nwindow = ["0 s", "25 ms"]\n')
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("made", [pair, joint])
+def test_both_make_the_same_of_a_noise_to_a_hundred_thousandth_of_bands(tmp_path, made):
+    text = made(tmp_path).replace("[set]", 'jacobian = "equation"\n[set]\nintegrator.rtol = 1e-12', 1)
+    (tmp_path / "a.fit.toml").write_text(text)
+    problem = Problem(load_fit(tmp_path / "a.fit.toml"))
+    there = problem.start
+    by_equation, why = problem._by_equation(there)
+    assert not why
+    searched, bounds = problem.unknowns.searched(there), problem.unknowns.bounds()
+
+    def residuals(ends):
+        return problem.residuals_at([problem.unknowns.natural(one) for one in ends])
+
+    fine, coarse = (by_differences(residuals, searched, *bounds, h) for h in (3e-5, 6e-5))
+    by_runs = (4.0 * fine - coarse) / 3.0
+    noise = np.random.default_rng(0).standard_normal(len(by_runs))
+    answers, bands = [], []
+    for slopes in (by_equation, by_runs):
+        answers.append(np.linalg.lstsq(slopes, noise)[0])
+        bands.append(np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes))))
+    apart = np.abs(answers[0] - answers[1]) / bands[1]
+    # Differences of runs of 1e-12 over 3e-5 of a number err by 1e-7 of that, and by what is bent near an
+    # onset, of force like depth^1.5; numbers that hang together make ten times that of it.
+    assert apart.max() < 1e-5
+    np.testing.assert_allclose(bands[0], bands[1], rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_a_piece_that_starts_in_the_wall_touches_it_there():
+    """Noise takes starts into the wall; how deep and how fast they are there moves all behind them."""
+    settings = {"jacobian": "equation", "records.test.pieces.length": "4 ms", "difference_step": 1e-4}
+    problem = Problem(load_fit(EXAMPLES / "hinge.fit.toml", settings))
+    whole = np.concatenate([problem.start, problem.states])
+    (rig,) = problem._prepared.rigs
+    starts = [piece_start(rig.begun, one, np.zeros(6), bench_of(rig, (0.102e-3, 1.1e10, 0.75, 0.12)).system)
+              for one in rig.origins]  # fmt: skip
+    deep = [one for one in starts if np.hypot(*one.q[:2]) > 0.102e-3]
+    assert deep and all(one.memory[0, 0] == 1.0 and len(one.contacts) == 1 for one in deep)
+    assert all(one.memory[0, 0] == 0.0 and not one.contacts for one in starts if one not in deep)
+    found, why = problem._by_equation(whole)
+    assert not why
+    runs = problem._by_runs(problem.unknowns.searched(whole))
+    off = np.linalg.norm(found - runs, axis=0) / np.linalg.norm(runs, axis=0)
+    # The error of differences: of the square of their step by parameters, of 1e-5 error scales by starts.
+    assert off.max() < 3e-5
