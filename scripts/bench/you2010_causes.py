@@ -86,7 +86,7 @@ def chance_part(quick: bool) -> None:
     what another order of sums does to a run.
     """
     span = 0.1 if quick else 2.0
-    print(f"planar, {RUNS} runs a row{'':13} as it is     least    median      most")
+    print(f"{f'planar, {RUNS} runs a row':40}  as it is     least    median      most")
     for label, overrides in changes().items():
         if overrides and overrides[0] in ("0.5", "1"):
             overrides = (_seat("planar", float(overrides[0])),)
@@ -111,7 +111,7 @@ def _near(overrides: tuple[str, ...], span: float) -> Iterator[Trajectory]:
 def _say(label: str, found: list[float]) -> None:
     """Print a row of numbers: the first, the least, the middle one, the largest."""
     numbers = (found[0], *np.quantile(found, (0.0, 0.5, 1.0)))
-    print(f"{label:34}" + "".join(f"{number:10.4g}" for number in numbers), flush=True)
+    print(f"{label:40}" + "".join(f"{number:10.4g}" for number in numbers), flush=True)
 
 
 def _seat(case: str, share: float) -> str:
