@@ -3,74 +3,25 @@
 
 Parts: ``impact``, the first impact against its closed form; ``peaks``, the force through joint 2 over that of
 the ideal joint; ``words``, the paper's other statements; ``friction``, what the deviation comes from;
-``space``, the same joint with six degrees of freedom; ``causes``, what moves the peak force and how much.
-docs/you2010.md shows them.
+``space``, the same joint with six degrees of freedom; ``causes``, what moves the peak force and how much;
+``chance``, how much of that repeats. docs/you2010.md shows them.
 """
 
 from __future__ import annotations
 
-import functools
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from bench_tools import Array, Report
+from bench_tools import Report
 from first_impact import first_impact
 from frictional_hinge import FrictionalHinge
 from matplotlib.figure import Figure
+from you2010_causes import causes_part, chance_part
+from you2010_runs import EXTERNAL, LAYOUTS, NO_FRICTION, Load, run, scenario, settled
 
-from antenna_pin import Scenario, Trajectory, build_system, load_scenario, simulate
-from antenna_pin.analysis import base_motion, deviation, impacts, joint_loads, resampled
-
-LAYOUTS = {"planar": "ideal", "gimbal": "gimbal-ideal"}  # case with play: its ideal joint
-EXTERNAL = "clearance.joint2.normal.stiffness=8.676e9"  # [N/m^1.5], the radius as printed
-NO_FRICTION = "clearance.joint2.friction={replace = true, law = 'none'}"
-
-
-def scenario(case: str, *overrides: str) -> Scenario:
-    """Return a case with the gaps in closed form and some entries changed."""
-    return load_scenario(
-        "you2010", case=case, overrides=["clearance.joint2.geometry=closed-form", *overrides]
-    )
-
-
-@functools.cache
-def run(case: str, *overrides: str, span: float = 5.0) -> Trajectory:
-    """Return a finished run; the same one if asked again."""
-    found = simulate(scenario(case, *overrides), duration=span)
-    if not found.completed:
-        raise SystemExit(f"{case}: {found.message}")
-    return found
-
-
-@dataclass(frozen=True, slots=True)
-class Load:
-    """Size of the force through joint 2 over time.
-
-    Attributes:
-        time: [s].
-        force: [N].
-    """
-
-    time: Array
-    force: Array
-
-    @classmethod
-    def of(cls, trajectory: Trajectory) -> Load:
-        """Return what a run's joint 2 carries: constraint or contact, by inverse dynamics."""
-        loads = joint_loads(trajectory)["force"].sel(moving_joint="joint2").values
-        return cls(trajectory.data["time"].values, np.linalg.norm(loads, axis=1))
-
-    def largest(self, start: float, end: float) -> float:
-        """Return the largest force between two times [N]."""
-        return float(self.force[(self.time >= start) & (self.time <= end)].max())
-
-
-def settled(trajectory: Trajectory) -> float:
-    """Return when the journal touched the bearing for good [s]; the end if it never did."""
-    table = impacts(trajectory)
-    return float(table["onset"][-1]) if not bool(table["ended"][-1]) else float(trajectory.data["time"][-1])
+from antenna_pin import Trajectory, build_system
+from antenna_pin.analysis import base_motion, deviation, impacts, resampled
 
 
 def impact_part(report: Report, span: float) -> None:
@@ -212,77 +163,6 @@ def _last_apart(trajectory: Trajectory) -> float:
     return float(trajectory.data["time"].values[apart].max())
 
 
-def causes_part(quick: bool) -> None:
-    """Print what moves the peak force, one change at a time."""
-    play = "clearance.joint2"
-    changes: dict[str, tuple[str, ...]] = {
-        "as shipped": (),
-        "tolerance 1e-8 -> 1e-11": ("integrator.rtol=1e-11",),
-        "floor of approach speed 0.01 mm/s": (f"{play}.approach_speed_floor=1e-5",),
-        "floor of approach speed 10 mm/s": (f"{play}.approach_speed_floor=1e-2",),
-        "stiffness as printed": (EXTERNAL,),
-        "stiffness x 10": (f"{play}.normal.stiffness=5.418e11",),
-        "restitution 0.5": (f"{play}.normal.restitution=0.5",),
-        "restitution 0.8": (f"{play}.normal.restitution=0.8",),
-        "restitution 1": (f"{play}.normal.restitution=1.0",),
-        "friction 0": (NO_FRICTION,),
-        "friction 0.1": (f"{play}.friction.coefficient_of_friction=0.1",),
-        "friction in full from 10 mm/s": (f"{play}.friction.upper_speed=10 mm/s",),
-        "play 0.05 mm": (f"{play}.radial_clearance=0.05 mm", f"{play}.normal.stiffness=5.418e10"),
-        "play 0.05 mm, its own stiffness": (f"{play}.radial_clearance=0.05 mm",),
-        "play 0.05 mm, friction 0": (
-            f"{play}.radial_clearance=0.05 mm",
-            f"{play}.normal.stiffness=5.418e10",
-            NO_FRICTION,
-        ),
-        "play 0.1 mm": (f"{play}.radial_clearance=0.1 mm", f"{play}.normal.stiffness=5.418e10"),
-        "play 1 mm": (f"{play}.radial_clearance=1 mm", f"{play}.normal.stiffness=5.418e10"),
-        "journal half way to its seat": ("0.5",),
-        "journal on its seat": ("1",),
-        "joint 1 at the body's mass centre": ("mechanism.joints.joint1.origin_xyz=[0, 0, 0]",),
-        "shaft 1's moments 0.1, 1, 1": ("mechanism.links.shaft1.inertia=[0.1, 1, 1]",),
-        "body's moments as printed": (
-            "mechanism.allow_impossible_inertia=['body']",
-            "mechanism.links.body.inertia=[1000, 100, 100]",
-        ),
-    }
-    for case, ideal in LAYOUTS.items():
-        span = 0.1 if quick else 2.0 if case == "planar" else 5.0
-        rows = []
-        for label, overrides in changes.items():
-            if overrides and overrides[0] in ("0.5", "1"):
-                overrides = (_seat(case, float(overrides[0])),)
-            with_play = run(case, *overrides, span=span)
-            table = impacts(with_play)
-            held = Load.of(run(ideal, *(o for o in overrides if o.startswith("mechanism")), span=span))
-            loads = Load.of(with_play)
-            largest = loads.largest(0.0, span)
-            speed, force = (abs(float(table[name][0])) for name in ("approach_speed", "peak_force"))
-            rows.append(
-                f"{label:34} {1e3 * speed:8.3g} {force:9.4g}"
-                f" {largest:9.4g} {loads.time[loads.force.argmax()]:7.3f} {held.largest(0.0, span):8.4g}"
-                f" {largest / held.largest(0.0, span):7.3g} {settled(with_play):8.3g}"
-            )
-        print(f"{case}, {span:g} s")
-        for head in (
-            ("", "approach", "first", "largest", "at", "ideal", "ratio", "lasting"),
-            ("", "mm/s", "N", "N", "s", "N", "-", "from s"),
-        ):
-            print("{:34} {:>8} {:>9} {:>9} {:>7} {:>8} {:>7} {:>8}".format(*head))
-        print("\n".join(rows))
-
-
-def _seat(case: str, share: float) -> str:
-    """Return where the journal starts if it is moved to where the ideal joint's force presses it."""
-    system = build_system(scenario(case))
-    (joint,) = system.clearances
-    spec = scenario(case).clearance["joint2"]
-    force = first_impact(system, spec.radial_play, joint.radial.stiffness, 0.95).ideal_force
-    # The bearing pushes the journal along the force, so the journal sits on the other side.
-    x, y = -share * spec.radial_play * force / np.linalg.norm(force)
-    return f"initial.joints.joint2.journal_position=[{x:.17g}, {y:.17g}, 0]"
-
-
 def draw(folder: Path) -> Path:
     """Draw the force through joint 2 in both layouts and return the figure's path."""
     figure = Figure(figsize=(7.1, 2.9), layout="constrained", dpi=200)
@@ -317,19 +197,20 @@ PARTS = {
     "friction": friction_part,
     "space": space_part,
 }
+_TABLES = {"causes": causes_part, "chance": chance_part}
 
 
 def main() -> int:
     """Print the numbers of one part, or draw."""
     report = Report("you2010", __doc__ or "")
-    report.parser.add_argument("part", choices=[*PARTS, "causes"], help="which numbers")
+    report.parser.add_argument("part", choices=[*PARTS, *_TABLES], help="which numbers")
     report.parser.add_argument("--out", type=Path, metavar="FOLDER", help="draw a figure in this folder")
     arguments = report.parse()
     if arguments.out is not None:
         arguments.out.mkdir(parents=True, exist_ok=True)
         print(draw(arguments.out))
-    if arguments.part == "causes":
-        causes_part(arguments.quick)
+    if arguments.part in _TABLES:
+        _TABLES[arguments.part](arguments.quick)
         return 0
     report.name = f"you2010 {arguments.part}"
     PARTS[arguments.part](report, 0.5 if arguments.quick else 5.0)

@@ -184,16 +184,16 @@ def test_numbers_of_a_figure_are_those_of_the_result(opened, ideal, play):
 
 @pytest.mark.slow
 def test_figures_and_their_numbers_are_saved_as_files(opened):
-    names, texts = opened.run(
-        "const names = [], blobs = [];"
+    opened.run(
+        "const names = window.saved = [], blobs = window.blobs = [];"
         "HTMLAnchorElement.prototype.click = function () { names.push(this.download); };"
         "const make = URL.createObjectURL;"
         "URL.createObjectURL = (blob) => { blobs.push(blob); return make(blob); };"
         "for (const one of document.querySelectorAll('#figure-rate-of-elevation .save')) one.click();"
-        "await new Promise((done) => setTimeout(done, 500));"
-        "return [names, await Promise.all(blobs.map((one) => one.text()))];"
     )
-    assert names == ["rate-of-elevation.svg", "rate-of-elevation.csv"]
+    names = ["rate-of-elevation.svg", "rate-of-elevation.csv"]
+    assert opened.settles(names, "return window.saved;") == names
+    texts = opened.run("return Promise.all(window.blobs.map((one) => one.text()));")
     assert "<svg" in texts[0][:600] and texts[1].startswith('"(a) whole span, case3: time [s]"')
     # Every figure can be saved, and shows something that can be.
     figures, savers = opened.run(
