@@ -18,7 +18,7 @@ from antenna_pin.dynamics.tangent_kernels import add_element_changes, add_link_c
 from antenna_pin.joints.slope_kernels import REMEMBERED, TIMES, is_moved
 from antenna_pin.joints.tangent_kernels import add_joint_changes
 from antenna_pin.mechanism.number_kernels import subtract_number_changes
-from antenna_pin.mechanism.tangent_kernels import prepare_changes, solve_tree, subtract_changes
+from antenna_pin.mechanism.tangent_kernels import prepare_changes, solve_trees, subtract_changes
 
 
 @by_address
@@ -34,8 +34,7 @@ class Shifts(NamedTuple):
         heavy: Whether the tree or gravity changes, (numbers,).
         acts: What of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers).
         steps: First steps of differences, (numbers,).
-        geometry: Derivatives of what is looked at of a joint, scratch, (numbers, kinds, looked).
-        laws: Those of what laws say, scratch, (contacts, numbers, kinds, said).
+        laws: Derivatives of what laws say, scratch, (contacts, numbers, kinds, said).
         forces: Of the forces that the motion takes, with their sign turned, scratch, (numbers, nv).
     """
 
@@ -47,7 +46,6 @@ class Shifts(NamedTuple):
     heavy: Any
     acts: Any
     steps: Any
-    geometry: Any
     laws: Any
     forces: Any
 
@@ -66,24 +64,25 @@ class TangentRoom(NamedTuple):
         bristle_of: Which bristle each place of x is, -1 if none, (nx,).
         units: Of ways, rates and bristles, (2 nv + bristles,).
         below: The freedom next below each one, (nv,).
-        asks: What is asked for, scratch, (3,).
+        asks: What is asked for, scratch, (2,).
         state: The state, and where it is displaced, (1, size).
         step: Of ways, scratch, (nv,).
         tau: Generalized force, scratch, (nv,).
         rates: Of velocities and of x, scratch, (nv + nx,).
         drift: Rates of x of the state itself, (nx,).
-        poses: POSE, (2,): of a journal as it is, and displaced.
+        poses: POSE, (3,): of a journal as it is, its changes, and displaced.
         remembered: MEMORY, scratch, (1,).
         freedoms: One freedom of a factor, scratch, (nv,).
         looked: What is looked at, scratch, (values,).
-        change: How it changes, scratch, (values,).
+        change: How that of a contact changes, scratch, (kinds, LOOKED).
+        shapes: By how much its dimensions do, and these displaced, scratch, (2, CANDIDATE).
+        wrench: How the force and moment of a joint's contacts do, scratch, (kinds, 6).
+        carried: What these do along freedoms as the joint's frames change, scratch, (6,).
         trial: Its differences, scratch, (kinds, values).
         column: Those that are kept, (kinds, values).
-        geometry: Those of a joint's contacts, of each way, (6, kinds, values).
         asked: What laws are asked with, scratch.
         said: What they say, scratch.
         laws: Derivatives of that, (contacts of a joint, asked, kinds, said).
-        twirls: What arms of flanges do, (contacts of a joint,).
         places: PLACE, (bodies + 1,), the tree's own.
         room: ROOM, likewise.
         mass: Factors of the mass matrix, (nv, nv).
@@ -115,13 +114,14 @@ class TangentRoom(NamedTuple):
     freedoms: Any
     looked: Any
     change: Any
+    shapes: Any
+    wrench: Any
+    carried: Any
     trial: Any
     column: Any
-    geometry: Any
     asked: Any
     said: Any
     laws: Any
-    twirls: Any
     places: Any
     room: Any
     mass: Any
@@ -197,10 +197,9 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
     if head_of(numbers.program).points < numbers.program.shape[0]:
         add_link_changes(t, y, ways, steps, room, out)
     _shift_tree(ways, room)
-    shifts = room.shifts
+    shifts, differs = room.shifts, False
     for d in range(ways.shape[0]):
         own = out[0, d, :nv]
-        differs = False
         for kind in range(1, out.shape[0]):
             for k in range(nv):
                 out[kind, d, k] -= own[k]
@@ -211,9 +210,17 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
             if share != 0.0 and shifts.heavy[m] != 0:
                 for k in range(nv):
                     own[k] += share * shifts.forces[m, k]
-        solve_tree(room.mass, room.below, own)
-        for kind in range(1, out.shape[0]):
-            if differs:
-                solve_tree(room.mass, room.below, out[kind, d, :nv])
+    _solve(differs, room, out)
+
+
+@inlined
+def _solve(differs: bool, room: Any, out: Any) -> None:
+    """Make accelerations of forces; those of further orders are told by how much they differ, if they do."""
+    nv = room.tau.shape[0]
+    solve_trees(room.mass, room.below, out[0, :, :nv])
+    for kind in range(1, out.shape[0]):
+        if differs:
+            solve_trees(room.mass, room.below, out[kind, :, :nv])
+        for d in range(out.shape[1]):
             for k in range(nv):
-                out[kind, d, k] += own[k]
+                out[kind, d, k] += out[0, d, k]
