@@ -10,6 +10,7 @@ axis and rotation and the shape's dimensions change.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel, record
@@ -165,6 +166,8 @@ def contact_changes(words: Any, change: Any, pose: Any, way: Any, row: Any, out:
         _corner_changes(
             record(words[:CANDIDATE], CORNER), record(change[:CANDIDATE], CORNER), pose, way, row, out
         )
+    elif not has_closed_changes(primitive):
+        out[GAP] = math.nan
     else:
         flat = primitive == CIRCLE_IN_CIRCLE
         _round_changes(

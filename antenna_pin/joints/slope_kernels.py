@@ -26,9 +26,9 @@ V_ELASTIC, V_FRICTION, V_BRISTLE = 1, 2, 5
 STATES = 4
 # Places in ``room.asks``: whether any displacement that is asked for has what contacts remember, or time.
 REMEMBERED, TIMES = 0, 1
-# First steps: of depths, over these, and at least over a play; of speeds, over their unit or themselves; of
-# the parts of a normal and of logarithms.
-_DEPTH, _SHALLOW, _SPEED, _PURE = 1e-2, 1e-12, 1e-3, 1e-3
+# First steps: of depths, over these (so fine that orders agree on depth^1.5 at once), at least over a play;
+# of speeds, over their unit or themselves; of the parts of a normal and of logarithms.
+_DEPTH, _SHALLOW, _SPEED, _PURE = 2e-3, 1e-12, 1e-3, 1e-3
 
 
 @inlined

@@ -34,6 +34,8 @@ def press(field, y, joint, rng):
     own = system.mechanism.joint(joint.name).v
     first = system.contact_names.index(joint.contact_names[0])
     direction = rng.normal(size=own.stop - own.start) * field.units.way[own]
+    if hasattr(joint.geometry, "slider_length"):
+        direction[0] *= 0.01  # not out of its guide, along x
     for size in np.geomspace(0.3, 300.0, 200):
         there, way = y.copy(), np.zeros(system.model.nv)
         way[own] = size * direction
@@ -124,6 +126,28 @@ def test_a_flange_pressed_flat_changes_as_the_whole_does():
     """Its force's point goes with tilt over depth, which both are small."""
     system = built("impact_pair", "flange", **{"clearance.bore.geometry": "closed-form"})
     assert judge(system, 3) < 1.0
+
+
+ROD = {
+    "model": "cylindrical",
+    "bearing_radius": "10 mm",
+    "radial_clearance": "0.1 mm",
+    "slider_length": "50 mm",
+    "guide_length": "40 mm",
+    "geometry": "closed-form",
+    "journal_material": "steel",
+    "bearing_material": "steel",
+}
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [{}, {"clearance.slide.guide_length": "90 mm"}, {"clearance.slide": ROD}],
+    ids=["walls", "edges", "rod"],
+)
+def test_a_slider_changes_as_the_whole_does(overrides):
+    """On walls without end, whose changes have a closed form, and at ends of slider or guide."""
+    assert judge(built("slider", "rest", **overrides), 1) < 1.0
 
 
 def test_a_force_changes_by_its_exponent_over_any_depth():
