@@ -13,7 +13,7 @@ from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.tangent_kernels import Shifts
 from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate.word_kernels import Words
-from antenna_pin.joints import layout_kernels, slope_kernels
+from antenna_pin.joints import layout_kernels, motion_change_kernels
 from antenna_pin.mechanism import BODY
 from antenna_pin.records import BLOCK, PROGRAM, place_of, words_of
 
@@ -62,7 +62,6 @@ def shifts_of(
     system: System,
     stepper: CompiledStepper,
     parts: NDArray[np.void],
-    looked: int,
     said: int,
     slopes: SystemSlopes,
 ) -> Shifts:
@@ -72,8 +71,7 @@ def shifts_of(
         system: The system.
         stepper: Its.
         parts: What acts at its joints, ``PART``.
-        looked: How many numbers are looked at of a joint.
-        said: How many a law says.
+        said: How many numbers a law says.
         slopes: Which numbers, and by how much.
     """
     numbers, nv = stepper.numbers, stepper.manifold.nv
@@ -105,7 +103,6 @@ def shifts_of(
         lacks=np.zeros((count, 2, width)),
         acts=_acts(system, parts, program.astype(bool), np.asarray(tree.any(axis=1))),
         steps=np.concatenate([np.full(len(slopes.program), _STEP), _STEP * slopes.units]),
-        geometry=np.zeros((count, 2, looked)),
         laws=np.zeros((contacts, count, 2, said)),
         forces=np.zeros((count, nv)),
     )
@@ -158,8 +155,10 @@ def _acts(
         for k in range(int(joint_words["contacts"])):
             normal = layout_kernels.normal_at(0, k)
             laws[normal : normal + layout_kernels.CANDIDATE_WORDS - CANDIDATE] = True
-        out[p] = slope_kernels.RULES * whole[:, laws].any(axis=1)
-        out[p] += slope_kernels.MOVES * whole[:, ~laws].any(axis=1)
+        out[p] = motion_change_kernels.RULES * whole[:, laws].any(axis=1)
+        laws[: layout_kernels.JOINT_WORDS] = True
+        out[p] += motion_change_kernels.PLACES * whole[:, : layout_kernels.JOINT_WORDS].any(axis=1)
+        out[p] += motion_change_kernels.MOVES * whole[:, ~laws].any(axis=1)
     first = int(program[: kernels.HEADER].view(PROGRAM)[0]["points"])
     out[-1] = changed[:, first:].any(axis=1) | heavier
     # Elements on links may see any joint with play.

@@ -29,7 +29,7 @@ from antenna_pin.joints.tangent_kernels import add_joint_changes
 from antenna_pin.mechanism.number_kernels import write_number_changes
 from antenna_pin.mechanism.tangent_kernels import (
     prepare_changes,
-    solve_tree,
+    solve_trees,
     subtract_wrenches,
     write_changes,
 )
@@ -52,8 +52,7 @@ class Shifts(NamedTuple):
         lacks: How what accelerations lack does, scratch, (numbers, kinds, width).
         acts: What of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers).
         steps: First steps of differences, (numbers,).
-        geometry: Derivatives of what is looked at of a joint, scratch, (numbers, kinds, looked).
-        laws: Those of what laws say, scratch, (contacts, numbers, kinds, said).
+        laws: Derivatives of what laws say, scratch, (contacts, numbers, kinds, said).
         forces: Of the forces that the motion takes, with their sign turned, scratch, (numbers, nv).
     """
 
@@ -69,7 +68,6 @@ class Shifts(NamedTuple):
     lacks: Any
     acts: Any
     steps: Any
-    geometry: Any
     laws: Any
     forces: Any
 
@@ -88,24 +86,25 @@ class TangentRoom(NamedTuple):
         bristle_of: Which bristle each place of x is, -1 if none, (nx,).
         units: Of ways, rates and bristles, (2 nv + bristles,).
         below: The freedom next below each one, (nv,).
-        asks: What is asked for, scratch, (3,).
+        asks: What is asked for, scratch, (2,).
         state: The state, and where it is displaced, (1, size).
         step: Of ways, scratch, (nv,).
         tau: Generalized force, scratch, (nv,).
         rates: Of velocities and of x, scratch, (nv + nx,).
         drift: Rates of x of the state itself, (nx,).
-        poses: POSE, (2,): of a journal as it is, and displaced.
+        poses: POSE, (3,): of a journal as it is, its changes, and displaced.
         remembered: MEMORY, scratch, (1,).
         freedoms: One freedom of a factor, scratch, (nv,).
         looked: What is looked at, scratch, (values,).
-        change: How it changes, scratch, (values,).
+        change: How that of a contact changes, scratch, (kinds, LOOKED).
+        shapes: By how much its dimensions do, and these displaced, scratch, (2, CANDIDATE).
+        wrench: How the force and moment of a joint's contacts do, scratch, (kinds, 6).
+        carried: What these do along freedoms as the joint's frames change, scratch, (6,).
         trial: Its differences, then how it bends, scratch, (kinds + 1, values).
         column: Those that are kept, (kinds, values).
-        geometry: Those of a joint's contacts, of each way, (6, kinds, values).
         asked: What laws are asked with, scratch.
         said: What they say, scratch.
         laws: Derivatives of that, (contacts of a joint, asked, kinds, said).
-        twirls: What arms of flanges do, (contacts of a joint,).
         places: PLACE, (bodies + 1,), the tree's own; those that constraints write, if there are any.
         room: ROOM, likewise.
         mass: Factors of the mass matrix, of a tree without constraints, (nv, nv).
@@ -138,13 +137,14 @@ class TangentRoom(NamedTuple):
     freedoms: Any
     looked: Any
     change: Any
+    shapes: Any
+    wrench: Any
+    carried: Any
     trial: Any
     column: Any
-    geometry: Any
     asked: Any
     said: Any
     laws: Any
-    twirls: Any
     places: Any
     room: Any
     mass: Any
@@ -234,10 +234,9 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
     _shift_tree(t, ways, room)
     if has_rows(room) and room.asks[TIMES] != 0:
         differentiate_over_time(t, time_step(ways, steps), room)
-    shifts = room.shifts
+    shifts, differs = room.shifts, False
     for d in range(ways.shape[0]):
         own = out[0, d, :nv]
-        differs = False
         for kind in range(1, out.shape[0]):
             for k in range(nv):
                 out[kind, d, k] -= own[k]
@@ -253,10 +252,18 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
                     own[k] += share * shifts.forces[m, k]
         if has_rows(room):
             solve_held(y, d, room, out)
-            continue
-        solve_tree(room.mass, room.below, own)
-        for kind in range(1, out.shape[0]):
-            if differs:
-                solve_tree(room.mass, room.below, out[kind, d, :nv])
+    if not has_rows(room):
+        _solve(differs, room, out)
+
+
+@inlined
+def _solve(differs: bool, room: Any, out: Any) -> None:
+    """Make accelerations of forces; those of further orders are told by how much they differ, if they do."""
+    nv = room.tau.shape[0]
+    solve_trees(room.mass, room.below, out[0, :, :nv])
+    for kind in range(1, out.shape[0]):
+        if differs:
+            solve_trees(room.mass, room.below, out[kind, :, :nv])
+        for d in range(out.shape[1]):
             for k in range(nv):
-                out[kind, d, k] += own[k]
+                out[kind, d, k] += out[0, d, k]

@@ -14,8 +14,9 @@ from antenna_pin.engine.row_tangent_kernels import RowRoom
 from antenna_pin.engine.shifts import SystemSlopes, shifts_of, takes_slopes
 from antenna_pin.engine.step_kernels import Numbers
 from antenna_pin.engine.tangent_kernels import Shifts, TangentRoom, write_tangent
+from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate import manifold_kernels
-from antenna_pin.joints import layout_kernels, slope_kernels
+from antenna_pin.joints import layout_kernels, motion_change_kernels, slope_kernels
 from antenna_pin.mechanism import CHANGE, PLACE, ROOM, freedoms_below
 from antenna_pin.records import MEMORY, POSE, PROGRAM, words_of
 
@@ -52,12 +53,11 @@ class Tangents:
         bristle_of = np.full(nx, -1, dtype=np.int64)
         bristle_of[bristles] = np.arange(len(bristles))
         of_parts = [int(part["freedoms"].sum() + part["x_end"] - part["x"]) for part in parts]
-        looked = slope_kernels.FIRST + contacts * slope_kernels.LOOKED
-        values, kinds = max(looked, *of_parts, nv + nx), len(weights)
+        values, kinds = max(motion_change_kernels.LOOKED, *of_parts, nv + nx), len(weights)
         asked = slope_kernels.A_BRISTLE + slope_kernels.STATES
         said = slope_kernels.V_BRISTLE + slope_kernels.STATES
         self._answers = stepper.answers
-        self._system, self._stepper, self._looked, self._said = system, stepper, looked, said
+        self._system, self._stepper, self._said = system, stepper, said
         self.room = TangentRoom(
             numbers=numbers,
             parts=parts,
@@ -68,24 +68,25 @@ class Tangents:
             bristle_of=bristle_of,
             units=np.ascontiguousarray(units),
             below=freedoms_below(numbers.tree),
-            asks=np.zeros(3, dtype=np.int64),
+            asks=np.zeros(2, dtype=np.int64),
             state=np.zeros((1, manifold.size)),
             step=np.zeros(nv),
             tau=np.zeros(nv),
             rates=np.zeros(nv + nx),
             drift=np.zeros(nx),
-            poses=np.zeros(2, POSE),
+            poses=np.zeros(3, POSE),
             remembered=np.zeros(1, MEMORY),
             freedoms=np.zeros(max(nv, 6)),
             looked=np.zeros(values),
-            change=np.zeros(values),
+            change=np.zeros((kinds, motion_change_kernels.LOOKED)),
+            shapes=np.zeros((2, CANDIDATE)),
+            wrench=np.zeros((kinds, 6)),
+            carried=np.zeros(6),
             trial=np.zeros((kinds + 1, max(values, said))),
             column=np.zeros((kinds, values)),
-            geometry=np.zeros((6, kinds, looked)),
             asked=np.zeros(asked),
             said=np.zeros(said),
             laws=np.zeros((contacts, asked, kinds, said)),
-            twirls=np.zeros(contacts),
             places=_places(numbers),
             room=np.zeros(len(numbers.tree) + 1, ROOM),
             mass=np.zeros((nv, nv)),
@@ -100,7 +101,7 @@ class Tangents:
         self._rates = nv + nx
 
     def _shifts(self, slopes: SystemSlopes, parts: NDArray[np.void]) -> Shifts:
-        return shifts_of(self._system, self._stepper, parts, self._looked, self._said, slopes)
+        return shifts_of(self._system, self._stepper, parts, self._said, slopes)
 
     def follow(self, slopes: SystemSlopes) -> bool:
         """Take numbers of the system as parts of displacements, behind what contacts remember.
@@ -167,8 +168,8 @@ def _parts(system: System) -> tuple[NDArray[np.void], int]:
         if other and heads[1]["v"] == head["v"]:
             heads = heads[:1]
         for s, one in enumerate(heads):
-            part["v"][0, s], part["factor"][0, s] = one["v"], factor_of[int(one["v"])]
-            part["freedoms"][0, s] = _freedoms(system, one)
+            part["v"][0, s], part["freedoms"][0, s] = _freedoms(system, one)
+            part["factor"][0, s] = factor_of[int(one["v"])]
         found.append(part)
     parts = np.concatenate([np.zeros(0, PART), *found])
     parts["number"] = np.arange(len(parts))
@@ -217,12 +218,19 @@ def _head(system: System, block: int) -> np.void:
     return np.void(system.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0])
 
 
-def _freedoms(system: System, head: np.void) -> int:
-    """Return how many freedoms the joint of an element's head has that it may know."""
+def _freedoms(system: System, head: np.void) -> tuple[int, int]:
+    """Return the first of the freedoms of the joint of an element's head that it may know, and how many.
+
+    What sees a joint's angle, and acts along it, knows none of where the journal is in its bearing.
+    """
+    first = int(head["v"])
     if head["play"] < 0:
-        return 1
+        return first, 1
     joint = system.program[int(head["play"]) :][: layout_kernels.JOINT_WORDS].view(layout_kernels.JOINT)[0]
-    return 3 if joint["planar"] else 6
+    every, turns = (3, 1) if joint["planar"] else (6, 3)
+    if joint["slides"] or head["about"] == kernels.ABOUT_POSE:
+        return first, every
+    return first + every - turns, turns
 
 
 def _factors(system: System) -> dict[int, int]:

@@ -161,6 +161,12 @@ def lever(depth: float, whole: float) -> float:
     return s * s * s * (10.0 - s * (15.0 - 6.0 * s))
 
 
+@inlined
+def lever_slope(s: float) -> float:
+    """Return the slope of :func:`lever` over s = whole / depth, below 1."""
+    return float(30.0 * s * s * (1.0 - s) * (1.0 - s))
+
+
 @kernel
 def place_flange_force(shape: Any, pose: Any, out: Any) -> None:
     """Move a flange row's point, the deepest of the rim, to where the force acts, and take the rates there.
@@ -196,8 +202,14 @@ def place_flange_force(shape: Any, pose: Any, out: Any) -> None:
 @inlined
 def arm_power(pose: Any, out: Any) -> float:
     """Power of a flange's spring between its deepest point, where it is pressed, and the force's [W]."""
+    return float(out.elastic * arm_rate(pose, out))
+
+
+@inlined
+def arm_rate(pose: Any, out: Any) -> float:
+    """Return how fast the one goes from the other along the normal as the journal turns [m/s]."""
     ax, ay, az = out.arm[0], out.arm[1], out.arm[2]
     vx = pose.spin[1] * az - pose.spin[2] * ay
     vy = pose.spin[2] * ax - pose.spin[0] * az
     vz = pose.spin[0] * ay - pose.spin[1] * ax
-    return float(out.elastic * (vx * out.normal[0] + vy * out.normal[1] + vz * out.normal[2]))
+    return float(vx * out.normal[0] + vy * out.normal[1] + vz * out.normal[2])

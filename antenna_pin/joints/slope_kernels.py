@@ -1,4 +1,4 @@
-"""What is looked at of a joint with play, and what its laws say, each along its own arguments, compiled.
+"""What the laws of contacts say, along their own arguments and over numbers of the system, compiled.
 
 See :mod:`antenna_pin.joints.tangent_kernels`, which puts them together.
 """
@@ -11,33 +11,24 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, bristle_force
 from antenna_pin.contact.kernels import NORMAL_SIZE
-from antenna_pin.geometry.kernels import FLANGE
 from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
-from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor, space_of
+from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
-from antenna_pin.joints.kernels import contact_motion
-from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at, normal_at, primitive_of
-from antenna_pin.joints.pose_kernels import journal_state, onto_joint
+from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at, normal_at
+from antenna_pin.joints.motion_change_kernels import RULES
 from antenna_pin.joints.row_kernels import row_forces
 
-# What is looked at of a joint: its journal's centre, what the wrench as it is does along its freedoms; then
-# of each contact.
-CENTRE, CARRIED, FIRST = 0, 3, 9
-GAP, NORMAL, POINT, RATE, SLIP, TWIRL, LOOKED = 0, 1, 4, 7, 8, 11, 12
 # What a law is asked with: gap, depth rate, slip, normal, logarithms of what is remembered, bristles. And
 # what it says: force, its elastic part, friction, rates of bristles.
-A_RATE, A_SLIP, A_NORMAL, A_SPEED, A_MASS, A_BRISTLE = 1, 2, 5, 8, 9, 10
+A_GAP, A_RATE, A_SLIP, A_NORMAL, A_SPEED, A_MASS, A_BRISTLE = 0, 1, 2, 5, 8, 9, 10
 V_ELASTIC, V_FRICTION, V_BRISTLE = 1, 2, 5
 #: What a law has of bristles at most: a deflection, and its dwell.
 STATES = 4
-# Places in ``room.asks``: whether any displacement that is asked for has what contacts remember, or time; and
-# whether they are fewer than a joint has freedoms: then geometry is differentiated along each of them.
-REMEMBERED, TIMES, FEW = 0, 1, 2
-# First steps: of ways, over their units; of depths, over these, and at least over a play; of speeds, over
-# their unit or themselves; of the parts of a normal and of logarithms.
-_WAY, _DEPTH, _SHALLOW, _SPEED, _PURE = 1e-3, 1e-2, 1e-12, 1e-3, 1e-3
-#: What of a joint's block goes with a number of the system, added up: where things are, laws.
-MOVES, RULES = 1, 2
+# Places in ``room.asks``: whether any displacement that is asked for has what contacts remember, or time.
+REMEMBERED, TIMES = 0, 1
+# First steps: of depths, over these (so fine that orders agree on depth^1.5 at once), at least over a play;
+# of speeds, over their unit or themselves; of the parts of a normal and of logarithms.
+_DEPTH, _SHALLOW, _SPEED, _PURE = 2e-3, 1e-12, 1e-3, 1e-3
 
 
 @inlined
@@ -61,107 +52,11 @@ def displace_joint(f: int, y: Any, h: float, way: Any, room: Any) -> None:
 
 
 @inlined
-def look(p: Any, b: int, k: int, pose: Any, row: Any, out: Any) -> None:
-    """Write what is looked at of a contact."""
-    at = FIRST + k * LOOKED
-    out[at + GAP] = row.gap
-    for i in range(3):
-        out[at + NORMAL + i] = row.normal[i]
-        out[at + POINT + i] = row.point[i]
-        out[at + SLIP + i] = row.slip[i]
-    out[at + RATE] = row.rate
-    out[at + TWIRL] = 0.0
-    if primitive_of(p, b, k) == FLANGE:
-        a, w, n = row.arm, pose.spin, row.normal
-        x, y, z = w[1] * a[2] - w[2] * a[1], w[2] * a[0] - w[0] * a[2], w[0] * a[1] - w[1] * a[0]
-        out[at + TWIRL] = x * n[0] + y * n[1] + z * n[2]
-
-
-@kernel
-def _look_at_joint(p: Any, b: int, room: Any) -> None:
-    """Write what is looked at of a joint in ``room.state`` to ``room.looked``."""
-    j, pose, out, tau = joint_at(p, b), room.poses[1], room.looked, room.tau
-    memory, table = room.numbers.memory, room.numbers.table
-    journal_state(j, room.state[0], space_of(room.layout).nq, pose)
-    count = 3 if j.planar != 0 else 6
-    for k in range(count):
-        tau[j.v + k] = 0.0
-    f, m = room.poses[0].force, room.poses[0].moment
-    onto_joint(j, pose, (f[0], f[1], f[2]), (m[0], m[1], m[2]), tau)
-    for k in range(3):
-        out[CENTRE + k] = pose.centre[k]
-    for k in range(count):
-        out[CARRIED + k] = tau[j.v + k]
-    for k in range(j.contacts):
-        if memory[j.row + k].touching != 0.0:
-            contact_motion(p, b, k, pose, table)
-            look(p, b, k, pose, table[j.row + k], out)
-
-
-@inlined
-def _geometry_apart(p: Any, b: int, step: float, room: Any) -> float:
-    """Return by how much the orders of a trial of geometry differ: of gaps, normals, points, rates."""
-    j, worst = joint_at(p, b), 0.0
-    for k in range(j.contacts):
-        if room.numbers.memory[j.row + k].touching != 0.0:
-            at, trial = FIRST + k * LOOKED, room.trial
-            for first, last in ((GAP, NORMAL), (NORMAL, POINT), (POINT, RATE), (RATE, TWIRL)):
-                worst = max(worst, judge(trial, room.looked, step, at + first, at + last))
-    return worst
-
-
-@kernel
-def differentiate_geometry(p: Any, b: int, f: int, y: Any, way: Any, room: Any, out: Any) -> None:
-    """Write the derivatives of what is looked at along a way of a joint, (kinds, looked)."""
-    j, units, points = joint_at(p, b), room.units, room.weights.shape[1]
-    count = FIRST + j.contacts * LOOKED
-    size = 0.0
-    for k in range(3 if j.planar != 0 else 6):
-        size = max(size, abs(way[k]) / units[j.v + k])
-    if size == 0.0:
-        clear(out, count)
-        return
-    step, best = _WAY / size, -1.0
-    for _ in range(OFTEN):
-        clear(room.trial, count)
-        for place in range(-points, points + 1):
-            displace_joint(f, y, place * step, way, room)
-            _look_at_joint(p, b, room)
-            add(room.looked, count, place, step, room.weights, room.trial)
-        off = _geometry_apart(p, b, step, room)
-        best = keep(room.trial, count, off, best, out)
-        if not goes_on(off, best):
-            break
-        step /= FINER
-    displace_joint(f, y, 0.0, way, room)
-
-
-@kernel
-def differentiate_geometry_over(p: Any, b: int, m: int, room: Any, out: Any) -> None:
-    """Write the derivatives of what is looked at over number m of the system, (kinds, looked)."""
-    words, count = room.shifts.program, FIRST + joint_at(p, b).contacts * LOOKED
-    step, best, points = room.shifts.steps[m], -1.0, room.weights.shape[1]
-    note_words(p, words, m)
-    for _ in range(OFTEN):
-        clear(room.trial, count)
-        for place in range(-points, points + 1):
-            displace_words(p, words, m, place * step)
-            _look_at_joint(p, b, room)
-            add(room.looked, count, place, step, room.weights, room.trial)
-        off = _geometry_apart(p, b, step, room)
-        best = keep(room.trial, count, off, best, out)
-        if not goes_on(off, best):
-            break
-        step /= FINER
-    put_back_words(p, words, m)
-
-
-@inlined
 def _say(p: Any, b: int, k: int, room: Any) -> None:
     """Write what the laws of a contact say of ``room.asked`` to ``room.said``."""
     j, asked, said = joint_at(p, b), room.asked, room.said
     row, remembered, was = room.numbers.table[j.row + k], room.remembered[0], room.numbers.memory[j.row + k]
-    row.gap, row.rate = asked[GAP], asked[A_RATE]
+    row.gap, row.rate = asked[A_GAP], asked[A_RATE]
     for i in range(3):
         row.slip[i] = asked[A_SLIP + i]
     remembered.approach_speed = was.approach_speed * math.exp(asked[A_SPEED])
@@ -182,7 +77,7 @@ def _say(p: Any, b: int, k: int, room: Any) -> None:
 def _ask_with(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> None:
     """Write what the laws of a contact are asked with."""
     j, asked = joint_at(p, b), room.asked
-    asked[GAP], asked[A_RATE], asked[A_SPEED], asked[A_MASS] = row.gap, row.rate, 0.0, 0.0
+    asked[A_GAP], asked[A_RATE], asked[A_SPEED], asked[A_MASS] = row.gap, row.rate, 0.0, 0.0
     for i in range(3):
         asked[A_SLIP + i] = row.slip[i]
         asked[A_NORMAL + i] = row.normal[i]
@@ -194,8 +89,8 @@ def _ask_with(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> N
 def _first_step(p: Any, b: int, k: int, i: int, room: Any) -> float:
     """Return the first step of what the laws of a contact are asked with."""
     j, asked, units, nv = joint_at(p, b), room.asked, room.units, room.tau.shape[0]
-    if i == GAP:
-        return float(max(_DEPTH * abs(asked[GAP]), _SHALLOW * units[j.v]))
+    if i == A_GAP:
+        return float(max(_DEPTH * abs(asked[A_GAP]), _SHALLOW * units[j.v]))
     if i < A_NORMAL:
         return float(_SPEED * max(units[nv + j.v], abs(asked[A_RATE]) if i == A_RATE else 0.0))
     if i < A_BRISTLE:
@@ -204,46 +99,23 @@ def _first_step(p: Any, b: int, k: int, i: int, room: Any) -> float:
 
 
 @kernel
-def differentiate_laws(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> None:
-    """Write the derivatives of what the laws of a contact say to ``room.laws[k]``, (asked, kinds, said)."""
-    j, points = joint_at(p, b), room.weights.shape[1]
-    states, said = j.stride - BRISTLES, V_BRISTLE + j.stride - BRISTLES
-    _ask_with(p, b, k, y, x0, row, room)
-    for i in range(A_BRISTLE + states):
-        if (states == 0 and A_NORMAL <= i < A_SPEED) or (
-            room.asks[REMEMBERED] == 0 and A_SPEED <= i < A_BRISTLE
-        ):
-            clear(room.laws[k, i], said)
-            continue
-        here, step, best = room.asked[i], _first_step(p, b, k, i, room), -1.0
-        for _ in range(OFTEN):
-            clear(room.trial, said)
-            for place in range(-points, points + 1):
-                room.asked[i] = here + place * step
-                _say(p, b, k, room)
-                add(room.said, said, place, step, room.weights, room.trial)
-            off = judge(room.trial, room.said, step, 0, V_BRISTLE)
-            off = max(off, judge(room.trial, room.said, step, V_BRISTLE, said))
-            best = keep(room.trial, said, off, best, room.laws[k, i])
-            if not goes_on(off, best):
-                break
-            step /= FINER
-        room.asked[i] = here
+def _differentiate(p: Any, b: int, k: int, about: Any, step: float, room: Any, out: Any) -> None:
+    """Write the derivatives of what the laws of a contact say over one number, (kinds, said).
 
-
-@kernel
-def differentiate_laws_over(p: Any, b: int, k: int, m: int, room: Any, out: Any) -> None:
-    """Write the derivatives of what the laws of a contact say over number m of the system, (kinds, said).
-
-    They are asked with what :func:`differentiate_laws` has left.
+    ``about``: which of what they are asked with, and which number of the system if that is none (-1).
     """
-    words, said = room.shifts.program, V_BRISTLE + joint_at(p, b).stride - BRISTLES
-    step, best, points = room.shifts.steps[m], -1.0, room.weights.shape[1]
-    note_words(p, words, m)
+    i, m = about
+    words, said, asked = room.shifts.program, V_BRISTLE + joint_at(p, b).stride - BRISTLES, room.asked
+    here, best, points = asked[max(i, 0)], -1.0, room.weights.shape[1]
+    if i < 0:
+        note_words(p, words, m)
     for _ in range(OFTEN):
         clear(room.trial, said)
         for place in range(-points, points + 1):
-            displace_words(p, words, m, place * step)
+            if i < 0:
+                displace_words(p, words, m, place * step)
+            else:
+                asked[i] = here + place * step
             _say(p, b, k, room)
             add(room.said, said, place, step, room.weights, room.trial)
         off = judge(room.trial, room.said, step, 0, V_BRISTLE)
@@ -252,4 +124,28 @@ def differentiate_laws_over(p: Any, b: int, k: int, m: int, room: Any, out: Any)
         if not goes_on(off, best):
             break
         step /= FINER
-    put_back_words(p, words, m)
+    if i < 0:
+        put_back_words(p, words, m)
+    else:
+        asked[i] = here
+
+
+@kernel
+def differentiate_laws(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> None:
+    """Write the derivatives of what the laws of a contact say to ``room.laws[k]``, (asked, kinds, said).
+
+    Those over numbers of the system, ``room.seen``, go to ``room.shifts.laws[k]``.
+    """
+    j, shifts = joint_at(p, b), room.shifts
+    states, said = j.stride - BRISTLES, V_BRISTLE + j.stride - BRISTLES
+    _ask_with(p, b, k, y, x0, row, room)
+    for i in range(A_BRISTLE + states):
+        if (states == 0 and A_NORMAL <= i < A_SPEED) or (
+            room.asks[REMEMBERED] == 0 and A_SPEED <= i < A_BRISTLE
+        ):
+            clear(room.laws[k, i], said)
+        else:
+            _differentiate(p, b, k, (i, -1), _first_step(p, b, k, i, room), room, room.laws[k, i])
+    for m in range(shifts.steps.shape[0]):
+        if room.seen[m] & RULES != 0:
+            _differentiate(p, b, k, (-1, m), shifts.steps[m], room, shifts.laws[k, m])

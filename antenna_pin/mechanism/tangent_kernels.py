@@ -245,6 +245,29 @@ def solve_tree(factors: Any, below: Any, x: Any) -> None:
 
 
 @kernel
+def solve_trees(factors: Any, below: Any, x: Any) -> None:
+    """Do so for each row of x, (k, nv): one after the other they would wait for the ways through the tree."""
+    count = x.shape[0]
+    for i in range(below.shape[0] - 1, -1, -1):
+        j = below[i]
+        while j >= 0:
+            share = factors[i, j]
+            for d in range(count):
+                x[d, j] -= share * x[d, i]
+            j = below[j]
+    for i in range(below.shape[0]):
+        share = factors[i, i]
+        for d in range(count):
+            x[d, i] /= share
+        j = below[i]
+        while j >= 0:
+            share = factors[i, j]
+            for d in range(count):
+                x[d, i] -= share * x[d, j]
+            j = below[j]
+
+
+@kernel
 def prepare_changes(y: Any, nq: int, space: Any, gravity: Any, tau: Any, scratch: Any, bodies: Any) -> None:
     """Write how a tree moves and accelerates under forces, and the factors of its mass matrix.
 

@@ -8,11 +8,13 @@ largest number of the matrix. What is left is mostly theirs.
 
 Then of one derivative of the rates, in contact, of case 3, the slider-crank and the 4UPS-UPU, in loops:
 its time along one displacement, ten and all, over that of the rates themselves; put together from parts, and
-by differences of the whole.
+by differences of the whole. From parts also along ten displacements of case 3 that each
+have a number of the system and all of the state, as they are carried along a run, in contact and free.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 import sys
 import time
@@ -20,15 +22,20 @@ from collections.abc import Callable
 
 import numpy as np
 from bench_tools import Report
+from sensitivity import KEYS
 
-from antenna_pin import RunSettings, load_scenario
+from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import Workspace
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear import flow_of
 from antenna_pin.nonlinear.frames import Units
+from antenna_pin.nonlinear.near import Near
+from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.records import memory_records
+from antenna_pin.scenario import with_number
+from antenna_pin.sensitivity.parameters import parameters_of
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.stretches import stepper_of
 
@@ -89,6 +96,39 @@ def of_rates(report: Report, name: str) -> None:
             report.add(f"{name}, {label}: derivatives along {k}, over the rates", taken / rates)
 
 
+def of_numbers(report: Report) -> None:
+    """Measure one derivative of the rates along ten numbers of case 3, each with all of the state."""
+    scenario = load_scenario(
+        "bai2020", case="case3", overrides=COMPILED | {"clearance.elevation.geometry": "closed-form"}
+    )
+    parameters = parameters_of(scenario, KEYS, "bench")
+
+    def built(one, s):
+        return build_system(with_number(scenario, one.key, one.value + s * one.scale))
+
+    flow, start = flow_of(scenario)
+    builders = [functools.partial(built, one) for one in parameters]
+    numbers = Numbers(flow.system, builders, [one.key for one in parameters])
+    near = Near(flow.system, RunSettings(engine="compiled"), numbers)
+    units = Units.of(near.system)
+    tangents = near.tangents(units)
+    assert tangents is not None and near.follows(tangents, units)
+    way, rate, bristles, *_, own, _, clock = near.parts
+    ways = np.zeros((clock.stop, len(KEYS)))
+    shares = np.random.default_rng(1).normal(size=(bristles.stop, len(KEYS)))
+    ways[: bristles.stop] = 1e-3 * np.concatenate(units)[:, None] * shares
+    ways[own] = np.eye(len(KEYS))
+    steps = np.full(len(KEYS), 1e-4)
+    for touching in (0, 1):
+        while memory_records(start.memory)["touching"].sum() < touching:
+            start = flow.after(start, 1e-3)
+        near.workspace.memory[:] = memory_records(start.memory)
+        y = np.ascontiguousarray(start.y)
+        over = seconds(lambda y=y, time=start.time: near.rates(time, y))
+        taken = seconds(lambda y=y, time=start.time: tangents.rates(time, y, ways, steps))
+        report.add(f"parts: ten numbers, {touching} contacts, over the rates", taken / over)
+
+
 def main() -> int:
     """Measure all of it."""
     report = Report("tangent", __doc__ or "")
@@ -118,6 +158,7 @@ def main() -> int:
         report.add(f"{name}: apart", float(np.abs(ours - other).max() / np.abs(ours).max()))
     for name in ("bai2020 case3", "slider_crank", "chen2021"):
         of_rates(report, name)
+    of_numbers(report)
     return report.finish()
 
 

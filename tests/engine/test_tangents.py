@@ -28,12 +28,15 @@ def built(model, case, **overrides):
     return build_system(load_scenario(model, case=case, overrides=overrides))
 
 
-def press(field, y, joint, rng):
+def press(field, y, joint, rng, tilt=1.0):
     """Take a journal from its middle along no axis into the wall; say what touches."""
     system, workspace = field.system, field.workspace
     own = system.mechanism.joint(joint.name).v
     first = system.contact_names.index(joint.contact_names[0])
     direction = rng.normal(size=own.stop - own.start) * field.units.way[own]
+    direction[3:] *= tilt
+    if hasattr(joint.geometry, "slider_length"):
+        direction[0] *= 0.01  # not out of its guide, along x
     for size in np.geomspace(0.3, 300.0, 200):
         there, way = y.copy(), np.zeros(system.model.nv)
         way[own] = size * direction
@@ -47,7 +50,7 @@ def press(field, y, joint, rng):
     raise AssertionError(f"{joint.name} never touches")
 
 
-def anywhere(system, seed):
+def anywhere(system, seed, tilt=1.0):
     """Return a field, and a state in which everything moves and all joints with play touch."""
     field, rng = Field(system, RunSettings(engine="compiled")), np.random.default_rng(seed)
     nq, nv, units = system.model.nq, system.model.nv, field.units
@@ -59,16 +62,16 @@ def anywhere(system, seed):
     memory = field.workspace.memory
     memory["approach_speed"], memory["effective_mass"] = 0.05, 1.3
     for joint, own in zip(system.clearances, with_play, strict=True):
-        press(field, y, joint, rng)
+        press(field, y, joint, rng, tilt)
         y[nq:][own] = 3.0 * rng.normal(size=own.stop - own.start) * units.rate[own]
     y[nq + nv + field.bristles] = 0.01 * rng.normal(size=len(field.bristles)) * units.bristle
     system.turn_on(y)
     return field, y
 
 
-def judge(system, seed):
+def judge(system, seed, tilt=1.0):
     """Compare both kinds of derivatives in a state; return the largest deviation over what is asked."""
-    field, y = anywhere(system, seed)
+    field, y = anywhere(system, seed, tilt)
     ways = ways_of(field)
     units = np.concatenate(field.units)
     stepper = field._stepper
@@ -111,10 +114,61 @@ def test_elements_change_as_the_whole_does(number, monkeypatch):
     assert judge(system, number) < 1.0
 
 
-def test_a_flange_pressed_flat_changes_as_the_whole_does():
+@pytest.mark.parametrize("radius", ["14 mm", "11 mm"], ids=["covers", "within"])
+@pytest.mark.parametrize("seed", [3, 5])
+def test_a_flange_pressed_flat_changes_as_the_whole_does(radius, seed):
     """Its force's point goes with tilt over depth, which both are small."""
-    system = built("impact_pair", "flange", **{"clearance.bore.geometry": "closed-form"})
-    assert judge(system, 3) < 1.0
+    system = built(
+        "impact_pair",
+        "flange",
+        **{"clearance.bore.geometry": "closed-form", "clearance.bore.flange_radius": radius},
+    )
+    field, y = anywhere(system, seed, tilt=0.02)
+    field._stepper.rates(TIME, y)
+    assert field._stepper.numbers.own["arm"].any()  # the annulus presses as a whole
+    assert judge(system, seed, tilt=0.02) < 1.0
+
+
+def test_a_drive_at_a_joint_with_play_changes_as_the_whole_does():
+    """It sees the joint's angle, and turns about an axis that the parts carry along."""
+    closed = {"clearance.elevation.geometry": "closed-form"}
+    assert judge(built("bai2020", "case3", **closed, **HEAVY), 1) < 1.0
+
+
+HEAVY = {
+    "mechanism.links.shaft2.mass": 3.0,
+    "mechanism.links.shaft2.inertia": [0.02, 0.03, 0.04, 0.001, 0.002, 0.003],
+    "mechanism.links.shaft2.centre_of_mass": [0.1, 0.02, -0.03],
+    "mechanism.joints.azimuth.origin_xyz": [0.1, 0.2, 0.3],
+    "mechanism.joints.azimuth.origin_rpy": [0.1, 0.2, 0.3],
+    "mechanism.joints.elevation.origin_rpy": [0.3, 0.1, 0.2],
+    "springs.elevation": {"kind": "spring", "stiffness": 30.0, "rest_angle": 0.3, "damping": 0.2},
+    "forces.drag": {
+        "kind": "force",
+        "at": {"link": "shaft2", "point": [0.1, 0.2, 0.3]},
+        "force": [3.0, 0.0, 1.0],
+    },
+}
+ROD = {
+    "model": "cylindrical",
+    "bearing_radius": "10 mm",
+    "radial_clearance": "0.1 mm",
+    "slider_length": "50 mm",
+    "guide_length": "40 mm",
+    "geometry": "closed-form",
+    "journal_material": "steel",
+    "bearing_material": "steel",
+}
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [{}, {"clearance.slide.guide_length": "90 mm"}, {"clearance.slide": ROD}],
+    ids=["walls", "edges", "rod"],
+)
+def test_a_slider_changes_as_the_whole_does(overrides):
+    """On walls without end, whose changes have a closed form, and at ends of slider or guide."""
+    assert judge(built("slider", "rest", **overrides), 1) < 1.0
 
 
 def test_a_force_changes_by_its_exponent_over_any_depth():
@@ -168,20 +222,6 @@ def test_both_engines_have_the_same_derivatives():
     assert np.array_equal(*found)
 
 
-HEAVY = {
-    "mechanism.links.shaft2.mass": 3.0,
-    "mechanism.links.shaft2.inertia": [0.02, 0.03, 0.04, 0.001, 0.002, 0.003],
-    "mechanism.links.shaft2.centre_of_mass": [0.1, 0.02, -0.03],
-    "mechanism.joints.azimuth.origin_xyz": [0.1, 0.2, 0.3],
-    "mechanism.joints.azimuth.origin_rpy": [0.1, 0.2, 0.3],
-    "mechanism.joints.elevation.origin_rpy": [0.3, 0.1, 0.2],
-    "springs.elevation": {"kind": "spring", "stiffness": 30.0, "rest_angle": 0.3, "damping": 0.2},
-    "forces.drag": {
-        "kind": "force",
-        "at": {"link": "shaft2", "point": [0.1, 0.2, 0.3]},
-        "force": [3.0, 0.0, 1.0],
-    },
-}
 NUMBERS = [
     "clearance.elevation.radial_clearance",
     "clearance.elevation.bearing_radius",
