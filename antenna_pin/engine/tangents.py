@@ -188,7 +188,7 @@ def _places(numbers: Numbers) -> NDArray[np.void]:
     bodies = len(numbers.tree) + 1
     if not len(numbers.plan):
         return np.zeros(bodies, PLACE)
-    return numbers.held[: bodies * words_of(PLACE)].view(PLACE)
+    return np.asarray(numbers.held[: bodies * words_of(PLACE)].view(PLACE))
 
 
 def _row_room(system: System, nv: int, kinds: int) -> RowRoom:

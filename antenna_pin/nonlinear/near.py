@@ -109,8 +109,8 @@ class Near:
         """Let derivatives know the system's numbers and what elements keep; return whether they can."""
         own, numbers = self.stepper.numbers, self.numbers
         tree = own.tree.view(np.float64).reshape(-1)
-        sizes = len(own.program), len(tree), len(own.plan), 3
-        found = tuple(np.zeros((0, size)) for size in sizes)
+        program, flat, plan = (np.zeros((0, len(one))) for one in (own.program, tree, own.plan))
+        found = program, flat, plan, np.zeros((0, 3))
         if numbers is not None:
             found = numbers.program, numbers.tree, numbers.plan, numbers.gravity
         kept = self.kept.words, self.kept.units(units.way, units.rate)
