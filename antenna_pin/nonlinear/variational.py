@@ -285,7 +285,6 @@ class Carrier:
         start, end = (self._time, self._within.size, self._at(piece.a)), self._at(piece.b)
         if self.field.lets_go(self._time + piece.b * self._within.size, end):
             return None
-        # Of constraints displacements are those where the piece begins.
         lift = self.field.lift(carried.frame, self._time + piece.a * self._within.size, start[2])
         found = self.stages.over(piece, start, lift, carried, _BY_STAGES * self._good)
         if found is None and piece.halvings > HALVINGS - _TRIES:
