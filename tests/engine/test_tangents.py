@@ -198,14 +198,16 @@ def test_a_force_changes_by_its_exponent_over_any_depth():
 
 
 def test_what_is_not_put_together_from_parts():
-    """Closures, gaps of coal and loads that are shared out are left to differences of the whole."""
+    """Friction by load, gaps of coal and loads that are shared out are left to differences of the whole."""
     closed = {"clearance.elevation.geometry": "closed-form"}
     assert Tangents.takes(built("bai2020", "case3", **closed))
     assert not Tangents.takes(built("bai2020", "case3", **{"clearance.elevation.geometry": "coal"}))
     assert not Tangents.takes(
         built("bai2020", "case3", **closed, **{"clearance.elevation.load": "distributed"})
     )
-    assert not Tangents.takes(built("slider_crank", "planar"))
+    friction = {"joint": "hinge", "coefficient": 0.1, "radius": 0.01}
+    assert not Tangents.takes(built("pendulum", "ideal", **{"frictions.hinge": friction}))
+    assert Tangents.takes(built("slider_crank", "planar", **{"clearance.pin.geometry": "closed-form"}))
 
 
 def test_both_engines_have_the_same_derivatives():

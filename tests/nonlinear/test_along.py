@@ -99,5 +99,5 @@ def test_a_closed_loop_by_stages(monkeypatch):
     assert by_stages.stages.made > 10 * by_stages.matrices
     monkeypatch.setattr(Field, "carrying", lambda _: None)
     one, other = by_stages.carried.matrix, carried(flow, start, 1.2e-3).carried.matrix
-    # Both in doubt by 3e-6 of a coordinate, beside derivatives of some 1e3.
+    # Either says it is in doubt by some 1e-6, beside derivatives of up to 457.
     assert np.abs(one - other).max() < 1e-8 * np.abs(other).max()
