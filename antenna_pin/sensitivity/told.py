@@ -233,7 +233,7 @@ def growth_said(found: Sensitivities, share: float = 0.01) -> str:
     )
     if first.believed <= float(found.data["time"].values[0]):
         return (
-            f"{grown}not known to {share:.0%} at all (over {first.key}): little changes, or all is in doubt"
+            f"{grown}not known to {share:.0%} at all (over {first.key}): all may be in doubt"
         )
     if first.believed == math.inf:
         return f"{grown}known to {share:.0%} to the end"
