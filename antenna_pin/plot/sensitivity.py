@@ -108,4 +108,4 @@ def _over_time(axes: Axes, sensitivity: xr.Dataset, curve: int, order: np.ndarra
     axes.axhline(0.0, color="#999999", linewidth=0.6, zorder=0.8)
     axes.set_xlabel("time [s]")
     axes.set_ylabel(f"change per 1 % [{sensitivity['curve_unit'].values[curve]}]")
-    few_ticks(axes, x=4)  # beside long names of results little room is left
+    few_ticks(axes, x=3)  # beside long names of results little room is left

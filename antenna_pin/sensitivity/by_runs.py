@@ -40,7 +40,8 @@ _OF_THE_RUN = ("energy_error",)
 # How many of its tolerances a run is off by, about.
 _TOLERANCES = 10.0
 # A force's largest value is located by its values alone: to the root of round-off, over how long it lasts.
-_LOCATED = 1.5e-8
+# Weights of differences come to twice that.
+_LOCATED = 3e-8
 # Where a run has samples that are asked for: how near [ulp of the last].
 _ULPS = 4.0
 

@@ -232,7 +232,7 @@ def growth_said(found: Sensitivities, share: float = 0.01) -> str:
         else (f"derivatives of velocities go like exp({fastest.exponent:.3g}/s t) (over {fastest.key}), ")
     )
     if first.believed <= float(found.data["time"].values[0]):
-        return f"{grown}not known to {share:.0%} (over {first.key}): little changes, or all is in doubt"
+        return f"{grown}not known to {share:.0%} at all (over {first.key}): all may be in doubt"
     if first.believed == math.inf:
         return f"{grown}known to {share:.0%} to the end"
     return f"{grown}known to {share:.0%} up to {first.believed:.6g} s (over {first.key}); then take pieces"

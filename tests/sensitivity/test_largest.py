@@ -39,7 +39,8 @@ def test_an_elastic_impact_is_hardest_where_it_is_deepest():
 def test_a_joint_turns_fastest_where_a_contact_pushes_most():
     """A bar's acceleration is largest at its blow's own instant, in neighbours at theirs: as runs say."""
     bar = load_scenario("pendulum", case="planar", overrides=CLOSED)
-    keys = ["clearance.hinge.radial_clearance", "clearance.hinge.normal.restitution"]
+    law = "clearance.hinge.normal.restitution"
+    keys = ["clearance.hinge.radial_clearance", law, "mechanism.gravity[2]"]
     runs, equation = (sensitivities(bar, keys, [6e-3], method=one) for one in ("runs", "equation"))
     data = equation.run.data
     at = int(np.argmax(np.abs(data["motion_acceleration"].values[:, 0])))
@@ -47,7 +48,8 @@ def test_a_joint_turns_fastest_where_a_contact_pushes_most():
     scales = np.array([one.scale for one in equation.parameters])
     for name in ("peak_acceleration", "peak_time"):
         off = np.abs(equation.relative(name) - runs.relative(name))
-        assert (off <= (runs.doubt(name) + equation.doubt(name)) * scales).all()
+        ours = equation.doubt(name) * (name != "peak_time")  # which says what quick runs say otherwise
+        assert (off <= (runs.doubt(name) + ours) * scales).all()
         # Of instants runs say no more: 1.5e-8 of 0.3 ms over a step of a thousandth.
         size = 3e-4 if name == "peak_time" else np.abs(runs.relative(name)).max()
         assert off.max() < (3e-5 if name == "peak_time" else 1e-6) * size
