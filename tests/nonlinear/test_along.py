@@ -34,7 +34,7 @@ def test_an_impact_by_stages_is_one_by_matrices(monkeypatch):
 
 
 def test_matrices_see_that_a_force_begins_with_a_root_in_a_shallow_contact(monkeypatch):
-    """F' goes with the root of depth there: before a release a rule of four nodes is off by 6e-5 of its change."""
+    """F' goes with the root of depth there: a rule of four nodes is off by 6e-5 before a release."""
     flow, start = pair("law = 'marhefka-orin', slope = 0.5")
     by_stages = carried(flow, start, 1.9e-3)
     monkeypatch.setattr(Field, "carrying", lambda _: None)
