@@ -12,7 +12,7 @@ from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, bristle_force
 from antenna_pin.contact.kernels import NORMAL_SIZE
 from antenna_pin.geometry.kernels import FLANGE
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, judge, keep, settle
 from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.kernels import contact_motion
@@ -106,7 +106,7 @@ def _geometry_apart(p: Any, b: int, step: float, room: Any) -> float:
         if room.numbers.memory[j.row + k].touching != 0.0:
             at, trial = FIRST + k * LOOKED, room.trial
             for first, last in ((GAP, NORMAL), (NORMAL, POINT), (POINT, RATE), (RATE, TWIRL)):
-                worst = max(worst, judge(trial, room.looked, step, at + first, at + last))
+                worst = max(worst, judge(trial, room.looked, step, (at + first, at + last)))
     return worst
 
 
@@ -129,8 +129,8 @@ def differentiate_geometry(p: Any, b: int, f: int, y: Any, way: Any, room: Any, 
             _look_at_joint(p, b, room)
             add(room.looked, count, place, step, room.weights, room.trial)
         off = _geometry_apart(p, b, step, room)
-        best = keep(room.trial, count, off, best, out)
-        if not goes_on(off, best):
+        best, goes_on = keep(room.trial, (0, count), off, best, out)
+        if not goes_on:
             break
         step /= FINER
     displace_joint(f, y, 0.0, way, room)
@@ -149,8 +149,8 @@ def differentiate_geometry_over(p: Any, b: int, m: int, room: Any, out: Any) -> 
             _look_at_joint(p, b, room)
             add(room.looked, count, place, step, room.weights, room.trial)
         off = _geometry_apart(p, b, step, room)
-        best = keep(room.trial, count, off, best, out)
-        if not goes_on(off, best):
+        best, goes_on = keep(room.trial, (0, count), off, best, out)
+        if not goes_on:
             break
         step /= FINER
     put_back_words(p, words, m)
@@ -215,17 +215,16 @@ def differentiate_laws(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: 
         ):
             clear(room.laws[k, i], said)
             continue
-        here, step, best = room.asked[i], _first_step(p, b, k, i, room), -1.0
+        here, step, one, other = room.asked[i], _first_step(p, b, k, i, room), BEGIN, BEGIN
         for _ in range(OFTEN):
             clear(room.trial, said)
             for place in range(-points, points + 1):
                 room.asked[i] = here + place * step
                 _say(p, b, k, room)
                 add(room.said, said, place, step, room.weights, room.trial)
-            off = judge(room.trial, room.said, step, 0, V_BRISTLE)
-            off = max(off, judge(room.trial, room.said, step, V_BRISTLE, said))
-            best = keep(room.trial, said, off, best, room.laws[k, i])
-            if not goes_on(off, best):
+            one = settle(room.trial, room.said, step, (0, V_BRISTLE), one, room.laws[k, i])
+            other = settle(room.trial, room.said, step, (V_BRISTLE, said), other, room.laws[k, i])
+            if not (one[1] or other[1]):
                 break
             step /= FINER
         room.asked[i] = here
@@ -238,7 +237,7 @@ def differentiate_laws_over(p: Any, b: int, k: int, m: int, room: Any, out: Any)
     They are asked with what :func:`differentiate_laws` has left.
     """
     words, said = room.shifts.program, V_BRISTLE + joint_at(p, b).stride - BRISTLES
-    step, best, points = room.shifts.steps[m], -1.0, room.weights.shape[1]
+    step, points, one, other = room.shifts.steps[m], room.weights.shape[1], BEGIN, BEGIN
     note_words(p, words, m)
     for _ in range(OFTEN):
         clear(room.trial, said)
@@ -246,10 +245,9 @@ def differentiate_laws_over(p: Any, b: int, k: int, m: int, room: Any, out: Any)
             displace_words(p, words, m, place * step)
             _say(p, b, k, room)
             add(room.said, said, place, step, room.weights, room.trial)
-        off = judge(room.trial, room.said, step, 0, V_BRISTLE)
-        off = max(off, judge(room.trial, room.said, step, V_BRISTLE, said))
-        best = keep(room.trial, said, off, best, out)
-        if not goes_on(off, best):
+        one = settle(room.trial, room.said, step, (0, V_BRISTLE), one, out)
+        other = settle(room.trial, room.said, step, (V_BRISTLE, said), other, out)
+        if not (one[1] or other[1]):
             break
         step /= FINER
     put_back_words(p, words, m)
