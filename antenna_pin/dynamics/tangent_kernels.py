@@ -12,7 +12,7 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import element_forces
 from antenna_pin.dynamics.link_kernels import add_forces
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
 from antenna_pin.integrate.manifold_kernels import factor_of, move_by_velocity, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
@@ -40,8 +40,8 @@ _OWN = 1e-3
 
 
 @inlined
-def _act(part: Any, t: float, room: Any) -> int:
-    """Write what an element does in ``room.state`` to ``room.looked``; return how many numbers that is."""
+def _act(part: Any, t: float, room: Any) -> None:
+    """Write what an element does in ``room.state`` to ``room.looked``."""
     tau, rates, out = room.tau, room.rates, room.looked
     nv = tau.shape[0]
     for s in range(2):
@@ -56,7 +56,6 @@ def _act(part: Any, t: float, room: Any) -> int:
     for x in range(part.x, part.x_end):
         out[count] = rates[nv + x]
         count += 1
-    return count
 
 
 @inlined
@@ -83,25 +82,24 @@ def _move(part: Any, kind: int, s: int, n: int, y: Any, h: float, room: Any) -> 
 
 
 @kernel
-def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: Any) -> int:
-    """Write the derivatives of what an element does over one number to ``room.column``; return how many."""
+def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: Any) -> None:
+    """Write the derivatives of what an element does over one number to ``room.column``."""
     kind, s, n = about
-    best, count, forces, points = -1.0, 0, part.freedoms[0] + part.freedoms[1], room.weights.shape[1]
-    whole = forces + part.x_end - part.x
+    trial, looked, points = room.trial, room.looked, room.weights.shape[1]
+    forces = part.freedoms[0] + part.freedoms[1]
+    whole, one, other = forces + part.x_end - part.x, BEGIN, BEGIN
     for _ in range(OFTEN):
-        clear(room.trial, whole)
+        clear(trial, whole)
         for place in range(-points, points + 1):
             _move(part, kind, s, n, y, place * step, room)
-            count = _act(part, t + place * step if kind == 3 else t, room)
-            add(room.looked, count, place, step, room.weights, room.trial)
-        off = judge(room.trial, room.looked, step, 0, forces)
-        off = max(off, judge(room.trial, room.looked, step, forces, whole))
-        best = keep(room.trial, whole, off, best, room.column)
-        if not goes_on(off, best):
+            _act(part, t + place * step if kind == 3 else t, room)
+            add(looked, whole, place, step, room.weights, trial)
+        one = settle(trial, looked, step, (0, forces), one, room.column)
+        other = settle(trial, looked, step, (forces, whole), other, room.column)
+        if not (one[1] or other[1]):
             break
         step /= FINER
     _move(part, kind, s, n, y, 0.0, room)
-    return int(whole)
 
 
 @kernel
@@ -239,7 +237,7 @@ def _differentiate_links(t: float, y: Any, way: Any, m: int, step: float, room: 
     They are along a displacement if m is below 0, else over number m of the system.
     """
     numbers, shifts, trial, looked = room.numbers, room.shifts, room.trial, room.looked
-    nv, best = room.tau.shape[0], -1.0
+    nv, one, other = room.tau.shape[0], BEGIN, BEGIN
     whole, points = _pulls(room), room.weights.shape[1]
     for _ in range(OFTEN):
         clear(trial, whole)
@@ -253,9 +251,9 @@ def _differentiate_links(t: float, y: Any, way: Any, m: int, step: float, room: 
                 displace_words(shifts.flat, shifts.tree, m, h)
                 _pull(t, room)
             add(looked, whole, place, step, room.weights, trial)
-        off = max(judge(trial, looked, step, 0, nv), judge(trial, looked, step, nv, whole))
-        best = keep(trial, whole, off, best, room.column)
-        if not goes_on(off, best):
+        one = settle(trial, looked, step, (0, nv), one, room.column)
+        other = settle(trial, looked, step, (nv, whole), other, room.column)
+        if not (one[1] or other[1]):
             break
         step /= FINER
 

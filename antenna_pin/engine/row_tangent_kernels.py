@@ -30,7 +30,7 @@ from antenna_pin.constraints.tangent_kernels import (
 )
 from antenna_pin.elements import kernels as elements
 from antenna_pin.elements.ledger_kernels import write_work_change
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tangent_kernels import read_bodies
@@ -97,7 +97,7 @@ def _differentiate_motions(t: float, m: int, step: float, room: Any, out: Any) -
     """Write the derivatives of motions' accelerations over number m, or over time (-1), (kinds, motions)."""
     numbers, rows, words = room.numbers, room.rows, room.shifts.program
     plan, program = numbers.plan, numbers.program
-    count, best, points = plan_of(plan).motions, -1.0, room.weights.shape[1]
+    count, found, points = plan_of(plan).motions, BEGIN, room.weights.shape[1]
     if m >= 0:
         note_words(program, words, m)
     for _ in range(OFTEN):
@@ -110,9 +110,8 @@ def _differentiate_motions(t: float, m: int, step: float, room: Any, out: Any) -
                 own = driven_at(plan, k)
                 _, _, rows.wanted[k] = elements.motion(own.kind, program, own.words, t if m >= 0 else t + h)
             add(rows.wanted, count, place, step, room.weights, rows.trial)
-        off = judge(rows.trial, rows.wanted, step, 0, count)
-        best = keep(rows.trial, count, off, best, out)
-        if not goes_on(off, best):
+        found = settle(rows.trial, rows.wanted, step, (0, count), found, out)
+        if not found[1]:
             break
         step /= FINER
     if m >= 0:

@@ -1,8 +1,8 @@
 """Central differences of two orders whose step is made finer while the orders disagree, compiled.
 
 Who wants the derivative of something along one direction begins with :func:`clear`, adds what it is on the
-spot and at each neighbour (:func:`add`), and asks :func:`judge` and :func:`keep` whether that will do. A
-trial has a row for each kind of differences, the finest order first, and one for how the function bends.
+spot and at each neighbour (:func:`add`), and has its parts settled (:func:`settle`). A trial has a row for
+each kind of differences, the finest order first, and one for how the function bends.
 
 Where a kink is much nearer than their step, central differences of all orders agree on the middle of two
 derivatives: they part by as small a part of the jump as that distance is of the step, and by more the finer
@@ -18,14 +18,15 @@ import numpy as np
 
 from antenna_pin._compile import inlined
 
-#: How often a step is made finer at most, and by how much.
-OFTEN, FINER = 8, 8.0
+#: How often a step is made finer at most, and by how much; and with what a part begins to be settled.
+OFTEN, FINER, BEGIN = 8, 8.0, (-1.0, True)
 #: Difference of the orders over the derivative that is good enough.
 _GOOD = 1e-10
 _UNSURE = 16.0 * float(np.finfo(float).eps)
 # By how much more the orders may differ with a finer step where one yet finer is worth trying: next to a jump
 # they differ by the same share of the derivative until it is straddled no more.
 _NO_BETTER = 2.0
+_LEAST = 1e-300  # what a derivative that is zero counts as
 # Of half the jump of a slope on the spot: of the value there, and of those at 1, 2 and 3 steps on both sides.
 # What a smooth function has of the second and fourth order goes (:mod:`antenna_pin.differences`).
 _BEND = np.array([-20.0, 15.0, -6.0, 1.0]) / 12.0
@@ -56,12 +57,13 @@ def add(values: Any, count: int, place: int, step: float, weights: Any, trial: A
 
 
 @inlined
-def judge(trial: Any, values: Any, step: float, first: int, last: int) -> float:
-    """Return by how much two orders differ in ``first <= i < last``, over the largest derivative there.
+def judge(trial: Any, values: Any, step: float, part: Any) -> float:
+    """Return by how much two orders differ in a part of the values, over the largest derivative there.
 
     Where the function bends by more than that, the second order becomes what differs by the bend. What the
     round-off of values makes of it does not count: it is all there is where a derivative is zero.
     """
+    first, last = part
     largest, off, size, bends = 0.0, 0.0, 0.0, trial.shape[0] - 1
     for i in range(first, last):
         size = max(size, abs(values[i]))
@@ -74,29 +76,51 @@ def judge(trial: Any, values: Any, step: float, first: int, last: int) -> float:
             apart = bend
         off = max(off, apart)
     off -= noise
-    return off / max(largest, off) if off > 0.0 else 0.0
+    return off / max(largest, _LEAST) if off > 0.0 else 0.0
 
 
 @inlined
-def keep(trial: Any, count: int, off: float, best: float, out: Any) -> float:
-    """Keep a trial that is better than the best yet (below 0: none); return by how much orders now differ.
+def keep(trial: Any, part: Any, off: float, best: float, out: Any) -> tuple[float, bool]:
+    """Keep a part of a trial if it is better than the best yet (below 0: none).
 
     Args:
         trial: It, judged.
-        count: How many values it has.
+        part: First value, and the one behind the last.
         off: By how much its orders differ.
         best: By how much the orders of what is kept differ.
         out: To write to, (kinds, values).
+
+    Returns:
+        By how much they differ now, and whether a finer step is worth trying: none is good yet, and the last
+        was about as good as the best.
     """
-    if best >= 0.0 and not off < best:
-        return best
-    for kind in range(out.shape[0]):
-        for i in range(count):
-            out[kind, i] = trial[kind, i]
-    return off
+    first, last = part
+    if best < 0.0 or off < best:
+        best = off
+        for kind in range(out.shape[0]):
+            for i in range(first, last):
+                out[kind, i] = trial[kind, i]
+    return best, best > _GOOD and off <= _NO_BETTER * best
 
 
 @inlined
-def goes_on(off: float, best: float) -> bool:
-    """Whether a finer step is worth trying: none is good yet, and the last was about as good as the best."""
-    return best > _GOOD and off <= _NO_BETTER * best
+def settle(trial: Any, values: Any, step: float, part: Any, so_far: Any, out: Any) -> tuple[float, bool]:
+    """Judge a part of a trial, and keep it, as long as finer steps are worth trying.
+
+    Parts are settled by themselves: the round-off of one is no reason to take a finer step of another.
+
+    Args:
+        trial: It.
+        values: The last that was added.
+        step: Of the trial.
+        part: First value, and the one behind the last.
+        so_far: What the last trial has returned; :data:`BEGIN` before the first.
+        out: To write to, (kinds, values).
+
+    Returns:
+        As :func:`keep`.
+    """
+    best, goes_on = so_far
+    if not goes_on:
+        return best, goes_on
+    return keep(trial, part, judge(trial, values, step, part), best, out)

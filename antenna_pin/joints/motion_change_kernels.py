@@ -25,7 +25,7 @@ from antenna_pin.geometry.tangent_kernels import (
     contact_changes,
     has_closed_changes,
 )
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
+from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, judge, keep
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.layout_kernels import candidate_at, joint_at, primitive_of, revolute_of
@@ -230,11 +230,11 @@ def _differentiate_contact(p: Any, b: int, k: int, way: Any, room: Any) -> None:
             for i in range(3):
                 room.looked[NORMAL + i], room.looked[POINT + i] = row.normal[i], row.point[i]
             add(room.looked, CHANGED, place, step, room.weights, trial)
-        off = judge(trial, room.looked, step, GAP, NORMAL)
-        off = max(off, judge(trial, room.looked, step, NORMAL, POINT))
-        off = max(off, judge(trial, room.looked, step, POINT, CHANGED))
-        best = keep(trial, CHANGED, off, best, out)
-        if not goes_on(off, best):
+        off = judge(trial, room.looked, step, (GAP, NORMAL))
+        off = max(off, judge(trial, room.looked, step, (NORMAL, POINT)))
+        off = max(off, judge(trial, room.looked, step, (POINT, CHANGED)))
+        best, goes_on = keep(trial, (0, CHANGED), off, best, out)
+        if not goes_on:
             break
         step /= FINER
 

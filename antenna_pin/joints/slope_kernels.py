@@ -11,7 +11,7 @@ from typing import Any
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, bristle_force
 from antenna_pin.contact.kernels import NORMAL_SIZE
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
 from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at, normal_at
@@ -106,7 +106,7 @@ def _differentiate(p: Any, b: int, k: int, about: Any, step: float, room: Any, o
     """
     i, m = about
     words, said, asked = room.shifts.program, V_BRISTLE + joint_at(p, b).stride - BRISTLES, room.asked
-    here, best, points = asked[max(i, 0)], -1.0, room.weights.shape[1]
+    here, points, one, other = asked[max(i, 0)], room.weights.shape[1], BEGIN, BEGIN
     if i < 0:
         note_words(p, words, m)
     for _ in range(OFTEN):
@@ -118,10 +118,9 @@ def _differentiate(p: Any, b: int, k: int, about: Any, step: float, room: Any, o
                 asked[i] = here + place * step
             _say(p, b, k, room)
             add(room.said, said, place, step, room.weights, room.trial)
-        off = judge(room.trial, room.said, step, 0, V_BRISTLE)
-        off = max(off, judge(room.trial, room.said, step, V_BRISTLE, said))
-        best = keep(room.trial, said, off, best, out)
-        if not goes_on(off, best):
+        one = settle(room.trial, room.said, step, (0, V_BRISTLE), one, out)
+        other = settle(room.trial, room.said, step, (V_BRISTLE, said), other, out)
+        if not (one[1] or other[1]):
             break
         step /= FINER
     if i < 0:

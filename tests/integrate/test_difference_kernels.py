@@ -6,23 +6,22 @@ import numpy as np
 import pytest
 
 from antenna_pin.differences import WEIGHTS
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, goes_on, judge, keep
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
 
 FIRST = 1e-3
 
 
 def derivative(function, first=FIRST):
     """Return the derivative of a number's function at zero by both orders, and in how many trials."""
-    trial, out, best, step, trials = np.zeros((3, 1)), np.zeros((2, 1)), -1.0, first, 0
+    trial, out, so_far, step, trials = np.zeros((3, 1)), np.zeros((2, 1)), BEGIN, first, 0
     for _ in range(OFTEN):
         trials += 1
         clear(trial, 1)
         for place in range(-3, 4):
             values = np.array([function(place * step)])
             add(values, 1, place, step, WEIGHTS, trial)
-        off = judge(trial, values, step, 0, 1)
-        best = keep(trial, 1, off, best, out)
-        if not goes_on(off, best):
+        so_far = settle(trial, values, step, (0, 1), so_far, out)
+        if not so_far[1]:
             break
         step /= FINER
     return out[0, 0], out[1, 0], trials
