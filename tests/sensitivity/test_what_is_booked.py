@@ -151,13 +151,11 @@ def test_an_impulse_of_a_force_that_begins_at_once():
         "impact_pair", case="planar", overrides=[f"{key}={one}" for key, one in changes.items()]
     )
     play = "clearance.bore.radial_clearance"
-    found = sensitivities(pair, [play], [2e-3], method="equation")
-    impulse = found.run.data["impulse"].values[0]
-    # Of play alone: over the impulse and a play, round-off of the radii over steps of differences, 1e-8 each.
+    found = sensitivities(pair, [play], [2.5e-3], method="equation")
+    # Over a play: round-off of the radii, 2e-18 m, over steps of differences of 1e-10 m.
     for name in ("impulse", "dissipated"):
         size = abs(float(found.run.data[name].values[0]))
         assert size > 0.0 and abs(found.relative(name)[0, 0]) < 1e-7 * size
-    assert impulse > 0.0
 
 
 def test_a_piece_is_a_run_from_its_start():
