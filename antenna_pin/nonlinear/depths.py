@@ -51,7 +51,7 @@ class Depths:
             y: State.
             ways: By columns, (displacement, k).
         """
-        return self.of_orders(function, time, y, ways, self.steps(ways))[0]
+        return np.asarray(self.of_orders(function, time, y, ways, self.steps(ways))[0])
 
     def steps(self, ways: Array) -> Array:
         """Return the steps of such differences, (k,)."""
