@@ -92,7 +92,7 @@ def _more(
             "play": 0.1 * way,
         }
         return {"gears.more": teeth}, ("gears.more.stiffness",)
-    motion = {"joint": joint, "kind": "motion", "rate": rate, "initial": place}
+    motion = {"joint": joint, "kind": "motion", "rate": rate, "position": place}
     return {f"drives.drive_{joint}": motion | {"replace": True}}, ()
 
 
