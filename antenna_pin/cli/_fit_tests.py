@@ -93,7 +93,7 @@ def identify(
                 )
             head = ["", "value", "to expect (95 %)", "others known", "times wider"]
             print_rows("what the records can tell of it", head, rows)
-            for text in found.together:
+            for text in (*problem.notes, *found.together):
                 say(text)
             for name in found.poor:
                 say(f"{name}: to no better than its own size")

@@ -69,7 +69,6 @@ class Problem:
         self.plan = plan
         self._prepared: Prepared = prepared(plan)
         self.laboratory = laboratory or Laboratory()
-        self.laboratory.take(plan, self._prepared.rigs)
         self.unknowns = Unknowns.of(plan, sum(self._prepared.sizes_of_states()))
         self.states = np.zeros(self.unknowns.states)
         specs = list(plan.parameters.values())
@@ -87,6 +86,7 @@ class Problem:
                 self._runs.append(_Run(r, k if rig.pieces else -1, first, size))
                 first += size
         self._check_times()
+        self.laboratory.take(plan, self._prepared.rigs)  # which begins a notebook: not for what is refused
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -87,21 +87,39 @@ def test_both_make_the_same_of_a_noise_to_a_hundred_thousandth_of_bands(tmp_path
     np.testing.assert_allclose(bands[0], bands[1], rtol=1e-5)
 
 
-@pytest.mark.slow
-def test_a_piece_that_starts_in_the_wall_touches_it_there():
-    """Noise takes starts into the wall; how deep and how fast they are there moves all behind them."""
+@pytest.fixture
+def in_pieces():
+    """Return the hinge of the examples in pieces: noise takes starts of these into the wall."""
     settings = {"jacobian": "equation", "records.test.pieces.length": "4 ms", "difference_step": 1e-4}
-    problem = Problem(load_fit(EXAMPLES / "hinge.fit.toml", settings))
-    whole = np.concatenate([problem.start, problem.states])
-    (rig,) = problem._prepared.rigs
-    starts = [piece_start(rig.begun, one, np.zeros(6), bench_of(rig, (0.102e-3, 1.1e10, 0.75, 0.12)).system)
-              for one in rig.origins]  # fmt: skip
-    deep = [one for one in starts if np.hypot(*one.q[:2]) > 0.102e-3]
-    assert deep and all(one.memory[0, 0] == 1.0 and len(one.contacts) == 1 for one in deep)
-    assert all(one.memory[0, 0] == 0.0 and not one.contacts for one in starts if one not in deep)
-    found, why = problem._by_equation(whole)
+    return Problem(load_fit(EXAMPLES / "hinge.fit.toml", settings))
+
+
+def test_a_piece_that_starts_in_the_wall_touches_it(in_pieces):
+    (rig,) = in_pieces._prepared.rigs
+    system = bench_of(rig, tuple(in_pieces.start.tolist())).system
+    starts = [piece_start(rig.begun, one, np.zeros(6), system) for one in rig.origins]
+    deep = [np.hypot(*one.q[:2]) > in_pieces.start[0] for one in starts]
+    assert any(deep) and not all(deep)
+    for one, touches in zip(starts, deep, strict=True):
+        assert (one.memory[0, 0] == 1.0) == touches == (len(one.contacts) == 1)
+        if touches:  # in the plane the depth grows by the velocity along the eccentricity
+            approach = one.v[:2] @ turned(one.q[2:]).T @ one.q[:2] / np.hypot(*one.q[:2])
+            # Of a difference of velocities by way of poses.
+            assert one.memory[0, 1] == pytest.approx(approach, rel=1e-12)
+
+
+def turned(turn):
+    """Return the rotation of a body in the plane, (2, 2)."""
+    c, s = turn
+    return np.array([[c, -s], [s, c]])
+
+
+@pytest.mark.slow
+def test_how_deep_and_fast_a_piece_starts_in_the_wall_moves_all_behind_it(in_pieces):
+    found, why = in_pieces._by_equation(np.concatenate([in_pieces.start, in_pieces.states]))
     assert not why
-    runs = problem._by_runs(problem.unknowns.searched(whole))
+    whole = in_pieces.unknowns.searched(np.concatenate([in_pieces.start, in_pieces.states]))
+    runs = in_pieces._by_runs(whole)
     off = np.linalg.norm(found - runs, axis=0) / np.linalg.norm(runs, axis=0)
     # The error of differences: of the square of their step by parameters, of 1e-5 error scales by starts.
     assert off.max() < 3e-5

@@ -181,3 +181,11 @@ def test_a_servos_log_with_units_in_its_names_is_read(tmp_path):
     parts = {"record": 'time = "% Time s"', "column": 'column = "Present Position rad"'}
     problem = problem_of(tmp_path, f"{head}\n{rows}\n", "output.00.txt", **parts)
     np.testing.assert_array_equal(problem.predictions(problem.start)["data"], ANGLE)
+
+
+def test_a_fit_that_is_refused_leaves_nothing_on_the_disk(write, tmp_path):
+    """Else the same command, put right, is told of the unfinished part of another fit."""
+    with pytest.raises(AntennaPinError, match="must end with the run"):
+        run_fit(write(1e3 * TIME, {"angle": ANGLE}), tmp_path / "fit.nc")
+    assert not list(tmp_path.glob("fit.nc*"))
+    assert run_fit(write(), tmp_path / "fit.nc").converged
