@@ -7,10 +7,11 @@ import dataclasses
 import io
 import json
 import os
+import re
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ import pytest
 from hypothesis import settings
 
 from antenna_pin import System, Urdf, build_mechanism, simulate
-from antenna_pin.cli import app
+from antenna_pin.cli import _progress, app
 from antenna_pin.contact import Hertz
 from antenna_pin.geometry import PrismaticClearance
 from antenna_pin.joints import ClearanceJoint
@@ -33,6 +34,10 @@ sys.setrecursionlimit(max(sys.getrecursionlimit(), 10_000))
 # A shell has what it starts in the background ignore Ctrl-C, which many tests send to this process.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+# On a busy machine what takes a second takes ten, and a command says so; that has tests of its own.
+_progress._FIRST = 1e6  # [s]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -66,6 +71,12 @@ def cli(capsys, tmp_path, monkeypatch):
         return Said(ended.value.code or 0, *capsys.readouterr())
 
     return run
+
+
+@pytest.fixture(scope="session")
+def but_for_work() -> Callable[[str], str]:
+    """Return a function: what a command of its own process said, but for how long it has been at work."""
+    return lambda said: re.sub(r"^.*note: \w+ is at work, for .*\n", "", said, flags=re.MULTILINE)
 
 
 # --- a real browser, offline ---

@@ -43,6 +43,18 @@ def test_a_command_does_its_work_where_no_thread_can_be_had(monkeypatch):
     assert done
 
 
+def test_a_command_that_waits_for_its_user_is_not_at_work(monkeypatch):
+    """Of 0.1, 0.2 s of waiting nothing is said; of the work after it is."""
+    monkeypatch.setattr(_progress, "_FIRST", 0.1)
+    said = []
+    with _progress.said_at_work("explore", said.append):
+        with _progress.waiting_for_the_user():
+            time.sleep(0.3)
+            waited = len(said)
+        time.sleep(0.7)
+    assert waited == 0 < len(said)
+
+
 def test_a_command_that_is_quick_says_nothing():
     said = []
     with _progress.said_at_work("report", said.append):

@@ -49,7 +49,7 @@ def endless(tmp_path):
         made.append(process)
         os.close(theirs)
         said = b""  # its bar starts with its first step; before that a busy machine has it say that it works
-        while not re.sub(rb"note: run is at work.*", b"", said).strip():
+        while not re.sub(rb".*note: run is at work.*", b"", said).strip():
             said += os.read(ours, 1000)
         return process, ours
 

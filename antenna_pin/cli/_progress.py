@@ -82,6 +82,9 @@ def _ended(bar: Bar) -> Iterator[None]:
 #: Bars that are there, the innermost last.
 _bars: list[Bar] = []
 
+#: One for each wait for the user, during which a command is not at work.
+_waits: list[None] = []
+
 _FIRST = 10.0  # [s] after which a command says that it is at work; then after twice as long each time
 
 
@@ -99,7 +102,7 @@ def said_at_work(command: str, say: Callable[[str], None]) -> Iterator[None]:
         wait = _FIRST
         while not done.wait(began + wait - time.monotonic()):
             bar = _bars[-1] if _bars else None
-            if bar is None or not (bar.console.is_terminal and bar.live.is_started):
+            if not _waits and (bar is None or not (bar.console.is_terminal and bar.live.is_started)):
                 say(f"note: {command} is at work, for {lasting(wait)} so far{_how_far(bar)}")
             wait *= 2.0
 
@@ -110,6 +113,16 @@ def said_at_work(command: str, say: Callable[[str], None]) -> Iterator[None]:
         yield
     finally:
         done.set()
+
+
+@contextlib.contextmanager
+def waiting_for_the_user() -> Iterator[None]:
+    """Have a command that only waits for its user, as one that serves a page, not say that it is at work."""
+    _waits.append(None)
+    try:
+        yield
+    finally:
+        _waits.pop()
 
 
 def _how_far(bar: Bar | None) -> str:

@@ -9,6 +9,7 @@ import typer
 
 from antenna_pin.cli._common import CaseOption, ScenarioArgument, SetOption, load, say
 from antenna_pin.cli._opening import browser_for_pages
+from antenna_pin.cli._progress import waiting_for_the_user
 from antenna_pin.errors import MissingToolError
 
 
@@ -57,7 +58,8 @@ def explore(
         if opened is not None and not opened.open(exploration.url):
             raise MissingToolError("explore: a browser must start, got none; --no-browser prints the address")
         try:
-            exploration.wait()
+            with waiting_for_the_user():
+                exploration.wait()
         except KeyboardInterrupt:
             exploration.stop()
             say("ended")

@@ -162,7 +162,7 @@ RUN = ["run", "bai2020", "--case", "case3", "--duration", "1 ms", "--out", "shor
     ],
     ids=["help", "list", "info", "impacts", "info of a scenario", "info of loops", "run"],
 )
-def test_a_command_waits_for_what_it_needs_only(results, arguments, loaded):
+def test_a_command_waits_for_what_it_needs_only(results, arguments, loaded, but_for_work):
     code = (
         "import sys\n"
         "from antenna_pin._entry import main\n"
@@ -175,7 +175,7 @@ def test_a_command_waits_for_what_it_needs_only(results, arguments, loaded):
     for _ in range(2):  # the first may compile a kernel
         done = subprocess.run(command, cwd=results, capture_output=True, text=True, check=False)
     assert done.returncode == 0
-    assert done.stderr == "\n"
+    assert but_for_work(done.stderr) == "\n"
 
 
 @pytest.mark.parametrize("arguments", [["list"], ["contact", "list"], ["info", "--help"]])
