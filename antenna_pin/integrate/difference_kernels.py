@@ -26,7 +26,6 @@ _UNSURE = 16.0 * float(np.finfo(float).eps)
 # By how much more the orders may differ with a finer step where one yet finer is worth trying: next to a jump
 # they differ by the same share of the derivative until it is straddled no more.
 _NO_BETTER = 2.0
-_LEAST = 1e-300  # what a derivative that is zero counts as
 # Of half the jump of a slope on the spot: of the value there, and of those at 1, 2 and 3 steps on both sides.
 # What a smooth function has of the second and fourth order goes (:mod:`antenna_pin.differences`).
 _BEND = np.array([-20.0, 15.0, -6.0, 1.0]) / 12.0
@@ -76,7 +75,8 @@ def judge(trial: Any, values: Any, step: float, part: Any) -> float:
             apart = bend
         off = max(off, apart)
     off -= noise
-    return off / max(largest, _LEAST) if off > 0.0 else 0.0
+    # The middle of slopes may be none: what it is off by is no more than all of it.
+    return off / max(largest, off) if off > 0.0 else 0.0
 
 
 @inlined

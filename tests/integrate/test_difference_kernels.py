@@ -42,6 +42,14 @@ def test_the_slope_on_the_own_side_of_a_kink(away, side):
     assert sixth == pytest.approx(right, rel=1e-9 + 1e-17 / abs(place))
 
 
+@pytest.mark.parametrize("away", [0.81 / 8.0**k for k in range(6)])
+def test_a_step_at_which_differences_are_none_is_no_end(away):
+    """Of max(s - d, 0) they are zero at 0.81 d, on the way to steps that straddle it no more."""
+    sixth, other, trials = derivative(lambda s: 5.0 * max(s - away * FIRST, 0.0))
+    assert sixth == other == 0.0
+    assert trials < OFTEN
+
+
 @pytest.mark.parametrize("away", [0.0, 1e-12])
 def test_where_a_kink_is_nearer_than_any_step_the_orders_part_by_half_its_jump(away):
     """So that who uses the derivative knows that it is none."""
