@@ -46,10 +46,7 @@ class ChainRoom(NamedTuple):
 
 @inlined
 def _worst(good: float, scales: Any, room: Any) -> float:
-    """Return how well a step's displacements are known, over how well they must: at most 1 is well enough.
-
-    Where a contact that touches has no force they are not known: its law has a kink where that begins.
-    """
+    """Return how well a step's displacements are known, over how well they must: at most 1 is well enough."""
     worst = 0.0
     for d in range(room.few.shape[0]):
         total = 0.0
@@ -62,10 +59,6 @@ def _worst(good: float, scales: Any, room: Any) -> float:
                 return math.inf
             if most > 0.0:
                 worst = max(worst, room.sizes[kind, d] / most)
-    memory, own = room.tangent.numbers.memory, room.tangent.numbers.own
-    for c in range(memory.shape[0]):
-        if memory[c].touching != 0.0 and own[c].force == 0.0:
-            return math.inf
     return worst
 
 
@@ -143,8 +136,7 @@ def carry_chain(good: float, chain: Any) -> int:
         chain: The steps, and what to carry with; the rooms share their work rows.
 
     Returns:
-        Along how many: up to one in which they are not known well enough in any number of parts, or at whose
-        end a contact that touches has no force.
+        Along how many: up to one in which they are not known well enough in any number of parts.
     """
     room, parts = chain.room, 1
     for n in range(chain.times.shape[0]):
