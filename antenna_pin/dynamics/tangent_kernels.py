@@ -96,7 +96,7 @@ def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: A
             add(looked, whole, place, step, room.weights, trial)
         one = settle(trial, looked, step, (0, forces), one, room.column)
         other = settle(trial, looked, step, (forces, whole), other, room.column)
-        if not (one[1] or other[1]):
+        if not (one[2] or other[2]):
             break
         step /= FINER
     _move(part, kind, s, n, y, 0.0, room)
@@ -253,7 +253,7 @@ def _differentiate_links(t: float, y: Any, way: Any, m: int, step: float, room: 
             add(looked, whole, place, step, room.weights, trial)
         one = settle(trial, looked, step, (0, nv), one, room.column)
         other = settle(trial, looked, step, (nv, whole), other, room.column)
-        if not (one[1] or other[1]):
+        if not (one[2] or other[2]):
             break
         step /= FINER
 

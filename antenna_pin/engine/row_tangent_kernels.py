@@ -111,7 +111,7 @@ def _differentiate_motions(t: float, m: int, step: float, room: Any, out: Any) -
                 _, _, rows.wanted[k] = elements.motion(own.kind, program, own.words, t if m >= 0 else t + h)
             add(rows.wanted, count, place, step, room.weights, rows.trial)
         found = settle(rows.trial, rows.wanted, step, (0, count), found, out)
-        if not found[1]:
+        if not found[2]:
             break
         step /= FINER
     if m >= 0:

@@ -19,13 +19,14 @@ import numpy as np
 from antenna_pin._compile import inlined
 
 #: How often a step is made finer at most, and by how much; and with what a part begins to be settled.
-OFTEN, FINER, BEGIN = 8, 8.0, (-1.0, True)
+OFTEN, FINER, BEGIN = 8, 8.0, (-1.0, -1.0, True)
 #: Difference of the orders over the derivative that is good enough.
 _GOOD = 1e-10
 _UNSURE = 16.0 * float(np.finfo(float).eps)
 # By how much more the orders may differ with a finer step where one yet finer is worth trying: next to a jump
 # they differ by the same share of the derivative until it is straddled no more.
 _NO_BETTER = 2.0
+_LEAST = 1e-300  # what a derivative that is zero counts as
 # Of half the jump of a slope on the spot: of the value there, and of those at 1, 2 and 3 steps on both sides.
 # What a smooth function has of the second and fourth order goes (:mod:`antenna_pin.differences`).
 _BEND = np.array([-20.0, 15.0, -6.0, 1.0]) / 12.0
@@ -56,8 +57,8 @@ def add(values: Any, count: int, place: int, step: float, weights: Any, trial: A
 
 
 @inlined
-def judge(trial: Any, values: Any, step: float, part: Any) -> float:
-    """Return by how much two orders differ in a part of the values, over the largest derivative there.
+def _judge(trial: Any, values: Any, step: float, part: Any) -> tuple[float, float]:
+    """Return by how much two orders differ in a part of the values, and the largest derivative there.
 
     Where the function bends by more than that, the second order becomes what differs by the bend. What the
     round-off of values makes of it does not count: it is all there is where a derivative is zero.
@@ -74,40 +75,18 @@ def judge(trial: Any, values: Any, step: float, part: Any) -> float:
             trial[1, i] = trial[0, i] + bend
             apart = bend
         off = max(off, apart)
-    off -= noise
-    # The middle of slopes may be none: what it is off by is no more than all of it.
-    return off / max(largest, off) if off > 0.0 else 0.0
+    return max(off - noise, 0.0), largest
 
 
 @inlined
-def keep(trial: Any, part: Any, off: float, best: float, out: Any) -> tuple[float, bool]:
-    """Keep a part of a trial if it is better than the best yet (below 0: none).
+def settle(
+    trial: Any, values: Any, step: float, part: Any, so_far: Any, out: Any
+) -> tuple[float, float, bool]:
+    """Judge a part of a trial, and keep it if it is the best yet, as long as finer steps are worth trying.
 
-    Args:
-        trial: It, judged.
-        part: First value, and the one behind the last.
-        off: By how much its orders differ.
-        best: By how much the orders of what is kept differ.
-        out: To write to, (kinds, values).
-
-    Returns:
-        By how much they differ now, and whether a finer step is worth trying: none is good yet, and the last
-        was about as good as the best.
-    """
-    first, last = part
-    if best < 0.0 or off < best:
-        best = off
-        for kind in range(out.shape[0]):
-            for i in range(first, last):
-                out[kind, i] = trial[kind, i]
-    return best, best > _GOOD and off <= _NO_BETTER * best
-
-
-@inlined
-def settle(trial: Any, values: Any, step: float, part: Any, so_far: Any, out: Any) -> tuple[float, bool]:
-    """Judge a part of a trial, and keep it, as long as finer steps are worth trying.
-
-    Parts are settled by themselves: the round-off of one is no reason to take a finer step of another.
+    Parts are settled by themselves: the round-off of one is no reason to take a finer step of another. Next to
+    a kink a trial's derivative may be near zero by chance, and by how much orders differ is small beside
+    earlier trials but not as a share; next to a jump it grows with the derivative and is the same share.
 
     Args:
         trial: It.
@@ -118,9 +97,20 @@ def settle(trial: Any, values: Any, step: float, part: Any, so_far: Any, out: An
         out: To write to, (kinds, values).
 
     Returns:
-        As :func:`keep`.
+        By how much the orders of what is kept differ, over the largest derivative, by how much those of any
+        trial at least, and whether a finer step is worth trying: none is good yet, and the last was about as
+        good as the best.
     """
-    best, goes_on = so_far
+    share, least, goes_on = so_far
     if not goes_on:
-        return best, goes_on
-    return keep(trial, part, judge(trial, values, step, part), best, out)
+        return share, least, goes_on
+    off, largest = _judge(trial, values, step, part)
+    own, (first, last) = off / max(largest, _LEAST), part
+    if share < 0.0 or own < share:
+        share = own
+        for kind in range(out.shape[0]):
+            for i in range(first, last):
+                out[kind, i] = trial[kind, i]
+    least = off if least < 0.0 else min(off, least)
+    near = own <= _NO_BETTER * share or off <= _NO_BETTER * least
+    return share, least, share > _GOOD and near

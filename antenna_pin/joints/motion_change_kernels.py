@@ -25,7 +25,7 @@ from antenna_pin.geometry.tangent_kernels import (
     contact_changes,
     has_closed_changes,
 )
-from antenna_pin.integrate.difference_kernels import FINER, OFTEN, add, clear, judge, keep
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.layout_kernels import candidate_at, joint_at, primitive_of, revolute_of
@@ -216,7 +216,8 @@ def _displace(at: Any, h: float, room: Any) -> None:
 def _differentiate_contact(p: Any, b: int, k: int, way: Any, room: Any) -> None:
     """Write the differences of a contact's gap, normal and point along the change of pose and dimensions."""
     out, first, trial = room.change, candidate_at(b, k), room.trial
-    row, size, best = room.numbers.table[joint_at(p, b).row + k], _size(p, b, way, room), -1.0
+    row, size = room.numbers.table[joint_at(p, b).row + k], _size(p, b, way, room)
+    gap, normal, at = BEGIN, BEGIN, BEGIN
     if size == 0.0:
         clear(out, CHANGED)
         return
@@ -230,11 +231,10 @@ def _differentiate_contact(p: Any, b: int, k: int, way: Any, room: Any) -> None:
             for i in range(3):
                 room.looked[NORMAL + i], room.looked[POINT + i] = row.normal[i], row.point[i]
             add(room.looked, CHANGED, place, step, room.weights, trial)
-        off = judge(trial, room.looked, step, (GAP, NORMAL))
-        off = max(off, judge(trial, room.looked, step, (NORMAL, POINT)))
-        off = max(off, judge(trial, room.looked, step, (POINT, CHANGED)))
-        best, goes_on = keep(trial, (0, CHANGED), off, best, out)
-        if not goes_on:
+        gap = settle(trial, room.looked, step, (GAP, NORMAL), gap, out)
+        normal = settle(trial, room.looked, step, (NORMAL, POINT), normal, out)
+        at = settle(trial, room.looked, step, (POINT, CHANGED), at, out)
+        if not (gap[2] or normal[2] or at[2]):
             break
         step /= FINER
 

@@ -120,7 +120,7 @@ def _differentiate(p: Any, b: int, k: int, about: Any, step: float, room: Any, o
             add(room.said, said, place, step, room.weights, room.trial)
         one = settle(room.trial, room.said, step, (0, V_BRISTLE), one, out)
         other = settle(room.trial, room.said, step, (V_BRISTLE, said), other, out)
-        if not (one[1] or other[1]):
+        if not (one[2] or other[2]):
             break
         step /= FINER
     if i < 0:

@@ -74,7 +74,7 @@ class Happenings:
         def brought(t: float, state: Array) -> Array:
             return np.array([self._brought(one, base, t, state)])
 
-        return Happened(name, time, late, field.along(brought, time, y, there)[0][0])
+        return Happened(name, time, late, field.along(brought, time, y, there)[0])
 
     def _late(self, one: Passage, time: float, y: Array, ways: Array) -> Array:
         """Return by how much later an event comes that changes nothing [s]."""
@@ -85,7 +85,7 @@ class Happenings:
             return np.array([one.event.when(self._moment.set(t, state))])
 
         rate = float(self._field.per_second(function, time, y, of_forces=True)[0])
-        slopes = self._field.along(function, time, y, ways, of_forces=True)[0][0]
+        slopes = self._field.along(function, time, y, ways, of_forces=True)[0]
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(np.isfinite(slopes / rate), -slopes / rate, np.nan)
 

@@ -21,7 +21,7 @@ def derivative(function, first=FIRST):
             values = np.array([function(place * step)])
             add(values, 1, place, step, WEIGHTS, trial)
         so_far = settle(trial, values, step, (0, 1), so_far, out)
-        if not so_far[1]:
+        if not so_far[2]:
             break
         step /= FINER
     return out[0, 0], out[1, 0], trials
@@ -48,6 +48,15 @@ def test_a_step_at_which_differences_are_none_is_no_end(away):
     sixth, other, trials = derivative(lambda s: 5.0 * max(s - away * FIRST, 0.0))
     assert sixth == other == 0.0
     assert trials < OFTEN
+
+
+@pytest.mark.parametrize("slope", [0.0, -0.08, -0.1062])
+def test_a_step_at_which_differences_are_small_is_no_end(slope):
+    """Where the middle of two slopes is near zero, what orders differ by is a large share of it."""
+    for away in np.geomspace(1.5e-6, 3.0, 400).tolist():
+        sixth, _, _ = derivative(lambda s, away=away: slope * s - 0.2876 * max(s - away * FIRST, 0.0))
+        # Round-off of a place over steps that are a part in 24 of it at least.
+        assert sixth == pytest.approx(slope, abs=1e-14)
 
 
 @pytest.mark.parametrize("away", [0.0, 1e-12])
