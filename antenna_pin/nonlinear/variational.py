@@ -144,6 +144,7 @@ class Carrier:
         flipped = np.flatnonzero(touched != touching).tolist()
         happened = self._saltation.has_happened()
         broken = any(one.last == run.stepper.t for one in run.watch.value())
+        flipped = self._at_once(run, flipped)
         if run.stepper.t > self._time:  # behind an event the state may be another than the step has led to
             end, ends = None if happened else run.here.copy(), bool(flipped) or happened
             changes, known = (self._changed, ends), (self._changed or self._broken, ends or broken)
@@ -158,8 +159,7 @@ class Carrier:
             for c in parting:
                 self._all = self._saltation.release(c, self._missed.flow, self._all, self._time, self._y)
             if parting:
-                for one in (self._all.matrix, self._all.other, self._all.books):
-                    one[:, self._missed.flow] = 0.0
+                self._drop_flow()
         if flipped or happened or len(self._waiting) >= _TOGETHER:
             self._go_along()
         if happened:
@@ -177,6 +177,33 @@ class Carrier:
         if not self._young and self._all.frame.clock:
             self._go_along()
             self._all = at_equal_times(self.field, self._all, *self._here)
+
+    def _at_once(self, run: Run, flipped: list[int]) -> list[int]:
+        """Let contacts change where the step begins that have done so there, with another; return the rest."""
+        if not flipped or run.stepper.t == self._time:
+            return flipped
+        memory, own, rest = run.workspace.memory, self._within.workspace.memory, []
+        last = {int(one["contact"]): one for one in run.episodes}
+        for c in flipped:
+            begins = memory["touching"][c] != 0.0
+            if c not in last or last[c]["onset" if begins else "release"] != self._time:
+                rest.append(c)
+                continue
+            self._go_along()
+            if begins:
+                self._all = self._saltation.onset(c, memory[c], with_time(self._all), self._time, self._y)
+                self._young.add(c)
+            else:
+                self._set_flow(self._time, self._y)
+                self._all = self._saltation.release(c, self._missed.flow, self._all, self._time, self._y)
+                self._drop_flow()
+            own[c], self._changed = memory[c], True
+        return rest
+
+    def _drop_flow(self) -> None:
+        """Carry no flow beside displacements any more."""
+        for one in (self._all.matrix, self._all.other, self._all.books):
+            one[:, self._missed.flow] = 0.0
 
     def book(self, place: int, more: Array) -> None:
         """Take something to what is integrated along the run, by how much more of each displacement, (k,)."""
@@ -249,8 +276,11 @@ class Carrier:
 
     def _carry_flow(self, theta: float) -> None:
         """Begin to carry the flow beside displacements, from a fraction of the step on."""
+        self._set_flow(self._time + theta * self._within.size, self._at(theta))
+
+    def _set_flow(self, time: float, y: Array) -> None:
+        """Write the flow of a state beside displacements."""
         self._all = with_time(self._all)
-        time, y = self._time + theta * self._within.size, self._at(theta)
         flow = self._down(time, y) @ self.field.flow(time, y)
         for one in self._all[:2]:
             one[:, self._missed.flow] = flow

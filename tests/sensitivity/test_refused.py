@@ -58,19 +58,20 @@ def test_a_graze_is_refused_with_its_instant(impact, method):
     assert caught.value.time == pytest.approx(1e-3, rel=1e-6)
 
 
-def test_rims_that_are_met_at_once_are_no_graze():
-    """A journal falls onto both rims of its bore: which is noted first changes from run to run.
+# Differences of second order of steps of 1e-4 leave 1e-8 / 8 of it; the equation where instants are located.
+@pytest.mark.parametrize(("method", "good"), [("quick-runs", 1e-7), ("equation", 1e-10)])
+def test_rims_that_are_met_at_once_are_no_graze(method, good):
+    """A journal falls onto both rims of its bore, and leaves both: which is noted first changes by chance.
 
     It falls for sqrt(2 c / g'), half of which is the derivative over the logarithm of the clearance.
     """
     plain = {"clearance.hinge.geometry": "closed-form", "integrator.engine": "compiled"}
     pendulum = load_scenario("pendulum", case="contact", overrides=plain)
     key = "clearance.hinge.radial_clearance"
-    found = sensitivities(pendulum, [key], [0.02], method="quick-runs")
+    found = sensitivities(pendulum, [key], [0.02], method=method)
     onsets, slopes = found.run.data["onset_time"].values, found.relative("onset_time")[:, 0]
     assert len(onsets) == 6 and np.ptp(onsets.reshape(3, 2), axis=1).max() < 1e-11
-    # Differences of second order of steps of 1e-4: 1e-8 / 8 of it.
-    assert slopes[:2] == pytest.approx(onsets[:2] / 2.0, rel=1e-7)
+    assert slopes[:2] == pytest.approx(onsets[:2] / 2.0, rel=good)
     assert np.ptp(slopes.reshape(3, 2), axis=1).max() < 1e-7 * slopes.max()
 
 
