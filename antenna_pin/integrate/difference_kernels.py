@@ -84,8 +84,8 @@ def settle(
 ) -> tuple[float, float, bool]:
     """Judge a part of a trial, and keep it if it is the best yet, as long as finer steps are worth trying.
 
-    Parts are settled by themselves: the round-off of one is no reason to take a finer step of another. Next to
-    a kink a trial's derivative may be near zero by chance, and by how much orders differ is small beside
+    Parts are settled by themselves: the round-off of one is no reason to take a finer step of another. Next
+    to a kink a trial's derivative may be near zero by chance, and by how much orders differ is small beside
     earlier trials but not as a share; next to a jump it grows with the derivative and is the same share.
 
     Args:

@@ -179,7 +179,7 @@ class Carrier:
             self._all = at_equal_times(self.field, self._all, *self._here)
 
     def _at_once(self, run: Run, flipped: list[int]) -> list[int]:
-        """Let contacts change where the step begins that have done so there, with another; return the rest."""
+        """Let contacts change that did so where the step begins, together with another; return the rest."""
         if not flipped or run.stepper.t == self._time:
             return flipped
         memory, own, rest = run.workspace.memory, self._within.workspace.memory, []
