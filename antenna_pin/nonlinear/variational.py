@@ -36,7 +36,7 @@ from antenna_pin.nonlinear.frames import Frame, Lift
 from antenna_pin.nonlinear.instants import Carried, at_equal_times, with_time
 from antenna_pin.nonlinear.missed import Missed, StepAnew
 from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.nonlinear.pieces import HALVINGS, Piece
+from antenna_pin.nonlinear.pieces import Piece
 from antenna_pin.nonlinear.saltation import Passed, Saltation
 from antenna_pin.nonlinear.within import Within
 from antenna_pin.simulation.loop import Run
@@ -47,9 +47,9 @@ Array = NDArray[np.float64]
 
 # What a piece of a step may be wrong by, over the displacements and over the run's tolerance.
 _GOOD = 1e2
-# How often a step is halved along which the run's own stages carry displacements, until whole matrices are
-# looked at for what breaks there.
-_TRIES = 4
+# How often at most the run's own stages are tried along halves of a step, those next to a kink as short as it
+# matters, until whole matrices are looked at for what breaks there.
+_TRIES = 48
 # What stages may be wrong by, over that: their estimate is that of a lower order.
 _BY_STAGES = 10.0
 # In parts of a step, what counts as the same instant.
@@ -98,6 +98,7 @@ class Carrier:
         self._deep = _DEEP * np.array(run.search.tolerances)
         self._young: set[int] = set()
         self._changed = self._broken = False
+        self._tries = 0
         self._take_over(run)
         self._waiting: list[Step] = []
         self._looks = list(looks)
@@ -324,18 +325,20 @@ class Carrier:
 
     def _piece(self, piece: Piece) -> None:
         """Carry the displacements over a part of the step, by the run's own stages where these can."""
+        self._tries = _TRIES
         found = self._by_stages(piece, self._all)
         self._all = self._matrices.over(piece, self._all) if found is None else found
 
     def _by_stages(self, piece: Piece, carried: Carried) -> Carried | None:
         """Return displacements behind a part of the step by the run's own stages; None where these cannot."""
-        if self.stages is None or all(piece.known):
+        if self.stages is None or all(piece.known) or self._tries == 0:
             return None
+        self._tries -= 1
         start = self._time, self._within.size, self._at(piece.a)
         # Of constraints displacements are those where the piece begins.
         lift = self.field.lift(carried.frame, self._time + piece.a * self._within.size, start[2])
         found = self.stages.over(piece, start, lift, carried, _BY_STAGES * self._good)
-        if found is None and piece.halvings > HALVINGS - _TRIES:
+        if found is None and piece.halvings > 0:
             found = carried
             for half in piece.cut(0.5 * (piece.a + piece.b), False):
                 found = None if found is None else self._by_stages(half, found)
