@@ -221,7 +221,13 @@ class Saltation:
         kept: dict[int, tuple[Function, float]] = {2: (mass, float(memory["effective_mass"]))}
         if memory["approach_speed"] > field.system.approach_speed_floors[c]:
             kept[1] = self._rate(c), float(memory["approach_speed"])
-        slopes = {k: field.depths.along(one, time, y, lift.up)[0] / size for k, (one, size) in kept.items()}
+        # Masses do not go with velocities, rates do by the normal: neither need be differentiated over them.
+        rate_of, placed = field.parts[1], lift.up.copy()
+        placed[rate_of.start : field.parts[4].stop] = 0.0
+        slopes = {k: field.depths.along(one, time, y, placed)[0] / size for k, (one, size) in kept.items()}
+        if 1 in slopes:
+            normal, _ = field.workspace.along_normal(y, c)
+            slopes[1] -= normal @ lift.up[rate_of] / kept[1][1]
         for one in ways:
             one[carried.frame.first_bristle + field.bristles_of(c)] = 0.0
         frame = self._let(c, memory, y)
