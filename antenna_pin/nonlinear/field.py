@@ -239,11 +239,10 @@ class Field:
         return self._weighed(sixth)[:, 0], self._noise(y, way[:, None], steps, first)
 
     def _noise(self, y: Array, ways: Array, steps: Array, first: Array) -> float:
-        """Return the round-off of derivatives along a displacement; put together from parts none counts."""
-        if self._tangents is not None and not self._goes_by_more(ways).any():
-            return 0.0
-        # In a shallow contact it has no bounds; steps that a kink has made finer are not those of one.
-        touch = self.workspace.memory["touching"].any()
+        """Return the round-off of derivatives along a displacement; of the whole none is sure in contacts."""
+        parts = self._tangents is not None and not self._goes_by_more(ways).any()
+        # Steps of the whole that a kink has made finer are not those of a shallow contact.
+        touch = not parts and self.workspace.memory["touching"].any()
         shallow = touch and self._shallow(y, ways, first)[0]
         return math.inf if shallow else self.round_off / float(steps[0])
 

@@ -25,8 +25,8 @@ __all__ = ["NoOrbitError", "Orbit", "moving", "near_enough", "orbit_at", "period
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# Singular values of (M - 1) over the largest below which a direction is neutral: an orbit has neighbours that
-# are orbits too, and Newton's method does not ask for a step along it.
+# Singular values of (M - 1) over the largest, and over 1, below which a direction is neutral: an orbit has
+# neighbours that are orbits too, and Newton's method does not ask for a step along it.
 _NEUTRAL = 1e-7
 _HALVINGS = 6
 # Size of a row of derivatives that nothing acts on; distance of the ends of a period that is none, over the
@@ -168,7 +168,8 @@ def _newton_step(flow: Flow, start: State, tangent: Tangent, miss: Array, chart:
             raise NoOrbitError("periodic orbit: the start is at rest, and a state at rest has no period")
         matrix = np.block([[matrix, along[:, None] / length], [across[None, :] / length, np.zeros((1, 1))]])
         wanted = np.append(wanted, 0.0)
-    step = np.linalg.lstsq(matrix, wanted, rcond=_NEUTRAL)[0]
+    largest = max(float(np.linalg.norm(matrix, 2)), _NEUTRAL)
+    step = np.linalg.lstsq(matrix, wanted, rcond=_NEUTRAL * max(1.0, 1.0 / largest))[0]
     if free:
         step[-1] /= length
     return np.asarray(step)

@@ -186,17 +186,17 @@ class Carrier:
         memory, own, rest = run.workspace.memory, self._within.workspace.memory, []
         last = {int(one["contact"]): one for one in run.episodes}
         for c in flipped:
-            begins = memory["touching"][c] != 0.0
+            begins, here = memory["touching"][c] != 0.0, (self._time, self._y)
             if c not in last or last[c]["onset" if begins else "release"] != self._time:
                 rest.append(c)
                 continue
             self._go_along()
             if begins:
-                self._all = self._saltation.onset(c, memory[c], with_time(self._all), self._time, self._y)
+                self._all = self._saltation.onset(c, memory[c], with_time(self._all), *here)
                 self._young.add(c)
             else:
-                self._set_flow(self._time, self._y)
-                self._all = self._saltation.release(c, self._missed.flow, self._all, self._time, self._y)
+                self._set_flow(*here)
+                self._all = self._saltation.release(c, self._missed.flow, self._all, *here)
                 self._drop_flow()
             own[c], self._changed = memory[c], True
         return rest
@@ -262,7 +262,7 @@ class Carrier:
             rest = Piece(0.5, 1.0, False, True, (False, known[1]))
         whole = self._at(1.0)
         if parting:
-            self._carry_flow(rest.a)
+            self._set_flow(self._time + rest.a * self._within.size, self._at(rest.a))
             up = self.field.lift(self._all.frame, end, whole).up
             self._matrices.opening = self.field.depths.opening(whole, parting[0], up)[0]
         self._part(rest)
@@ -274,10 +274,6 @@ class Carrier:
         self._time, self._y = self._here = end, whole
         if self.field.workspace.constraints is not None:
             self.turn(self.field.frame(self._y, self._all.frame.clock))
-
-    def _carry_flow(self, theta: float) -> None:
-        """Begin to carry the flow beside displacements, from a fraction of the step on."""
-        self._set_flow(self._time + theta * self._within.size, self._at(theta))
 
     def _set_flow(self, time: float, y: Array) -> None:
         """Write the flow of a state beside displacements."""
