@@ -22,12 +22,17 @@ def carried(flow, start, span):
     return flow.carry(start, span, Chart(flow.system, start).frame)[0]
 
 
+def both_ways(monkeypatch, flow, start, span):
+    """What carries all displacements over a span by the run's own stages, and by whole matrices."""
+    by_stages = carried(flow, start, span)
+    monkeypatch.setattr(Field, "carrying", lambda _: None)
+    return by_stages, carried(flow, start, span)
+
+
 def test_an_impact_by_stages_is_one_by_matrices(monkeypatch):
     """Through onset, contact and release; where nothing breaks no matrix is asked for."""
     flow, start = pair("law = 'lankarani-nikravesh', restitution = 0.5")
-    by_stages = carried(flow, start, 1.9e-3)
-    monkeypatch.setattr(Field, "carrying", lambda _: None)
-    by_matrices = carried(flow, start, 1.9e-3)
+    by_stages, by_matrices = both_ways(monkeypatch, flow, start, 1.9e-3)
     one, other = by_stages.carried.matrix, by_matrices.carried.matrix
     # Each is good to a thousand of the run's tolerances of 1e-12, many steps together.
     assert np.abs(one - other).max() < 1e-8 * np.abs(other).max()
@@ -38,9 +43,7 @@ def test_an_impact_by_stages_is_one_by_matrices(monkeypatch):
 def test_matrices_see_that_a_force_begins_with_a_root_in_a_shallow_contact(monkeypatch):
     """Its slope goes with the root of depth there: by four nodes it is 6e-5 of its change off."""
     flow, start = pair("law = 'marhefka-orin', slope = 0.5")
-    by_stages = carried(flow, start, 1.9e-3)
-    monkeypatch.setattr(Field, "carrying", lambda _: None)
-    by_matrices = carried(flow, start, 1.9e-3)
+    by_stages, by_matrices = both_ways(monkeypatch, flow, start, 1.9e-3)
     one, other = by_stages.carried.matrix, by_matrices.carried.matrix
     # Found: 1e-10; 1e-8 where what a polynomial leaves of it does not count.
     assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()
