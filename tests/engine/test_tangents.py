@@ -1,20 +1,16 @@
 """Derivatives of the rates put together from those of parts: as differences of the whole, and better."""
 
-import functools
 import importlib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from displacements import TIME, ways_of
+from displacements import TIME, ways_of, with_numbers
 
 from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.scenario import with_number
-from antenna_pin.sensitivity.parameters import parameters_of
 
 ROOT = Path(__file__).parents[2]
 STEPS = 10.0 ** np.arange(-2.0, -6.5, -0.5)
@@ -252,13 +248,7 @@ def test_rates_change_over_numbers_of_the_system_as_the_whole_does():
         **HEAVY,
     }
     scenario = load_scenario("bai2020", case="case3", overrides=overrides)
-    parameters = parameters_of(scenario, NUMBERS, "test")
-
-    def built_at(one, s):
-        return build_system(with_number(scenario, one.key, one.value + s * one.scale))
-
-    system = build_system(scenario)
-    numbers = Numbers(system, [functools.partial(built_at, one) for one in parameters], NUMBERS)
+    system, numbers = with_numbers(scenario, NUMBERS)
     field, rng = Field(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
     y = system.state(system.neutral(), 0.3 * rng.normal(size=system.model.nv))
     field.workspace.memory["approach_speed"], field.workspace.memory["effective_mass"] = 0.05, 1.3

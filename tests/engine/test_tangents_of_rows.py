@@ -1,13 +1,11 @@
 """Derivatives of rates under closures, motions, couplings and held joints: as differences of the whole."""
 
-import functools
-
 import numpy as np
 import pinocchio as pin
 import pytest
 from branches import closed
 from coupled import Coupled
-from displacements import TIME, ways_of
+from displacements import TIME, ways_of, with_numbers
 
 from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.constraints import CLOSURES
@@ -18,9 +16,6 @@ from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.nonlinear import flow_of
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.modes_of_states import take_up_modes
-from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.scenario import with_number
-from antenna_pin.sensitivity.parameters import parameters_of
 
 STEPS = 10.0 ** np.arange(-1.0, -4.5, -0.5)
 CLOSE, NOTHING = 1e-8, 1e-11
@@ -202,13 +197,7 @@ NUMBERS = [
 def test_rates_change_over_numbers_of_constraints_as_the_whole_does():
     """Ratios, frames of closures on bodies and on the world, motions; masses and places in loops."""
     scenario = load_scenario("solar_array", case="uncoupled", overrides=LOOPED)
-    parameters = parameters_of(scenario, NUMBERS, "test")
-
-    def built_at(one, s):
-        return build_system(with_number(scenario, one.key, one.value + s * one.scale))
-
-    system = build_system(scenario)
-    numbers = Numbers(system, [functools.partial(built_at, one) for one in parameters], NUMBERS)
+    system, numbers = with_numbers(scenario, NUMBERS)
     field, rng = Field(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
     nv = system.model.nv
     y = system.state(system.neutral(), 0.3 * rng.normal(size=nv))
