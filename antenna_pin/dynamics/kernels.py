@@ -134,8 +134,7 @@ def element_state(p: Any, b: int, t: float, y: Any, nq: int) -> tuple[float, flo
     angle, rate, _, _ = joint_motion(p, b, y, nq)
     e = element_at(p, b)
     wanted, _ = elements.reference(e.kind, p, b + PARAMETERS, t)
-    own = y, nq + head_of(p).nv + e.x
-    effort = e.on * elements.effort_of(e.kind, p, b + PARAMETERS, (t, angle, rate), own)
+    effort = effort_at(p, b, (t, angle, rate), (y, nq + head_of(p).nv + e.x))
     return effort, wanted, wanted - angle
 
 
@@ -163,6 +162,21 @@ def element_switch(p: Any, b: int, k: int, t: float, y: Any, load: float) -> tup
 
 
 @inlined
+def effort_at(p: Any, b: int, motion: Any, own: Any) -> float:
+    """Effort of the element block at b, by time, angle (or way) and rate, and where its own states begin."""
+    e = element_at(p, b)
+    return float(e.on * elements.effort_of(e.kind, p, b + PARAMETERS, motion, own))
+
+
+@inlined
+def book_at(p: Any, b: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+    """Write the rates of what the element block at b integrates, by angle (or way), rate and power."""
+    e = element_at(p, b)
+    angle, rate, power = motion
+    elements.write_rates_of(e.kind, p, b + PARAMETERS, (angle, e.on * rate, power), own, rates, x)
+
+
+@inlined
 def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) -> None:
     """Add an element's generalized force.
 
@@ -179,10 +193,9 @@ def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
     if e.sensed != 0:
         angle, rate, _, _ = own_motion(p, b + e.sensed, y, nq)
     own = y, nq + head.nv + e.x
-    effort = e.on * elements.effort_of(e.kind, p, b + PARAMETERS, (t, angle, rate), own)
+    effort = effort_at(p, b, (t, angle, rate), own)
     power = effort * act_at(p, b, effort, (gx, gy), y, nq, tau)
-    motion = angle, e.on * rate, power
-    elements.write_rates_of(e.kind, p, b + PARAMETERS, motion, own, rates, head.nv + e.x)
+    book_at(p, b, (angle, rate, power), own, rates, head.nv + e.x)
 
 
 @inlined
@@ -202,17 +215,26 @@ def act_at(p: Any, b: int, effort: float, slope: Any, y: Any, nq: int, tau: Any)
 @kernel
 def _between(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) -> None:
     """Add the generalized force of an element between two joints; write the rates of loss and impulse."""
-    e, nq, at = element_at(p, b), head.nq, b + PARAMETERS
+    e, nq = element_at(p, b), head.nq
     angle, rate, gx, gy = own_motion(p, b, y, nq)
     other, other_rate, ox, oy = own_motion(p, b + e.partner, y, nq)
-    x, speed, over, over_other = elements.between(e.kind, p, at, angle, rate, other, other_rate)
-    effort = e.on * elements.effort(e.kind, p, at, t, x, speed)
+    seen = angle, rate, other, other_rate
+    effort, other_effort = efforts_between(p, b, t, seen, rates, head.nv + e.x)
+    act_at(p, b, effort, (gx, gy), y, nq, tau)
+    act_at(p, b + e.partner, other_effort, (ox, oy), y, nq, tau)
+
+
+@inlined
+def efforts_between(p: Any, b: int, t: float, seen: Any, rates: Any, x: int) -> tuple[float, float]:
+    """Efforts of an element at its two joints, by angle and rate of both; write its rates of x."""
+    e, at = element_at(p, b), b + PARAMETERS
+    angle, rate, other, other_rate = seen
+    deflection, speed, over, over_other = elements.between(e.kind, p, at, angle, rate, other, other_rate)
+    effort = e.on * elements.effort(e.kind, p, at, t, deflection, speed)
     drag = elements.drag(e.kind, p, at, effort * over, rate)
-    act_at(p, b, effort * over + drag, (gx, gy), y, nq, tau)
-    act_at(p, b + e.partner, effort * over_other, (ox, oy), y, nq, tau)
-    lost = e.on * elements.dissipation(e.kind, p, at, x, speed) - drag * rate
-    rates[head.nv + e.x] = lost
-    rates[head.nv + e.x + 1] = abs(effort)
+    rates[x] = e.on * elements.dissipation(e.kind, p, at, deflection, speed) - drag * rate
+    rates[x + 1] = abs(effort)
+    return effort * over + drag, effort * over_other
 
 
 @kernel

@@ -1,8 +1,11 @@
-"""How generalized forces of elements, and the rates of what they integrate, change with the state, compiled.
+"""How generalized forces of elements at joints, and the rates of what they integrate, change, compiled.
 
-An element at joints knows the numbers of these, its own states and time: it is differentiated over each of
-them that a displacement moves, by itself. Elements on links see all joints below these, and are so along
-each displacement as a whole. ``room`` is :class:`antenna_pin.engine.tangent_kernels.TangentRoom`.
+Such an element sees angle and rate of a joint or two, its own states and time: its law is differentiated over
+each of these, and over the numbers that it has, by itself. How what it sees changes, and along what it acts,
+has closed forms (:mod:`antenna_pin.dynamics.angle_change_kernels`). What it integrates goes with its power
+too, which is its effort times the rate along which it acts. An element that acts on a journal's whole pose
+is differentiated over the joint's freedoms. ``room`` is
+:class:`antenna_pin.engine.tangent_kernels.TangentRoom`.
 """
 
 from __future__ import annotations
@@ -10,10 +13,26 @@ from __future__ import annotations
 from typing import Any
 
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.dynamics.kernels import element_forces
-from antenna_pin.dynamics.link_kernels import add_forces
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
-from antenna_pin.integrate.manifold_kernels import factor_of, move_by_velocity, space_of
+from antenna_pin.dynamics.angle_change_kernels import (
+    G,
+    G_CHANGE,
+    MOST,
+    N,
+    N_CHANGE,
+    N_CHANGES,
+    freedoms_of,
+    write_motion,
+)
+from antenna_pin.dynamics.kernels import (
+    ABOUT_POSE,
+    book_at,
+    effort_at,
+    efforts_between,
+    element_at,
+    element_forces,
+)
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
+from antenna_pin.integrate.manifold_kernels import factor_of, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
 from antenna_pin.records import layout
@@ -34,9 +53,17 @@ PART = layout(
     ("bristle", "i8"),
     ("bristle_end", "i8"),
 )
-
-# First steps, over units.
-_OWN = 1e-3
+#: What of an element goes with a number of the system, added up: itself, frames of joints that it knows.
+ITSELF, FRAMES = 1, 2
+#: What its law is asked with: angle (or way) and rate of what it sees, those of its other joint, its power.
+A_OTHER, A_POWER, ASKED = 2, 4, 5
+#: What it says before the rates of x: its efforts at one and the other joint.
+EFFORTS = 2
+# Over what it is differentiated: a way or rate of a joint, a state of its own, time, a number of the system,
+# what its law is asked with.
+_WAY, _RATE, _STATE, _TIME, _NUMBER, _ASKED = range(6)
+# First steps, over units; and of powers, over themselves.
+_OWN, _POWER = 1e-3, 0.125
 
 
 @inlined
@@ -59,47 +86,80 @@ def _act(part: Any, t: float, room: Any) -> None:
 
 
 @inlined
-def _move(part: Any, kind: int, s: int, n: int, y: Any, h: float, room: Any) -> None:
-    """Displace one number that an element knows.
+def _say(part: Any, t: float, pushes: bool, room: Any) -> None:
+    """Write what an element's law says of ``room.asked`` to ``room.looked``; its efforts if they are asked."""
+    p, b, rates, asked, out = room.numbers.program, part.block, room.rates, room.asked, room.looked
+    e, space = element_at(p, b), space_of(room.layout)
+    if e.partner != 0:
+        seen = asked[0], asked[1], asked[A_OTHER], asked[A_OTHER + 1]
+        out[0], out[1] = efforts_between(p, b, t, seen, rates, space.nv + e.x)
+    else:
+        own = room.state[0], space.nq + space.nv + e.x
+        if pushes:
+            out[0], out[1] = effort_at(p, b, (t, asked[0], asked[1]), own), 0.0
+        book_at(p, b, (asked[0], asked[1], asked[A_POWER]), own, rates, space.nv + e.x)
+    for x in range(part.x, part.x_end):
+        out[EFFORTS + x - part.x] = rates[space.nv + x]
 
-    It is a way (0) or rate (1) of a joint of its, a state (2), or one of the system (4).
-    """
+
+@inlined
+def _move(part: Any, kind: int, s: int, n: int, y: Any, h: float, room: Any) -> None:
+    """Displace one number that an element knows."""
     space, state = space_of(room.layout), room.state[0]
-    if kind == 0:
+    if kind == _WAY:
         own = factor_of(room.layout, part.factor[s])
         for k in range(own.nv):
             room.freedoms[k] = 0.0
         room.freedoms[part.v[s] + n - own.v] = 1.0
         displace_joint(part.factor[s], y, h, room.freedoms, room)
-    elif kind == 1:
+    elif kind == _RATE:
         i = space.nq + part.v[s] + n
         state[i] = y[i] + h
-    elif kind == 2:
+    elif kind == _STATE:
         i = space.nq + space.nv + room.bristles[n]
         state[i] = y[i] + h
-    elif kind == 4:
+    elif kind == _NUMBER:
         displace_words(room.numbers.program, room.shifts.program, n, h)
 
 
 @kernel
-def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: Any) -> None:
-    """Write the derivatives of what an element does over one number to ``room.column``."""
-    kind, s, n = about
+def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: Any, out: Any) -> None:
+    """Write the derivatives over one number: of what an element does, or of what its law says.
+
+    ``about``: over what, of which joint, which of these, and whether what it does is looked at as a whole.
+    """
+    kind, s, n, whole = about
     trial, looked, points = room.trial, room.looked, room.weights.shape[1]
-    forces = part.freedoms[0] + part.freedoms[1]
-    whole, one, other = forces + part.x_end - part.x, BEGIN, BEGIN
+    forces = part.freedoms[0] + part.freedoms[1] if whole else EFFORTS
+    count, one, other = forces + part.x_end - part.x, BEGIN, BEGIN
+    here = room.asked[n] if kind == _ASKED else 0.0
     for _ in range(OFTEN):
-        clear(trial, whole)
-        for place in range(-points, points + 1):
-            _move(part, kind, s, n, y, place * step, room)
-            _act(part, t + place * step if kind == 3 else t, room)
-            add(looked, whole, place, step, room.weights, trial)
-        one = settle(trial, looked, step, (0, forces), one, room.column)
-        other = settle(trial, looked, step, (forces, whole), other, room.column)
+        clear(trial, count)
+        moves = False
+        for turn in range(2 * points + 1):
+            place = place_at(turn, points)
+            h = place * step
+            _move(part, kind, s, n, y, h, room)
+            if whole:
+                _act(part, t, room)
+            elif turn == 0:
+                for i in range(count):
+                    looked[i] = room.middle[i]
+            else:
+                if kind == _ASKED:
+                    room.asked[n] = here + h
+                _say(part, t + h if kind == _TIME else t, kind != _ASKED or n != A_POWER, room)
+            moves = add(looked, count, place, room.weights, trial) or moves
+            if rests(turn, moves, count, trial):
+                break
+        one = settle(trial, looked, step, (0, forces), one, out)
+        other = settle(trial, looked, step, (forces, count), other, out)
         if not (one[2] or other[2]):
             break
         step /= FINER
     _move(part, kind, s, n, y, 0.0, room)
+    if kind == _ASKED:
+        room.asked[n] = here
 
 
 @kernel
@@ -122,6 +182,137 @@ def _add_column(part: Any, at: int, ways: Any, room: Any, out: Any) -> None:
 
 
 @kernel
+def _look(part: Any, t: float, y: Any, room: Any) -> float:
+    """Write what an element sees and says, and along what it acts; return the rate along which it acts."""
+    p, b, nq, nv = room.numbers.program, part.block, space_of(room.layout).nq, room.tau.shape[0]
+    e, asked, sides = element_at(p, b), room.asked, room.sides
+    for n in range(ASKED):
+        asked[n] = 0.0
+    angle, rate = write_motion(p, b, y, nq, room.tau, sides[0])
+    if e.senses != 0:
+        asked[0], asked[1] = angle, rate
+    if e.partner != 0:
+        asked[A_OTHER], asked[A_OTHER + 1] = write_motion(p, b + e.partner, y, nq, room.tau, sides[1])
+    elif e.sensed != 0:
+        asked[0], asked[1] = write_motion(p, b + e.sensed, y, nq, room.tau, sides[1])
+    speed, (first, count) = 0.0, freedoms_of(p, b)
+    for k in range(count):
+        speed += sides[0, N, k] * y[nq + first + k]
+    _say(part, t, True, room)
+    if e.partner == 0:
+        asked[A_POWER] = room.looked[0] * speed
+        _say(part, t, False, room)
+    for i in range(EFFORTS + part.x_end - part.x):
+        room.middle[i] = room.looked[i]
+    return speed
+
+
+@kernel
+def _differentiate_law(part: Any, t: float, y: Any, ways: Any, steps: Any, room: Any) -> int:
+    """Write the derivatives of what a law says over all that displacements move; return how many these are.
+
+    Those over its power go to ``room.column``. ``room.over``: which number of a displacement each is over, or
+    below zero what is asked.
+    """
+    p, b, nv, over, found = room.numbers.program, part.block, room.tau.shape[0], room.over, room.of_law
+    e, shifts, count = element_at(p, b), room.shifts, 0
+    for n in range(A_POWER if e.partner != 0 else A_OTHER):
+        if e.partner == 0 and e.sensed == 0 and e.senses == 0:
+            break
+        beyond = (e.partner if n >= A_OTHER else 0) if e.partner != 0 else e.sensed
+        first, freedoms = freedoms_of(p, b + beyond)
+        unit = room.units[(first if freedoms == MOST else first + freedoms - 1) + (n % 2) * nv]
+        _differentiate(part, (_ASKED, 0, n, False), t, y, _OWN * unit, room, found[count])
+        over[count] = -1 - n
+        count += 1
+    for n in range(part.bristle, part.bristle_end):
+        at = 2 * nv + n
+        if is_moved(ways, at):
+            _differentiate(part, (_STATE, 0, n, False), t, y, _OWN * room.units[at], room, found[count])
+            over[count] = at
+            count += 1
+    for m in range(shifts.steps.shape[0]):
+        at = room.first_number[0] + m
+        if shifts.acts[part.number, m] == ITSELF and is_moved(ways, at):
+            note_words(p, shifts.program, m)
+            _differentiate(part, (_NUMBER, 0, m, False), t, y, shifts.steps[m], room, found[count])
+            put_back_words(p, shifts.program, m)
+            over[count] = at
+            count += 1
+    if room.asks[TIMES] != 0:
+        _differentiate(part, (_TIME, 0, 0, False), t, y, time_step(ways, steps), room, found[count])
+        over[count] = ways.shape[1] - 1
+        count += 1
+    if e.partner == 0 and part.x_end > part.x:
+        size = abs(room.asked[A_POWER])
+        for i in range(part.x_end - part.x):
+            size = max(size, abs(room.middle[EFFORTS + i]))
+        step = _POWER * size if size > 0.0 else 1.0
+        _differentiate(part, (_ASKED, 0, A_POWER, False), t, y, step, room, room.column)
+    return count
+
+
+@inlined
+def _change(rows: Any, first: int, count: int, way: Any, nv: int) -> tuple[float, float, float]:
+    """Return how an angle changes along a displacement, its rate, and the rate along which it acts."""
+    angle, rate, speed = 0.0, 0.0, 0.0
+    for k in range(count):
+        w, dv = way[first + k], way[nv + first + k]
+        angle += rows[G, k] * w
+        rate += rows[G, k] * dv + rows[G_CHANGE, k] * w
+        speed += rows[N, k] * dv + rows[N_CHANGE, k] * w
+    return angle, rate, speed
+
+
+@inlined
+def _add_push(rows: Any, first: int, count: int, way: Any, effort: float, change: float, out: Any) -> None:
+    """Add how an effort along a joint changes along a displacement, with the effort and with the joint."""
+    for k in range(count):
+        pushed = change * rows[N, k]
+        for m in range(count if count > 1 else 0):
+            pushed += effort * way[first + m] * rows[N_CHANGES + m, k]
+        out[first + k] += pushed
+
+
+@kernel
+def _add_along(part: Any, count: int, speed: float, way: Any, d: int, room: Any, out: Any) -> None:
+    """Add how an element at joints changes forces and rates of x along displacement d."""
+    p, b, nv, sides, found = room.numbers.program, part.block, room.tau.shape[0], room.sides, room.looked
+    e, middle, books = element_at(p, b), room.middle, part.x_end - part.x
+    first, freedoms = freedoms_of(p, b)
+    beyond = e.partner if e.partner != 0 else e.sensed
+    other, others = freedoms_of(p, b + beyond)
+    angle, rate, faster = _change(sides[0], first, freedoms, way, nv)
+    far, far_rate = angle, rate
+    if beyond != 0:
+        far, far_rate, _ = _change(sides[1], other, others, way, nv)
+    if e.partner == 0:
+        angle, rate = far, far_rate
+    for kind in range(out.shape[0]):
+        for i in range(EFFORTS + books):
+            found[i] = 0.0
+        for c in range(count):
+            at = room.over[c]
+            if at >= 0:
+                share = way[at]
+            elif at > -1 - A_OTHER:
+                share = angle if at == -1 else rate
+            else:
+                share = far if at == -1 - A_OTHER else far_rate
+            if share != 0.0:
+                for i in range(EFFORTS + books):
+                    found[i] += share * room.of_law[c, kind, i]
+        own = out[kind, d]
+        _add_push(sides[0], first, freedoms, way, middle[0], found[0], own)
+        if e.partner != 0:
+            _add_push(sides[1], other, others, way, middle[1], found[1], own)
+        power = found[0] * speed + middle[0] * faster
+        for i in range(books):
+            more = room.column[kind, EFFORTS + i] * power if e.partner == 0 else 0.0
+            own[nv + part.x + i] += found[EFFORTS + i] + more
+
+
+@kernel
 def add_element_changes(part: Any, t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
     """Add how an element at joints changes generalized forces and rates of x along displacements.
 
@@ -134,31 +325,28 @@ def add_element_changes(part: Any, t: float, y: Any, ways: Any, steps: Any, room
         room: What to compute with.
         out: (kinds, k, nv + nx).
     """
-    nv = room.tau.shape[0]
-    for s in range(2):
-        for n in range(part.freedoms[s]):
+    nv, shifts, program = room.tau.shape[0], room.shifts, room.numbers.program
+    whole = element_at(program, part.block).about == ABOUT_POSE
+    if whole:
+        for n in range(part.freedoms[0]):
             for kind in range(2):
-                at = kind * nv + part.v[s] + n
+                at = kind * nv + part.v[0] + n
                 if is_moved(ways, at):
-                    _differentiate(part, (kind, s, n), t, y, _OWN * room.units[at], room)
+                    about = kind, 0, n, True
+                    _differentiate(part, about, t, y, _OWN * room.units[at], room, room.column)
                     _add_column(part, at, ways, room, out)
-    for n in range(part.bristle, part.bristle_end):
-        at = 2 * nv + n
-        if is_moved(ways, at):
-            _differentiate(part, (2, 0, n), t, y, _OWN * room.units[at], room)
-            _add_column(part, at, ways, room, out)
-    shifts, program = room.shifts, room.numbers.program
+    else:
+        speed = _look(part, t, y, room)
+        count = _differentiate_law(part, t, y, ways, steps, room)
+        for d in range(ways.shape[0]):
+            _add_along(part, count, speed, ways[d], d, room, out)
     for m in range(shifts.steps.shape[0]):
-        at = room.first_number[0] + m
-        if shifts.acts[part.number, m] != 0 and is_moved(ways, at):
+        acts, at = shifts.acts[part.number, m], room.first_number[0] + m
+        if (acts & FRAMES != 0 or (whole and acts != 0)) and is_moved(ways, at):
             note_words(program, shifts.program, m)
-            _differentiate(part, (4, 0, m), t, y, shifts.steps[m], room)
+            _differentiate(part, (_NUMBER, 0, m, True), t, y, shifts.steps[m], room, room.column)
             put_back_words(program, shifts.program, m)
             _add_column(part, at, ways, room, out)
-    if room.asks[TIMES] == 0:
-        return
-    _differentiate(part, (3, 0, 0), t, y, time_step(ways, steps), room)
-    _add_column(part, ways.shape[1] - 1, ways, room, out)
 
 
 @inlined
@@ -170,120 +358,3 @@ def time_step(ways: Any, steps: Any) -> float:
         if own > 0.0:
             step = max(step, own)
     return float(step)
-
-
-@inlined
-def _displace(y: Any, way: Any, h: float, room: Any) -> None:
-    """Write the state displaced by h times a displacement to ``room.state``."""
-    space, state = space_of(room.layout), room.state
-    nq, nv = space.nq, space.nv
-    for i in range(nq + nv + space.nx):
-        state[0, i] = y[i]
-    for i in range(nv):
-        room.step[i] = h * way[i]
-    move_by_velocity(room.layout, state, 0, room.step)
-    for i in range(nv):
-        state[0, nq + i] += h * way[nv + i]
-    for i in range(room.bristles.shape[0]):
-        state[0, nq + nv + room.bristles[i]] += h * way[2 * nv + i]
-
-
-@kernel
-def add_link_changes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
-    """Add how elements on links do, by differences along each displacement, and over numbers of the system.
-
-    Args:
-        t: Time [s].
-        y: State; ``room.state`` is it too.
-        ways: Displacements, row by row, (k, displacement).
-        steps: Of the differences, over a displacement, (k,).
-        room: What to compute with.
-        out: (kinds, k, nv + nx).
-    """
-    numbers = room.numbers
-    for d in range(ways.shape[0]):
-        if _moves(ways[d], room.first_number[0]) or ways[d, ways.shape[1] - 1] != 0.0:
-            _differentiate_links(t, y, ways[d], -1, steps[d], room)
-            _add_pull(1.0, d, room, out)
-    for i in range(y.shape[0]):
-        room.state[0, i] = y[i]
-    shifts = room.shifts
-    for m in range(shifts.steps.shape[0]):
-        at = room.first_number[0] + m
-        if shifts.acts[room.parts.shape[0], m] == 0 or not is_moved(ways, at):
-            continue
-        note_words(numbers.program, shifts.program, m)
-        note_words(shifts.flat, shifts.tree, m)
-        _differentiate_links(t, y, ways[0], m, shifts.steps[m], room)
-        put_back_words(numbers.program, shifts.program, m)
-        put_back_words(shifts.flat, shifts.tree, m)
-        for d in range(ways.shape[0]):
-            _add_pull(ways[d, at], d, room, out)
-
-
-@inlined
-def _moves(way: Any, count: int) -> bool:
-    """Whether a displacement has anything of the state."""
-    found = False
-    for i in range(count):
-        found = found or way[i] != 0.0
-    return found
-
-
-@kernel
-def _differentiate_links(t: float, y: Any, way: Any, m: int, step: float, room: Any) -> None:
-    """Write the derivatives of what elements on links do to ``room.column``.
-
-    They are along a displacement if m is below 0, else over number m of the system.
-    """
-    numbers, shifts, trial, looked = room.numbers, room.shifts, room.trial, room.looked
-    nv, one, other = room.tau.shape[0], BEGIN, BEGIN
-    whole, points = _pulls(room), room.weights.shape[1]
-    for _ in range(OFTEN):
-        clear(trial, whole)
-        for place in range(-points, points + 1):
-            h = place * step
-            if m < 0:
-                _displace(y, way, h, room)
-                _pull(t + h * way[way.shape[0] - 1], room)
-            else:
-                displace_words(numbers.program, shifts.program, m, h)
-                displace_words(shifts.flat, shifts.tree, m, h)
-                _pull(t, room)
-            add(looked, whole, place, step, room.weights, trial)
-        one = settle(trial, looked, step, (0, nv), one, room.column)
-        other = settle(trial, looked, step, (nv, whole), other, room.column)
-        if not (one[2] or other[2]):
-            break
-        step /= FINER
-
-
-@inlined
-def _pulls(room: Any) -> int:
-    """Return how many numbers elements on links change: forces, and the rates of what they integrate."""
-    return int(room.rates.shape[0] - room.links_x[0])
-
-
-@inlined
-def _pull(t: float, room: Any) -> None:
-    """Write what elements on links do in ``room.state`` to ``room.looked``."""
-    numbers, tau, rates, first = room.numbers, room.tau, room.rates, room.links_x[0]
-    nv = tau.shape[0]
-    for k in range(nv):
-        tau[k] = 0.0
-    add_forces(t, room.state[0], numbers.program, numbers.tree, numbers.places, tau, rates)
-    for k in range(nv):
-        room.looked[k] = tau[k]
-    for k in range(nv, _pulls(room)):
-        room.looked[k] = rates[first + k]
-
-
-@inlined
-def _add_pull(share: float, d: int, room: Any, out: Any) -> None:
-    """Add a share of ``room.column`` to the derivatives along displacement d."""
-    nv, first = room.tau.shape[0], room.links_x[0]
-    if share == 0.0:
-        return
-    for kind in range(out.shape[0]):
-        for k in range(_pulls(room)):
-            out[kind, d, k if k < nv else first + k] += share * room.column[kind, k]

@@ -30,7 +30,7 @@ from antenna_pin.constraints.tangent_kernels import (
 )
 from antenna_pin.elements import kernels as elements
 from antenna_pin.elements.ledger_kernels import write_work_change
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tangent_kernels import read_bodies
@@ -50,7 +50,7 @@ class RowRoom(NamedTuple):
         speeds: How rates of motions change, scratch, (motions,).
         twist: Scratch, (4,).
         wanted: Accelerations of motions, scratch, (motions,).
-        trial: Their differences, then how they bend, scratch, (kinds + 1, motions).
+        trial: Their differences, how they bend, and the middle, scratch, (kinds + 2, motions).
         jerks: Those over time, (kinds, motions).
         column: Those over one number, scratch, (kinds, motions).
     """
@@ -102,14 +102,18 @@ def _differentiate_motions(t: float, m: int, step: float, room: Any, out: Any) -
         note_words(program, words, m)
     for _ in range(OFTEN):
         clear(rows.trial, count)
-        for place in range(-points, points + 1):
+        moves = False
+        for turn in range(2 * points + 1):
+            place = place_at(turn, points)
             h = place * step
             if m >= 0:
                 displace_words(program, words, m, h)
             for k in range(count):
                 own = driven_at(plan, k)
                 _, _, rows.wanted[k] = elements.motion(own.kind, program, own.words, t if m >= 0 else t + h)
-            add(rows.wanted, count, place, step, room.weights, rows.trial)
+            moves = add(rows.wanted, count, place, room.weights, rows.trial) or moves
+            if rests(turn, moves, count, rows.trial):
+                break
         found = settle(rows.trial, rows.wanted, step, (0, count), found, out)
         if not found[2]:
             break

@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from antenna_pin.constraints import layout_kernels as layout_of_rows
 from antenna_pin.dynamics import System, kernels
+from antenna_pin.dynamics.tangent_kernels import FRAMES, ITSELF
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.tangent_kernels import Shifts
 from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate.word_kernels import Words
 from antenna_pin.joints import layout_kernels, motion_change_kernels
+from antenna_pin.joints.slope_kernels import LawWords
 from antenna_pin.mechanism import BODY
 from antenna_pin.records import BLOCK, PROGRAM, place_of, words_of
 
@@ -23,6 +25,8 @@ Array = NDArray[np.float64]
 
 # First steps of differences, over what counts as one of a number.
 _STEP = 1e-3
+# Words of a contact's laws.
+_LAWS = layout_kernels.CANDIDATE_WORDS - CANDIDATE
 
 
 class SystemSlopes(NamedTuple):
@@ -90,6 +94,8 @@ def shifts_of(
         heavy |= plan[:, system.plan.parts.closures].any(axis=1)
         heavy |= plan[:, system.plan.parts.couplings].any(axis=1)
     width = 0 if system.plan is None else layout_of_rows.plan_of(system.plan.words).width
+    steps = np.concatenate([np.full(len(slopes.program), _STEP), _STEP * slopes.units])
+    rules = _rules(system, program, steps, contacts)
     return Shifts(
         program=_words(program),
         tree=_words(tree),
@@ -102,8 +108,9 @@ def shifts_of(
         motions=motions.astype(np.int64),
         lacks=np.zeros((count, 2, width)),
         acts=_acts(system, parts, program.astype(bool), np.asarray(tree.any(axis=1))),
-        steps=np.concatenate([np.full(len(slopes.program), _STEP), _STEP * slopes.units]),
-        laws=np.zeros((contacts, count, 2, said)),
+        steps=steps,
+        rules=rules,
+        laws=np.zeros((contacts, int(np.diff(rules.first).max(initial=0)), 2, said)),
         forces=np.zeros((count, nv)),
     )
 
@@ -137,6 +144,20 @@ def _words(slopes: Array) -> Words:
     return Words(first.astype(np.int64), at, changes, np.zeros(len(at)))
 
 
+def _rules(system: System, changes: Array, steps: Array, contacts: int) -> LawWords:
+    """Return which numbers of contacts' laws change, and by how much."""
+    found: list[NDArray[np.int_]] = [np.zeros(0, dtype=int)] * contacts
+    for block in system.clearance_blocks.values():
+        joint = system.program[block:][: layout_kernels.JOINT_WORDS].view(layout_kernels.JOINT)[0]
+        for k in range(int(joint["contacts"])):
+            laws = np.arange(_LAWS) + layout_kernels.normal_at(block, k)
+            found[int(joint["row"]) + k] = laws[changes[:, laws].any(axis=0)]
+    first = np.cumsum([0, *(len(one) for one in found)]).astype(np.int64)
+    at = np.concatenate([np.zeros(0, dtype=np.int64), *found]).astype(np.int64)
+    slopes = np.ascontiguousarray(changes[:, at].T)
+    return LawWords(first, at, slopes, np.abs(slopes * steps).max(axis=1, initial=0.0))
+
+
 def _acts(
     system: System, parts: NDArray[np.void], changed: NDArray[np.bool_], heavier: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
@@ -146,15 +167,17 @@ def _acts(
         block = int(part["block"])
         whole = changed[:, block : block + _length(program, block)]
         if part["element"]:
-            out[p] = whole.any(axis=1)
+            out[p] = ITSELF * whole.any(axis=1)
+            frames = np.zeros(len(changed), dtype=bool)
             for joint in _joints_known(system, block):
-                out[p] |= changed[:, joint : joint + _length(program, joint)].any(axis=1)
+                frames |= changed[:, joint : joint + layout_kernels.JOINT_WORDS].any(axis=1)
+            out[p] += FRAMES * frames
             continue
         laws = np.zeros(whole.shape[1], dtype=bool)
         joint_words = program[block:][: layout_kernels.JOINT_WORDS].view(layout_kernels.JOINT)[0]
         for k in range(int(joint_words["contacts"])):
             normal = layout_kernels.normal_at(0, k)
-            laws[normal : normal + layout_kernels.CANDIDATE_WORDS - CANDIDATE] = True
+            laws[normal : normal + _LAWS] = True
         out[p] = motion_change_kernels.RULES * whole[:, laws].any(axis=1)
         laws[: layout_kernels.JOINT_WORDS] = True
         out[p] += motion_change_kernels.PLACES * whole[:, : layout_kernels.JOINT_WORDS].any(axis=1)

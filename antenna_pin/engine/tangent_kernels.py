@@ -15,7 +15,8 @@ from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.link_kernels import add_forces
-from antenna_pin.dynamics.tangent_kernels import add_element_changes, add_link_changes, time_step
+from antenna_pin.dynamics.link_tangent_kernels import add_link_changes
+from antenna_pin.dynamics.tangent_kernels import add_element_changes, time_step
 from antenna_pin.engine.row_tangent_kernels import (
     change_rows,
     differentiate_over_time,
@@ -52,7 +53,8 @@ class Shifts(NamedTuple):
         lacks: How what accelerations lack does, scratch, (numbers, kinds, width).
         acts: What of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers).
         steps: First steps of differences, (numbers,).
-        laws: Derivatives of what laws say, scratch, (contacts, numbers, kinds, said).
+        rules: Which numbers of contacts' laws change, :class:`antenna_pin.joints.slope_kernels.LawWords`.
+        laws: Derivatives of what laws say over these, scratch, (contacts, words, kinds, said).
         forces: Of the forces that the motion takes, with their sign turned, scratch, (numbers, nv).
     """
 
@@ -68,6 +70,7 @@ class Shifts(NamedTuple):
     lacks: Any
     acts: Any
     steps: Any
+    rules: Any
     laws: Any
     forces: Any
 
@@ -100,8 +103,12 @@ class TangentRoom(NamedTuple):
         shapes: By how much its dimensions do, and these displaced, scratch, (2, CANDIDATE).
         wrench: How the force and moment of a joint's contacts do, scratch, (kinds, 6).
         carried: What these do along freedoms as the joint's frames change, scratch, (6,).
-        trial: Its differences, then how it bends, scratch, (kinds + 1, values).
+        trial: Its differences, how it bends, and the middle, scratch, (kinds + 2, values).
         column: Those that are kept, (kinds, values).
+        middle: What a law says undisplaced, scratch, (values,).
+        sides: What an element sees of its joints, scratch, (2, ROWS, MOST).
+        over: Over which numbers of a displacement its law is differentiated, scratch, (slots,).
+        of_law: Its derivatives, scratch, (slots, kinds, values).
         asked: What laws are asked with, scratch.
         said: What they say, scratch.
         laws: Derivatives of that, (contacts of a joint, asked, kinds, said).
@@ -142,6 +149,10 @@ class TangentRoom(NamedTuple):
     carried: Any
     trial: Any
     column: Any
+    middle: Any
+    sides: Any
+    over: Any
+    of_law: Any
     asked: Any
     said: Any
     laws: Any

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.constraints.tangent_kernels import TIE
 from antenna_pin.dynamics import System, acting_in, kernels
-from antenna_pin.dynamics.tangent_kernels import PART
+from antenna_pin.dynamics.angle_change_kernels import MOST, ROWS
+from antenna_pin.dynamics.tangent_kernels import ASKED, EFFORTS, PART
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.row_tangent_kernels import RowRoom
 from antenna_pin.engine.shifts import SystemSlopes, shifts_of, takes_slopes
@@ -52,7 +53,7 @@ class Tangents:
         bristles = np.asarray(system.bristle_x, dtype=np.int64)
         bristle_of = np.full(nx, -1, dtype=np.int64)
         bristle_of[bristles] = np.arange(len(bristles))
-        of_parts = [int(part["freedoms"].sum() + part["x_end"] - part["x"]) for part in parts]
+        of_parts = [int(part["freedoms"].sum() + part["x_end"] - part["x"]) + EFFORTS for part in parts]
         values, kinds = max(motion_change_kernels.LOOKED, *of_parts, nv + nx), len(weights)
         asked = slope_kernels.A_BRISTLE + slope_kernels.STATES
         said = slope_kernels.V_BRISTLE + slope_kernels.STATES
@@ -82,8 +83,12 @@ class Tangents:
             shapes=np.zeros((2, CANDIDATE)),
             wrench=np.zeros((kinds, 6)),
             carried=np.zeros(6),
-            trial=np.zeros((kinds + 1, max(values, said))),
+            trial=np.zeros((kinds + 2, max(values, said))),
             column=np.zeros((kinds, values)),
+            middle=np.zeros(max(values, said)),
+            sides=np.zeros((2, ROWS, MOST)),
+            over=np.zeros(0, dtype=np.int64),
+            of_law=np.zeros((0, kinds, values)),
             asked=np.zeros(asked),
             said=np.zeros(said),
             laws=np.zeros((contacts, asked, kinds, said)),
@@ -99,6 +104,18 @@ class Tangents:
             rows=_row_room(system, nv, kinds),
         )
         self._rates = nv + nx
+        self._number(self.room.shifts)
+
+    def _number(self, shifts: Shifts) -> None:
+        """Take numbers of the system as parts of displacements: elements' laws are differentiated over these."""
+        room, count = self.room, len(shifts.steps)
+        slots = ASKED + int((room.parts["bristle_end"] - room.parts["bristle"]).max(initial=0)) + count + 1
+        self.room = room._replace(
+            shifts=shifts,
+            seen=np.zeros(count, dtype=np.int64),
+            over=np.zeros(slots, dtype=np.int64),
+            of_law=np.zeros((slots, *room.column.shape)),
+        )
 
     def _shifts(self, slopes: SystemSlopes, parts: NDArray[np.void]) -> Shifts:
         return shifts_of(self._system, self._stepper, parts, self._said, slopes)
@@ -111,9 +128,7 @@ class Tangents:
         """
         if not takes_slopes(self._system, slopes):
             return False
-        shifts = self._shifts(slopes, self.room.parts)
-        seen = np.zeros(len(shifts.steps), dtype=np.int64)
-        self.room = self.room._replace(shifts=shifts, seen=seen)
+        self._number(self._shifts(slopes, self.room.parts))
         return True
 
     @staticmethod
@@ -207,7 +222,7 @@ def _row_room(system: System, nv: int, kinds: int) -> RowRoom:
         speeds=np.zeros(motions),
         twist=np.zeros(4),
         wanted=np.zeros(motions),
-        trial=np.zeros((kinds + 1, motions)),
+        trial=np.zeros((kinds + 2, motions)),
         jerks=np.zeros((kinds, motions)),
         column=np.zeros((kinds, motions)),
     )

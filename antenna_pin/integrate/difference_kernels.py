@@ -1,8 +1,10 @@
 """Central differences of two orders whose step is made finer while the orders disagree, compiled.
 
 Who wants the derivative of something along one direction begins with :func:`clear`, adds what it is on the
-spot and at each neighbour (:func:`add`), and has its parts settled (:func:`settle`). A trial has a row for
-each kind of differences, the finest order first, and one for how the function bends.
+spot and at each neighbour (:func:`add`, in the order of :func:`place_at`), and has its parts settled
+(:func:`settle`). A trial has a row for each kind of differences, the finest order first, one for how the
+function bends, and one for what it is on the spot. Where the farthest neighbours on both sides are that to
+the bit nothing changes, and the others need not be looked at.
 
 Where a kink is much nearer than their step, central differences of all orders agree on the middle of two
 derivatives: they part by as small a part of the jump as that distance is of the step, and by more the finer
@@ -41,19 +43,45 @@ def clear(trial: Any, count: int) -> None:
 
 
 @inlined
-def add(values: Any, count: int, place: int, step: float, weights: Any, trial: Any) -> None:
-    """Add the values at ``place`` steps to a trial, by ``weights``, (kinds, points)."""
-    kinds, away = weights.shape[0], abs(place)
-    if away > 0:
-        for kind in range(kinds):
-            weight = weights[kind, away - 1] / step
-            if weight != 0.0:
-                weight = weight if place > 0 else -weight
-                for i in range(count):
-                    trial[kind, i] += weight * values[i]
-    bend = _BEND[away] / step
+def place_at(turn: int, points: int) -> int:
+    """Return how many steps away the value is that is added next: 0, then ahead and behind, the farthest first."""
+    away = points - (turn - 1) // 2
+    return 0 if turn == 0 else (away if turn % 2 == 1 else -away)
+
+
+@inlined
+def add(values: Any, count: int, place: int, weights: Any, trial: Any) -> bool:
+    """Add the values at ``place`` steps to a trial, by ``weights``, (kinds, points).
+
+    Returns:
+        Whether any of them is another than on the spot.
+    """
+    kinds, away, moves = weights.shape[0], abs(place), False
+    bend, middle = _BEND[away], kinds + 1
+    if away == 0:
+        for i in range(count):
+            trial[kinds, i] += bend * values[i]
+            trial[middle, i] = values[i]
+        return False
+    for kind in range(kinds):
+        weight = weights[kind, away - 1] if place > 0 else -weights[kind, away - 1]
+        if weight != 0.0:
+            for i in range(count):
+                trial[kind, i] += weight * values[i]
     for i in range(count):
         trial[kinds, i] += bend * values[i]
+        # Written so that what is no number moves.
+        moves = moves or not values[i] == trial[middle, i]
+    return moves
+
+
+@inlined
+def rests(turn: int, moves: bool, count: int, trial: Any) -> bool:
+    """Whether the farthest neighbours of a trial, behind the third turn, say that nothing changes; then it is so."""
+    if turn != 2 or moves:
+        return False
+    clear(trial, count)
+    return True
 
 
 @inlined
@@ -64,9 +92,11 @@ def _judge(trial: Any, values: Any, step: float, part: Any) -> tuple[float, floa
     round-off of values makes of it does not count: it is all there is where a derivative is zero.
     """
     first, last = part
-    largest, off, size, bends = 0.0, 0.0, 0.0, trial.shape[0] - 1
+    largest, off, size, bends = 0.0, 0.0, 0.0, trial.shape[0] - 2
     for i in range(first, last):
         size = max(size, abs(values[i]))
+        for kind in range(bends + 1):
+            trial[kind, i] /= step
     noise = _UNSURE * size / step
     for i in range(first, last):
         largest = max(largest, abs(trial[0, i]))

@@ -25,7 +25,7 @@ from antenna_pin.geometry.tangent_kernels import (
     contact_changes,
     has_closed_changes,
 )
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.layout_kernels import candidate_at, joint_at, primitive_of, revolute_of
@@ -224,13 +224,17 @@ def _differentiate_contact(p: Any, b: int, k: int, way: Any, room: Any) -> None:
     step, points = _WAY / size, room.weights.shape[1]
     for _ in range(OFTEN):
         clear(trial, CHANGED)
-        for place in range(-points, points + 1):
+        moves = False
+        for turn in range(2 * points + 1):
+            place = place_at(turn, points)
             _displace(p[first : first + CANDIDATE], place * step, room)
             candidate_contact(room.shapes[1], 0, room.poses[2], row)
             room.looked[GAP] = row.gap
             for i in range(3):
                 room.looked[NORMAL + i], room.looked[POINT + i] = row.normal[i], row.point[i]
-            add(room.looked, CHANGED, place, step, room.weights, trial)
+            moves = add(room.looked, CHANGED, place, room.weights, trial) or moves
+            if rests(turn, moves, CHANGED, trial):
+                break
         gap = settle(trial, room.looked, step, (GAP, NORMAL), gap, out)
         normal = settle(trial, room.looked, step, (NORMAL, POINT), normal, out)
         at = settle(trial, room.looked, step, (POINT, CHANGED), at, out)

@@ -1,25 +1,25 @@
-"""What the laws of contacts say, along their own arguments and over numbers of the system, compiled.
+"""What the laws of contacts say, along their own arguments and over their own numbers, compiled.
 
-See :mod:`antenna_pin.joints.tangent_kernels`, which puts them together.
+Friction without bristles is along slip: it is asked with the size of that, and what it says along it. See :mod:`antenna_pin.joints.tangent_kernels`, which puts them together.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
+from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, bristle_force
 from antenna_pin.contact.kernels import NORMAL_SIZE
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor
-from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at, normal_at
-from antenna_pin.joints.motion_change_kernels import RULES
 from antenna_pin.joints.row_kernels import row_forces
 
 # What a law is asked with: gap, depth rate, slip, normal, logarithms of what is remembered, bristles. And
-# what it says: force, its elastic part, friction, rates of bristles.
+# what it says: force, its elastic part, friction, rates of bristles. Without bristles the first of slip, and
+# of friction, are those along it, and there are no others.
 A_GAP, A_RATE, A_SLIP, A_NORMAL, A_SPEED, A_MASS, A_BRISTLE = 0, 1, 2, 5, 8, 9, 10
 V_ELASTIC, V_FRICTION, V_BRISTLE = 1, 2, 5
 #: What a law has of bristles at most: a deflection, and its dwell.
@@ -29,6 +29,23 @@ REMEMBERED, TIMES = 0, 1
 # First steps: of depths, over these (so fine that orders agree on depth^1.5 at once), at least over a play;
 # of speeds, over their unit or themselves; of the parts of a normal and of logarithms.
 _DEPTH, _SHALLOW, _SPEED, _PURE = 2e-3, 1e-12, 1e-3, 1e-3
+
+
+@by_address
+class LawWords(NamedTuple):
+    """Numbers of contacts' laws in a program that go with numbers of the system, contact by contact.
+
+    Attributes:
+        first: Where those of each contact begin, and the end, (contacts + 1,).
+        at: Where they stand in the program, (words,).
+        slopes: By how much they change, (words, numbers).
+        steps: First steps of differences, (words,).
+    """
+
+    first: Any
+    at: Any
+    slopes: Any
+    steps: Any
 
 
 @inlined
@@ -74,6 +91,13 @@ def _say(p: Any, b: int, k: int, room: Any) -> None:
 
 
 @inlined
+def slip_speed(row: Any) -> float:
+    """Return the size of a contact's slip [m/s]."""
+    x, y, z = row.slip[0], row.slip[1], row.slip[2]
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@inlined
 def _ask_with(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> None:
     """Write what the laws of a contact are asked with."""
     j, asked = joint_at(p, b), room.asked
@@ -81,6 +105,8 @@ def _ask_with(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> N
     for i in range(3):
         asked[A_SLIP + i] = row.slip[i]
         asked[A_NORMAL + i] = row.normal[i]
+    if j.stride == BRISTLES:
+        asked[A_SLIP], asked[A_SLIP + 1], asked[A_SLIP + 2] = slip_speed(row), 0.0, 0.0
     for i in range(j.stride - BRISTLES):
         asked[A_BRISTLE + i] = y[x0 + j.x + k * j.stride + BRISTLES + i]
 
@@ -98,53 +124,82 @@ def _first_step(p: Any, b: int, k: int, i: int, room: Any) -> float:
     return float(_SPEED * units[2 * nv + room.bristle_of[j.x + k * j.stride + BRISTLES + i - A_BRISTLE]])
 
 
+@inlined
+def said_by(p: Any, b: int) -> int:
+    """Return how many numbers the laws of a joint's contacts say."""
+    states = joint_at(p, b).stride - BRISTLES
+    return V_BRISTLE + states if states > 0 else V_FRICTION + 1
+
+
 @kernel
 def _differentiate(p: Any, b: int, k: int, about: Any, step: float, room: Any, out: Any) -> None:
     """Write the derivatives of what the laws of a contact say over one number, (kinds, said).
 
-    ``about``: which of what they are asked with, and which number of the system if that is none (-1).
+    ``about``: which of what they are asked with, or which of the program's words if that is none (-1).
     """
-    i, m = about
-    words, said, asked = room.shifts.program, V_BRISTLE + joint_at(p, b).stride - BRISTLES, room.asked
+    i, word = about
+    asked, values, trial, said = room.asked, room.said, room.trial, said_by(p, b)
     here, points, one, other = asked[max(i, 0)], room.weights.shape[1], BEGIN, BEGIN
-    if i < 0:
-        note_words(p, words, m)
+    was, forces = p[max(word, 0)], min(said, V_BRISTLE)
     for _ in range(OFTEN):
-        clear(room.trial, said)
-        for place in range(-points, points + 1):
-            if i < 0:
-                displace_words(p, words, m, place * step)
+        clear(trial, said)
+        moves = False
+        for turn in range(2 * points + 1):
+            place = place_at(turn, points)
+            if turn == 0:
+                for n in range(said):
+                    values[n] = room.middle[n]
             else:
-                asked[i] = here + place * step
-            _say(p, b, k, room)
-            add(room.said, said, place, step, room.weights, room.trial)
-        one = settle(room.trial, room.said, step, (0, V_BRISTLE), one, out)
-        other = settle(room.trial, room.said, step, (V_BRISTLE, said), other, out)
+                if i < 0:
+                    p[word] = was + place * step
+                else:
+                    asked[i] = here + place * step
+                _say(p, b, k, room)
+            moves = add(values, said, place, room.weights, trial) or moves
+            if rests(turn, moves, said, trial):
+                break
+        one = settle(trial, values, step, (0, forces), one, out)
+        other = settle(trial, values, step, (forces, said), other, out)
         if not (one[2] or other[2]):
             break
         step /= FINER
     if i < 0:
-        put_back_words(p, words, m)
+        p[word] = was
     else:
         asked[i] = here
+
+
+@inlined
+def _is_asked(i: int, states: int, room: Any) -> bool:
+    """Whether what laws are asked with at i is any of it, and goes with displacements."""
+    if states == 0 and A_SLIP < i < A_SPEED:
+        return False
+    return not (A_SPEED <= i < A_BRISTLE) or room.asks[REMEMBERED] != 0
 
 
 @kernel
 def differentiate_laws(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> None:
     """Write the derivatives of what the laws of a contact say to ``room.laws[k]``, (asked, kinds, said).
 
-    Those over numbers of the system, ``room.seen``, go to ``room.shifts.laws[k]``.
+    Those over the numbers of the laws that go with any of ``room.seen`` go to ``room.shifts.laws[k]``.
     """
-    j, shifts = joint_at(p, b), room.shifts
-    states, said = j.stride - BRISTLES, V_BRISTLE + j.stride - BRISTLES
+    j, rules = joint_at(p, b), room.shifts.rules
+    states, said, first = j.stride - BRISTLES, said_by(p, b), rules.first[j.row + k]
     _ask_with(p, b, k, y, x0, row, room)
+    _say(p, b, k, room)
+    for n in range(said):
+        room.middle[n] = room.said[n]
     for i in range(A_BRISTLE + states):
-        if (states == 0 and A_NORMAL <= i < A_SPEED) or (
-            room.asks[REMEMBERED] == 0 and A_SPEED <= i < A_BRISTLE
-        ):
-            clear(room.laws[k, i], said)
-        else:
+        if _is_asked(i, states, room):
             _differentiate(p, b, k, (i, -1), _first_step(p, b, k, i, room), room, room.laws[k, i])
-    for m in range(shifts.steps.shape[0]):
-        if room.seen[m] & RULES != 0:
-            _differentiate(p, b, k, (-1, m), shifts.steps[m], room, shifts.laws[k, m])
+        else:
+            clear(room.laws[k, i], said)
+    for n in range(first, rules.first[j.row + k + 1]):
+        moved = False
+        for m in range(room.seen.shape[0]):
+            moved = moved or (room.seen[m] != 0 and rules.slopes[n, m] != 0.0)
+        if moved:
+            about = -1, rules.at[n]
+            _differentiate(p, b, k, about, rules.steps[n], room, room.shifts.laws[k, n - first])
+        else:
+            clear(room.shifts.laws[k, n - first], said)

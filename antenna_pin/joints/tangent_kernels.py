@@ -43,6 +43,8 @@ from antenna_pin.joints.slope_kernels import (
     V_FRICTION,
     differentiate_laws,
     is_moved,
+    said_by,
+    slip_speed,
 )
 
 
@@ -50,27 +52,62 @@ from antenna_pin.joints.slope_kernels import (
 def _answer(p: Any, b: int, k: int, way: Any, kind: int, room: Any) -> None:
     """Write to ``room.said`` how what a contact's laws say changes along a displacement."""
     j, nv, change, said = joint_at(p, b), room.tau.shape[0], room.change[kind], room.said
-    states, asked = j.stride - BRISTLES, room.asked
-    asked[A_GAP], asked[A_RATE] = change[GAP], change[RATE]
-    for i in range(3):
-        asked[A_SLIP + i], asked[A_NORMAL + i] = change[SLIP + i], change[NORMAL + i]
+    states, count, asked, shifts = j.stride - BRISTLES, said_by(p, b), room.asked, room.shifts
     speeds, contacts = 2 * nv + room.bristles.shape[0], room.numbers.memory.shape[0]
+    asked[A_GAP], asked[A_RATE] = change[GAP], change[RATE]
     asked[A_SPEED], asked[A_MASS] = way[speeds + j.row + k], way[speeds + contacts + j.row + k]
-    for i in range(states):
-        asked[A_BRISTLE + i] = way[2 * nv + room.bristle_of[j.x + k * j.stride + BRISTLES + i]]
-    for i in range(V_BRISTLE + states):
+    for i in range(3):
+        asked[A_SLIP + i], asked[A_NORMAL + i] = 0.0, 0.0
+    if states == 0:
+        asked[A_SLIP] = _along_slip(room.numbers.own[j.row + k], change)
+    else:
+        for i in range(3):
+            asked[A_SLIP + i], asked[A_NORMAL + i] = change[SLIP + i], change[NORMAL + i]
+        for i in range(states):
+            asked[A_BRISTLE + i] = way[2 * nv + room.bristle_of[j.x + k * j.stride + BRISTLES + i]]
+    for i in range(V_FRICTION + 3 + states):
         said[i] = 0.0
     for n in range(A_BRISTLE + states):
         share = asked[n]
         if share != 0.0:
-            for i in range(V_BRISTLE + states):
+            for i in range(count):
                 said[i] += share * room.laws[k, n, kind, i]
-    shifts = room.shifts
+    first = shifts.rules.first[j.row + k]
     for m in range(shifts.steps.shape[0]):
-        share = way[room.first_number[0] + m]
-        if share != 0.0 and room.seen[m] & RULES != 0:
-            for i in range(V_BRISTLE + states):
-                said[i] += share * shifts.laws[k, m, kind, i]
+        moved = way[room.first_number[0] + m]
+        if moved != 0.0 and room.seen[m] & RULES != 0:
+            for n in range(first, shifts.rules.first[j.row + k + 1]):
+                share = moved * shifts.rules.slopes[n, m]
+                for i in range(count):
+                    said[i] += share * shifts.laws[k, n - first, kind, i]
+    if states == 0:
+        _turn_friction(room.numbers.own[j.row + k], change, room.laws[k, A_SLIP, kind, V_FRICTION], said)
+
+
+@inlined
+def _along_slip(row: Any, change: Any) -> float:
+    """Return how the size of slip changes; at rest by nothing, for friction goes with all of its change."""
+    speed, total = slip_speed(row), 0.0
+    for i in range(3):
+        total += row.slip[i] * change[SLIP + i]
+    return total / speed if speed > 0.0 else 0.0
+
+
+@inlined
+def _turn_friction(row: Any, change: Any, at_rest: float, said: Any) -> None:
+    """Write how friction that is along slip changes, of how it does along that.
+
+    What of slip changes across it turns it: as much as friction is over slip, of which ``at_rest`` is the limit.
+    """
+    speed, along, friction = slip_speed(row), said[V_FRICTION], 0.0
+    turned, more = at_rest, _along_slip(row, change)
+    if speed > 0.0:
+        for i in range(3):
+            friction += row.friction[i] * row.slip[i]
+        turned = friction / (speed * speed)
+    for i in range(3):
+        way = row.slip[i] / speed if speed > 0.0 else 0.0
+        said[V_FRICTION + i] = along * way + turned * (change[SLIP + i] - more * way)
 
 
 @inlined

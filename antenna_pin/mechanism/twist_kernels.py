@@ -27,16 +27,18 @@ def twist_angle(hx: float, hy: float, hz: float, qw: float) -> tuple[float, floa
 
 
 @inlined
-def twist_bias(h: tuple[float, float, float], qw: float, w: tuple[float, float, float]) -> float:
-    """Return what the twist accelerates by at constant w: gx' wx + gy' wy [rad/s^2].
+def twist_slopes(
+    h: tuple[float, float, float], qw: float, way: tuple[float, float, float]
+) -> tuple[float, float]:
+    """Return how gx and gy of :func:`twist_angle` change as the body turns by a small way, in its own axes.
 
     By h' = (qw w + h x w) / 2 and qw' = -h . w / 2.
     """
     hx, hy, hz = h
-    wx, wy, wz = w
+    wx, wy, wz = way
     square = hz * hz + qw * qw
     if square == 0.0:
-        return 0.0
+        return 0.0, 0.0
     dx = 0.5 * (qw * wx + hy * wz - hz * wy)
     dy = 0.5 * (qw * wy + hz * wx - hx * wz)
     dz = 0.5 * (qw * wz + hx * wy - hy * wx)
@@ -45,4 +47,11 @@ def twist_bias(h: tuple[float, float, float], qw: float, w: tuple[float, float, 
     gx, gy = (hz * hx - qw * hy) / square, (qw * hx + hz * hy) / square
     first = dz * hx + hz * dx - dw * hy - qw * dy - gx * grown
     second = dw * hx + qw * dx + dz * hy + hz * dy - gy * grown
-    return (first * wx + second * wy) / square
+    return first / square, second / square
+
+
+@inlined
+def twist_bias(h: tuple[float, float, float], qw: float, w: tuple[float, float, float]) -> float:
+    """Return what the twist accelerates by at constant w: gx' wx + gy' wy [rad/s^2]."""
+    first, second = twist_slopes(h, qw, w)
+    return first * w[0] + second * w[1]

@@ -6,20 +6,23 @@ import numpy as np
 import pytest
 
 from antenna_pin.differences import WEIGHTS
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, settle
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 
 FIRST = 1e-3
 
 
 def derivative(function, first=FIRST):
     """Return the derivative of a number's function at zero by both orders, and in how many trials."""
-    trial, out, so_far, step, trials = np.zeros((3, 1)), np.zeros((2, 1)), BEGIN, first, 0
+    trial, out, so_far, step, trials = np.zeros((4, 1)), np.zeros((2, 1)), BEGIN, first, 0
     for _ in range(OFTEN):
-        trials += 1
+        trials, moves = trials + 1, False
         clear(trial, 1)
-        for place in range(-3, 4):
+        for turn in range(7):
+            place = place_at(turn, 3)
             values = np.array([function(place * step)])
-            add(values, 1, place, step, WEIGHTS, trial)
+            moves = add(values, 1, place, WEIGHTS, trial) or moves
+            if rests(turn, moves, 1, trial):
+                break
         so_far = settle(trial, values, step, (0, 1), so_far, out)
         if not so_far[2]:
             break

@@ -1,0 +1,147 @@
+"""How what an element sees of a joint, and along what it acts there, change with the joint's state, compiled.
+
+Of a joint an element sees its angle, or way, s and the rate s' = g . v of that, and acts along n: its effort
+does n of it along the joint's freedoms, at the rate n . v. A displacement (w, dv) of the joint makes
+
+    ds = g . w,    ds' = g . dv + Dg(w) . v,    dn = Dn(w),    d(n . v) = n . dv + Dn(w) . v
+
+with g and n of :func:`antenna_pin.dynamics.kernels.own_motion` and ``act_at``. Of both all is known in closed
+form: the axis of what is on the parent is n x w as the child turns by w, its centre goes by -w - w x d.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.dynamics.kernels import ABOUT_JOURNAL, ABOUT_MOTION, act_at, element_at, own_motion
+from antenna_pin.joints.layout_kernels import joint_at
+from antenna_pin.joints.pose_kernels import axis_of_parent, journal_centre
+from antenna_pin.mechanism.twist_kernels import twist_slopes
+
+#: Rows of what is written of a joint, each over its freedoms: g and Dg . v, n and Dn . v, then Dn along each
+#: of the freedoms.
+G, G_CHANGE, N, N_CHANGE, N_CHANGES = 0, 1, 2, 3, 4
+#: How many rows there are at most, and of how many freedoms.
+ROWS, MOST = 10, 6
+
+
+@inlined
+def freedoms_of(p: Any, b: int) -> tuple[int, int]:
+    """Return the first of the freedoms that the head of an element at b knows, in v, and how many they are."""
+    e = element_at(p, b)
+    if e.play < 0:
+        return e.v, 1
+    j = joint_at(p, e.play)
+    if j.slides != 0:
+        return e.v, 6
+    return (e.v + 2, 1) if j.planar != 0 else (e.v + 3, 3)
+
+
+@inlined
+def _cross(a: Any, b: Any) -> tuple[float, float, float]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@inlined
+def _unit(k: int) -> tuple[float, float, float]:
+    return float(k == 0), float(k == 1), float(k == 2)
+
+
+@inlined
+def _axis_goes(j: Any, e: Any) -> bool:
+    """Whether it acts along the axis of what is on the parent, which the child sees turn."""
+    return (e.about == ABOUT_JOURNAL) == (j.on_child != 0)
+
+
+@inlined
+def _write_turned(j: Any, e: Any, y: Any, first: int, slope: Any, out: Any) -> None:
+    """Write the rows of a joint with play that turns, but for n; ``slope``: gx and gy of its angle."""
+    a, i = j.axes, j.q + 3
+    gx, gy = slope
+    hx = a[0, 0] * y[i] + a[1, 0] * y[i + 1] + a[2, 0] * y[i + 2]
+    hy = a[0, 1] * y[i] + a[1, 1] * y[i + 1] + a[2, 1] * y[i + 2]
+    hz = a[0, 2] * y[i] + a[1, 2] * y[i + 1] + a[2, 2] * y[i + 2]
+    wx = a[0, 0] * y[first] + a[1, 0] * y[first + 1] + a[2, 0] * y[first + 2]
+    wy = a[0, 1] * y[first] + a[1, 1] * y[first + 1] + a[2, 1] * y[first + 2]
+    n = out[N]
+    for k in range(3):
+        out[G, k] = gx * a[k, 0] + gy * a[k, 1] + a[k, 2]
+        fx, fy = twist_slopes((hx, hy, hz), y[i + 3], (a[k, 0], a[k, 1], a[k, 2]))
+        out[G_CHANGE, k] = fx * wx + fy * wy
+        if e.about == ABOUT_MOTION:
+            for m in range(3):
+                out[N_CHANGES + k, m] = fx * a[m, 0] + fy * a[m, 1]
+        elif _axis_goes(j, e):
+            c = out[N_CHANGES + k]
+            c[0], c[1], c[2] = _cross((n[0], n[1], n[2]), _unit(k))
+
+
+@inlined
+def _write_slid(j: Any, e: Any, y: Any, first: int, out: Any) -> None:
+    """Write the rows of a joint with play that slides, but for n.
+
+    Its way has the gradient (a, c x a), of what is on the parent's axis a and the child's centre c, or with
+    the bearing on the child of that's axis and the journal's centre; it acts along the like.
+    """
+    fixed = j.axes[0, 2], j.axes[1, 2], j.axes[2, 2]
+    turned = axis_of_parent(j, y)
+    centre = journal_centre(j, y)
+    seen = fixed if j.on_child != 0 else turned
+    along = turned if _axis_goes(j, e) else fixed
+    arm = _cross(centre, seen)
+    for k in range(3):
+        out[G, k], out[G, 3 + k] = seen[k], arm[k]
+    for k in range(6):
+        went, axis, pushed = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        if k >= 3:
+            turn = _cross(turned, _unit(k - 3))
+            axis = turn if j.on_child == 0 else axis
+            pushed = turn if _axis_goes(j, e) else pushed
+        if j.on_child != 0:
+            went = _cross(centre, _unit(k - 3)) if k >= 3 else (-_unit(k)[0], -_unit(k)[1], -_unit(k)[2])
+        out[G_CHANGE, k] = 0.0
+        one, two = _cross(went, seen), _cross(centre, axis)
+        three, four = _cross(went, along), _cross(centre, pushed)
+        for m in range(3):
+            out[G_CHANGE, k] += axis[m] * y[first + m] + (one[m] + two[m]) * y[first + 3 + m]
+            out[N_CHANGES + k, m], out[N_CHANGES + k, 3 + m] = pushed[m], three[m] + four[m]
+
+
+@kernel
+def write_motion(p: Any, b: int, y: Any, nq: int, tau: Any, out: Any) -> tuple[float, float]:
+    """Write what a head of an element sees of its joint and along what it acts, and how that changes.
+
+    Args:
+        p: Program.
+        b: Where the head stands.
+        y: State.
+        nq: Where v begins in it.
+        tau: Scratch, (nv,).
+        out: Rows over the freedoms, (ROWS, MOST).
+
+    Returns:
+        Angle (or way) and its rate.
+    """
+    e = element_at(p, b)
+    first, count = freedoms_of(p, b)
+    angle, rate, gx, gy = own_motion(p, b, y, nq)
+    for k in range(count):
+        tau[first + k] = 0.0
+        for i in range(N_CHANGES + count):
+            out[i, k] = 0.0
+    act_at(p, b, 1.0, (gx, gy), y, nq, tau)
+    for k in range(count):
+        out[N, k] = tau[first + k]
+    if count == 1:
+        out[G, 0] = 1.0
+        return angle, rate
+    j = joint_at(p, e.play)
+    if j.slides != 0:
+        _write_slid(j, e, y, nq + first, out)
+    else:
+        _write_turned(j, e, y, nq + first, (gx, gy), out)
+    for k in range(count):
+        for m in range(count):
+            out[N_CHANGE, k] += out[N_CHANGES + k, m] * y[nq + first + m]
+    return angle, rate
