@@ -28,7 +28,7 @@ ROWS, MOST = 10, 6
 
 @inlined
 def freedoms_of(p: Any, b: int) -> tuple[int, int]:
-    """Return the first of the freedoms that the head of an element at b knows, in v, and how many they are."""
+    """Return the first of the freedoms that an element's head at b knows, in v, and how many they are."""
     e = element_at(p, b)
     if e.play < 0:
         return e.v, 1
@@ -51,7 +51,7 @@ def _unit(k: int) -> tuple[float, float, float]:
 @inlined
 def _axis_goes(j: Any, e: Any) -> bool:
     """Whether it acts along the axis of what is on the parent, which the child sees turn."""
-    return (e.about == ABOUT_JOURNAL) == (j.on_child != 0)
+    return bool((e.about == ABOUT_JOURNAL) == (j.on_child != 0))
 
 
 @inlined
@@ -145,3 +145,25 @@ def write_motion(p: Any, b: int, y: Any, nq: int, tau: Any, out: Any) -> tuple[f
         for m in range(count):
             out[N_CHANGE, k] += out[N_CHANGES + k, m] * y[nq + first + m]
     return angle, rate
+
+
+@inlined
+def change_along(rows: Any, first: int, count: int, way: Any, nv: int) -> tuple[float, float, float]:
+    """Return how an angle changes along a displacement, its rate, and the rate along which it acts."""
+    angle, rate, speed = 0.0, 0.0, 0.0
+    for k in range(count):
+        w, dv = way[first + k], way[nv + first + k]
+        angle += rows[G, k] * w
+        rate += rows[G, k] * dv + rows[G_CHANGE, k] * w
+        speed += rows[N, k] * dv + rows[N_CHANGE, k] * w
+    return angle, rate, speed
+
+
+@inlined
+def add_push(rows: Any, first: int, count: int, way: Any, effort: float, change: float, out: Any) -> None:
+    """Add how an effort along a joint changes along a displacement, with the effort and with the joint."""
+    for k in range(count):
+        pushed = change * rows[N, k]
+        for m in range(count if count > 1 else 0):
+            pushed += effort * way[first + m] * rows[N_CHANGES + m, k]
+        out[first + k] += pushed

@@ -14,12 +14,10 @@ from typing import Any
 
 from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.angle_change_kernels import (
-    G,
-    G_CHANGE,
     MOST,
     N,
-    N_CHANGE,
-    N_CHANGES,
+    add_push,
+    change_along,
     freedoms_of,
     write_motion,
 )
@@ -87,7 +85,7 @@ def _act(part: Any, t: float, room: Any) -> None:
 
 @inlined
 def _say(part: Any, t: float, pushes: bool, room: Any) -> None:
-    """Write what an element's law says of ``room.asked`` to ``room.looked``; its efforts if they are asked."""
+    """Write what an element's law says of ``room.asked`` to ``room.looked``; its efforts where asked."""
     p, b, rates, asked, out = room.numbers.program, part.block, room.rates, room.asked, room.looked
     e, space = element_at(p, b), space_of(room.layout)
     if e.partner != 0:
@@ -184,7 +182,7 @@ def _add_column(part: Any, at: int, ways: Any, room: Any, out: Any) -> None:
 @kernel
 def _look(part: Any, t: float, y: Any, room: Any) -> float:
     """Write what an element sees and says, and along what it acts; return the rate along which it acts."""
-    p, b, nq, nv = room.numbers.program, part.block, space_of(room.layout).nq, room.tau.shape[0]
+    p, b, nq = room.numbers.program, part.block, space_of(room.layout).nq
     e, asked, sides = element_at(p, b), room.asked, room.sides
     for n in range(ASKED):
         asked[n] = 0.0
@@ -252,28 +250,6 @@ def _differentiate_law(part: Any, t: float, y: Any, ways: Any, steps: Any, room:
     return count
 
 
-@inlined
-def _change(rows: Any, first: int, count: int, way: Any, nv: int) -> tuple[float, float, float]:
-    """Return how an angle changes along a displacement, its rate, and the rate along which it acts."""
-    angle, rate, speed = 0.0, 0.0, 0.0
-    for k in range(count):
-        w, dv = way[first + k], way[nv + first + k]
-        angle += rows[G, k] * w
-        rate += rows[G, k] * dv + rows[G_CHANGE, k] * w
-        speed += rows[N, k] * dv + rows[N_CHANGE, k] * w
-    return angle, rate, speed
-
-
-@inlined
-def _add_push(rows: Any, first: int, count: int, way: Any, effort: float, change: float, out: Any) -> None:
-    """Add how an effort along a joint changes along a displacement, with the effort and with the joint."""
-    for k in range(count):
-        pushed = change * rows[N, k]
-        for m in range(count if count > 1 else 0):
-            pushed += effort * way[first + m] * rows[N_CHANGES + m, k]
-        out[first + k] += pushed
-
-
 @kernel
 def _add_along(part: Any, count: int, speed: float, way: Any, d: int, room: Any, out: Any) -> None:
     """Add how an element at joints changes forces and rates of x along displacement d."""
@@ -282,10 +258,10 @@ def _add_along(part: Any, count: int, speed: float, way: Any, d: int, room: Any,
     first, freedoms = freedoms_of(p, b)
     beyond = e.partner if e.partner != 0 else e.sensed
     other, others = freedoms_of(p, b + beyond)
-    angle, rate, faster = _change(sides[0], first, freedoms, way, nv)
+    angle, rate, faster = change_along(sides[0], first, freedoms, way, nv)
     far, far_rate = angle, rate
     if beyond != 0:
-        far, far_rate, _ = _change(sides[1], other, others, way, nv)
+        far, far_rate, _ = change_along(sides[1], other, others, way, nv)
     if e.partner == 0:
         angle, rate = far, far_rate
     for kind in range(out.shape[0]):
@@ -303,9 +279,9 @@ def _add_along(part: Any, count: int, speed: float, way: Any, d: int, room: Any,
                 for i in range(EFFORTS + books):
                     found[i] += share * room.of_law[c, kind, i]
         own = out[kind, d]
-        _add_push(sides[0], first, freedoms, way, middle[0], found[0], own)
+        add_push(sides[0], first, freedoms, way, middle[0], found[0], own)
         if e.partner != 0:
-            _add_push(sides[1], other, others, way, middle[1], found[1], own)
+            add_push(sides[1], other, others, way, middle[1], found[1], own)
         power = found[0] * speed + middle[0] * faster
         for i in range(books):
             more = room.column[kind, EFFORTS + i] * power if e.partner == 0 else 0.0

@@ -113,11 +113,13 @@ def _displace(i: int, h: float, room: Any) -> None:
             continue
         weights = room.tableau.weights if d < few else room.rests
         for k in range(slopes.shape[2]):
-            total = 0.0
-            for j in range(i):
-                if weights[i, j] != 0.0:
-                    total += weights[i, j] * slopes[j, d, k]
-            now[d, k] = room.ways[d, k] + h * total
+            now[d, k] = room.ways[d, k]
+        # Stage by stage, so that the parts of a displacement go side by side.
+        for j in range(i):
+            share = h * weights[i, j]
+            if share != 0.0:
+                for k in range(slopes.shape[2]):
+                    now[d, k] += share * slopes[j, d, k]
 
 
 @inlined

@@ -115,6 +115,7 @@ class TangentRoom(NamedTuple):
         places: PLACE, (bodies + 1,), the tree's own; those that constraints write, if there are any.
         room: ROOM, likewise.
         mass: Factors of the mass matrix, of a tree without constraints, (nv, nv).
+        lanes: Right-hand sides, scratch, (nv, LANES).
         acceleration: (nv,).
         bodies: CHANGE, (bodies + 1,), the last the ground.
         body: CHANGE, scratch, (1,).
@@ -159,6 +160,7 @@ class TangentRoom(NamedTuple):
     places: Any
     room: Any
     mass: Any
+    lanes: Any
     acceleration: Any
     bodies: Any
     body: Any
@@ -271,10 +273,10 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
 def _solve(differs: bool, room: Any, out: Any) -> None:
     """Make accelerations of forces; those of further orders are told by how much they differ, if they do."""
     nv = room.tau.shape[0]
-    solve_trees(room.mass, room.below, out[0, :, :nv])
+    solve_trees(room.mass, room.below, room.lanes, out[0, :, :nv])
     for kind in range(1, out.shape[0]):
         if differs:
-            solve_trees(room.mass, room.below, out[kind, :, :nv])
+            solve_trees(room.mass, room.below, room.lanes, out[kind, :, :nv])
         for d in range(out.shape[1]):
             for k in range(nv):
                 out[kind, d, k] += out[0, d, k]

@@ -18,7 +18,7 @@ from antenna_pin.engine.tangent_kernels import Shifts, TangentRoom, write_tangen
 from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate import manifold_kernels
 from antenna_pin.joints import layout_kernels, motion_change_kernels, slope_kernels
-from antenna_pin.mechanism import CHANGE, PLACE, ROOM, freedoms_below
+from antenna_pin.mechanism import CHANGE, LANES, PLACE, ROOM, freedoms_below
 from antenna_pin.records import MEMORY, POSE, PROGRAM, words_of
 
 __all__ = ["Tangents"]
@@ -95,6 +95,7 @@ class Tangents:
             places=_places(numbers),
             room=np.zeros(len(numbers.tree) + 1, ROOM),
             mass=np.zeros((nv, nv)),
+            lanes=np.zeros((nv, LANES)),
             acceleration=np.zeros(nv),
             bodies=np.zeros(len(numbers.tree) + 1, CHANGE),
             body=np.zeros(1, CHANGE),
@@ -107,7 +108,7 @@ class Tangents:
         self._number(self.room.shifts)
 
     def _number(self, shifts: Shifts) -> None:
-        """Take numbers of the system as parts of displacements: elements' laws are differentiated over these."""
+        """Take numbers of the system as parts of displacements."""
         room, count = self.room, len(shifts.steps)
         slots = ASKED + int((room.parts["bristle_end"] - room.parts["bristle"]).max(initial=0)) + count + 1
         self.room = room._replace(

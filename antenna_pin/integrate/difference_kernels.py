@@ -44,7 +44,7 @@ def clear(trial: Any, count: int) -> None:
 
 @inlined
 def place_at(turn: int, points: int) -> int:
-    """Return how many steps away the value is that is added next: 0, then ahead and behind, the farthest first."""
+    """Return how many steps away the next value is: none, then ahead and behind, the farthest first."""
     away = points - (turn - 1) // 2
     return 0 if turn == 0 else (away if turn % 2 == 1 else -away)
 
@@ -77,7 +77,7 @@ def add(values: Any, count: int, place: int, weights: Any, trial: Any) -> bool:
 
 @inlined
 def rests(turn: int, moves: bool, count: int, trial: Any) -> bool:
-    """Whether the farthest neighbours of a trial, behind the third turn, say that nothing changes; then it is so."""
+    """Whether nothing changes, as the farthest neighbours say behind the third turn: so it is then."""
     if turn != 2 or moves:
         return False
     clear(trial, count)

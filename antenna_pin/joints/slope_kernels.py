@@ -1,6 +1,7 @@
 """What the laws of contacts say, along their own arguments and over their own numbers, compiled.
 
-Friction without bristles is along slip: it is asked with the size of that, and what it says along it. See :mod:`antenna_pin.joints.tangent_kernels`, which puts them together.
+Friction without bristles is along slip: it is asked with the size of that, and says what it is along it.
+All is put together in :mod:`antenna_pin.joints.tangent_kernels`.
 """
 
 from __future__ import annotations

@@ -97,7 +97,7 @@ def _along_slip(row: Any, change: Any) -> float:
 def _turn_friction(row: Any, change: Any, at_rest: float, said: Any) -> None:
     """Write how friction that is along slip changes, of how it does along that.
 
-    What of slip changes across it turns it: as much as friction is over slip, of which ``at_rest`` is the limit.
+    What of slip changes across it turns it: by friction over slip, of which ``at_rest`` is the limit.
     """
     speed, along, friction = slip_speed(row), said[V_FRICTION], 0.0
     turned, more = at_rest, _along_slip(row, change)

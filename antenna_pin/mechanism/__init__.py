@@ -7,7 +7,7 @@ from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkC
 
 if TYPE_CHECKING:
     from antenna_pin.mechanism._size import check_size
-    from antenna_pin.mechanism.dynamics import CHANGE, ROOM, TreeDynamics
+    from antenna_pin.mechanism.dynamics import CHANGE, LANES, ROOM, TreeDynamics
     from antenna_pin.mechanism.frames import (
         frame_aligning_z,
         quaternion,
@@ -33,6 +33,7 @@ __all__ = [
     "JointKind",
     "JointSlot",
     "JointVariant",
+    "LANES",
     "LinkChange",
     "Mechanism",
     "PLACE",
@@ -68,7 +69,7 @@ loaded_when_used(
     __name__,
     {
         "_size": "check_size",
-        "dynamics": "CHANGE ROOM TreeDynamics",
+        "dynamics": "CHANGE LANES ROOM TreeDynamics",
         "frames": "frame_aligning_z quaternion quaternions roll_pitch_yaw rotation",
         "kinematics": "link_motion link_poses link_twists",
         "loads": "transmitted_wrenches",

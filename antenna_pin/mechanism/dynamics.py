@@ -15,6 +15,7 @@ from antenna_pin.mechanism.model import Mechanism
 from antenna_pin.mechanism.room_kernels import ROOM
 from antenna_pin.mechanism.tangent_kernels import (
     CHANGE,
+    LANES,
     prepare_changes,
     solve_tree,
     subtract_wrenches,
@@ -23,7 +24,7 @@ from antenna_pin.mechanism.tangent_kernels import (
 from antenna_pin.mechanism.tree import body_tree, freedoms_below
 from antenna_pin.mechanism.tree_kernels import PLACE, bias_accelerations, place_bodies
 
-__all__ = ["CHANGE", "ROOM", "TreeDynamics"]
+__all__ = ["CHANGE", "LANES", "ROOM", "TreeDynamics"]
 
 Array = NDArray[np.float64]
 

@@ -54,6 +54,10 @@ CHANGE = layout(
 )
 
 
+#: How many right-hand sides are solved for side by side.
+LANES = 16
+
+
 @inlined
 def _along_joint(body: Any, rotation: Any, own: Any, x: Any, out: Any) -> None:
     """Write the motion of a body that the joint's part of a generalized velocity makes."""
@@ -245,25 +249,41 @@ def solve_tree(factors: Any, below: Any, x: Any) -> None:
 
 
 @kernel
-def solve_trees(factors: Any, below: Any, x: Any) -> None:
-    """Do so for each row of x, (k, nv): one after the other they would wait for the ways through the tree."""
-    count = x.shape[0]
+def solve_trees(factors: Any, below: Any, lanes: Any, x: Any) -> None:
+    """Do so for each row of x, (k, nv): one after the other they would wait for the ways through the tree.
+
+    So many as ``lanes``, (nv, LANES), holds go side by side there.
+    """
+    for first in range(0, x.shape[0], LANES):
+        count = min(LANES, x.shape[0] - first)
+        for i in range(below.shape[0]):
+            for d in range(LANES):
+                lanes[i, d] = x[first + d, i] if d < count else 0.0
+        _solve_lanes(factors, below, lanes)
+        for d in range(count):
+            for i in range(below.shape[0]):
+                x[first + d, i] = lanes[i, d]
+
+
+@inlined
+def _solve_lanes(factors: Any, below: Any, x: Any) -> None:
+    """Solve M x = x for each of the columns."""
     for i in range(below.shape[0] - 1, -1, -1):
         j = below[i]
         while j >= 0:
             share = factors[i, j]
-            for d in range(count):
-                x[d, j] -= share * x[d, i]
+            for d in range(LANES):
+                x[j, d] -= share * x[i, d]
             j = below[j]
     for i in range(below.shape[0]):
-        share = factors[i, i]
-        for d in range(count):
-            x[d, i] /= share
+        share = 1.0 / factors[i, i]
+        for d in range(LANES):
+            x[i, d] *= share
         j = below[i]
         while j >= 0:
             share = factors[i, j]
-            for d in range(count):
-                x[d, i] -= share * x[d, j]
+            for d in range(LANES):
+                x[i, d] -= share * x[j, d]
             j = below[j]
 
 
