@@ -45,7 +45,7 @@ def _cross(a: Any, b: Any) -> tuple[float, float, float]:
 
 @inlined
 def _unit(k: int) -> tuple[float, float, float]:
-    return float(k == 0), float(k == 1), float(k == 2)
+    return 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0
 
 
 @inlined

@@ -131,6 +131,18 @@ def test_a_drive_at_a_joint_with_play_changes_as_the_whole_does():
     assert judge(built("bai2020", "case3", **closed, **HEAVY), 1) < 1.0
 
 
+@pytest.mark.parametrize("side", ["parent", "child"])
+@pytest.mark.parametrize("axis", ["bearing", "journal"])
+@pytest.mark.parametrize("model", ["bai2020", "slider"])
+def test_what_acts_along_a_joint_with_play_changes_as_the_whole_does(model, axis, side):
+    """Whichever axis it acts along, of turning and of sliding joints: axes and arms go with either part."""
+    case, joint = ("case3", "elevation") if model == "bai2020" else ("rest", "slide")
+    drive = {"kind": "sine", "amplitude": 3.0, "frequency": 50.0, "phase": 0.3, "axis": axis}
+    spring = {"kind": "spring", "stiffness": 30.0, "damping": 0.2, "rest_angle": 0.3}
+    overrides = {f"clearance.{joint}.bearing_on": side, f"drives.{joint}": drive, f"springs.{joint}": spring}
+    assert judge(built(model, case, **{f"clearance.{joint}.geometry": "closed-form"}, **overrides), 2) < 1.0
+
+
 HEAVY = {
     "mechanism.links.shaft2.mass": 3.0,
     "mechanism.links.shaft2.inertia": [0.02, 0.03, 0.04, 0.001, 0.002, 0.003],

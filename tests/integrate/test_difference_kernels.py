@@ -86,3 +86,17 @@ def test_smooth_functions_take_one_trial(function):
     assert trials == 1
     # Round-off of values of 1 over the step.
     assert sixth == pytest.approx(exact, abs=1e-12) and other == pytest.approx(exact, abs=1e-11)
+
+
+def test_what_nothing_depends_on_takes_three_looks():
+    """On the spot and at the farthest on both sides; not where one side moves, as a plateau's end does."""
+    looks = []
+
+    def level(s):
+        looks.append(s)
+        return 7.0
+
+    assert derivative(level) == (0.0, 0.0, 1) and len(looks) == 3
+    for side in (1.0, -1.0):
+        sixth, other, trials = derivative(lambda s, side=side: 7.0 + max(side * s - 2.5 * FIRST, 0.0))
+        assert sixth == other == 0.0 and trials > 1
