@@ -160,10 +160,9 @@ def change_along(rows: Any, first: int, count: int, way: Any, nv: int) -> tuple[
 
 
 @inlined
-def add_push(rows: Any, first: int, count: int, way: Any, effort: float, change: float, out: Any) -> None:
-    """Add how an effort along a joint changes along a displacement, with the effort and with the joint."""
+def turn_push(rows: Any, first: int, count: int, way: Any, effort: float, out: Any) -> None:
+    """Write how an effort along a joint changes along a displacement with the joint alone."""
     for k in range(count):
-        pushed = change * rows[N, k]
+        out[first + k] = 0.0
         for m in range(count if count > 1 else 0):
-            pushed += effort * way[first + m] * rows[N_CHANGES + m, k]
-        out[first + k] += pushed
+            out[first + k] += effort * way[first + m] * rows[N_CHANGES + m, k]

@@ -16,9 +16,9 @@ from antenna_pin._compile import inlined, kernel
 from antenna_pin.dynamics.angle_change_kernels import (
     MOST,
     N,
-    add_push,
     change_along,
     freedoms_of,
+    turn_push,
     write_motion,
 )
 from antenna_pin.dynamics.kernels import (
@@ -264,6 +264,10 @@ def _add_along(part: Any, count: int, speed: float, way: Any, d: int, room: Any,
         far, far_rate, _ = change_along(sides[1], other, others, way, nv)
     if e.partner == 0:
         angle, rate = far, far_rate
+    turned = room.step
+    turn_push(sides[0], first, freedoms, way, middle[0], turned)
+    if e.partner != 0:
+        turn_push(sides[1], other, others, way, middle[1], turned)
     for kind in range(out.shape[0]):
         for i in range(EFFORTS + books):
             found[i] = 0.0
@@ -279,9 +283,11 @@ def _add_along(part: Any, count: int, speed: float, way: Any, d: int, room: Any,
                 for i in range(EFFORTS + books):
                     found[i] += share * room.of_law[c, kind, i]
         own = out[kind, d]
-        add_push(sides[0], first, freedoms, way, middle[0], found[0], own)
+        for k in range(freedoms):
+            own[first + k] += found[0] * sides[0, N, k] + turned[first + k]
         if e.partner != 0:
-            add_push(sides[1], other, others, way, middle[1], found[1], own)
+            for k in range(others):
+                own[other + k] += found[1] * sides[1, N, k] + turned[other + k]
         power = found[0] * speed + middle[0] * faster
         for i in range(books):
             more = room.column[kind, EFFORTS + i] * power if e.partner == 0 else 0.0

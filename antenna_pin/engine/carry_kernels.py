@@ -41,7 +41,7 @@ class CarryRoom(NamedTuple):
         steps: Of differences along them, (k,).
         rests: Weights of the stages of what displacements are off by, (stages, stages).
         asked: Which of the stages these have, 0 or not, (stages,).
-        few: The displacements themselves, as ``now``: alone, where the others are not asked for.
+        few: The displacements themselves, as ``now``, where the others are not asked for; scratch at last.
         few_steps: Of differences along these.
         few_both: As ``both``, of these.
         books: How what is integrated along the run is displaced by the step, (few, nx).
@@ -74,7 +74,7 @@ class CarryRoom(NamedTuple):
 
 
 @inlined
-def _grade(t: float, h: float, falling: bool, since: float) -> tuple[int, float]:
+def _grade(t: float, h: float, until: float, since: float) -> tuple[int, float]:
     """Return how time goes along a step.
 
     Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time since, and
@@ -86,11 +86,12 @@ def _grade(t: float, h: float, falling: bool, since: float) -> tuple[int, float]
         back from one behind the end, -1; or evenly, 0. And where that instant is: the root of the time from
         there to the nearer end of the step over that to the other, [0, 1).
     """
-    if falling:
-        return -1, 0.0
-    gone = max(t - since, 0.0)
-    origin = math.sqrt(gone / (gone + h)) if gone < math.inf else 1.0
-    return (1, origin) if origin < _EVEN else (0, 0.0)
+    gone, left = max(t - since, 0.0), max(until - (t + h), 0.0)
+    before = math.sqrt(gone / (gone + h)) if gone < math.inf else 1.0
+    behind = math.sqrt(left / (left + h)) if left < math.inf else 1.0
+    if min(before, behind) >= _EVEN:
+        return 0, 0.0
+    return (-1, behind) if behind <= before else (1, before)
 
 
 @inlined
@@ -158,24 +159,25 @@ def _note(i: int, h: float, speed: float, y: Any, both: Any, room: Any) -> None:
 @inlined
 def _judge(h: float, room: Any) -> None:
     """Write by how much displacements are off by the method, and the sizes of that and of roughness."""
-    weights, slopes, units = room.tableau.errors, room.slopes, room.tangent.units
+    weights, slopes, units, others = room.tableau.errors, room.slopes, room.tangent.units, room.few
     for d in range(room.few.shape[0]):
         first, second = 0.0, 0.0
         for k in range(slopes.shape[2]):
-            one, other = 0.0, 0.0
-            for j in range(room.tableau.last + 1):
-                one += weights[0, j] * slopes[j, d, k]
-                if weights.shape[0] == 2:
-                    other += weights[1, j] * slopes[j, d, k]
-            room.errors[d, k] = h * one
-            first += (one / units[k]) ** 2
-            second += (other / units[k]) ** 2
+            room.errors[d, k], others[d, k] = 0.0, 0.0
+        for j in range(room.tableau.last + 1):
+            one, other = weights[0, j], weights[1, j] if weights.shape[0] == 2 else 0.0
+            for k in range(slopes.shape[2]):
+                room.errors[d, k] += one * slopes[j, d, k]
+                others[d, k] += other * slopes[j, d, k]
+        for k in range(slopes.shape[2]):
+            first += (room.errors[d, k] / units[k]) ** 2
+            second += (others[d, k] / units[k]) ** 2
         share, parted = 1.0, 0.0
         if weights.shape[0] == 2 and first + second > 0.0:
             # Of order 8(5,3), as the run's own.
             share = math.sqrt(first / (first + 0.01 * second))
         for k in range(slopes.shape[2]):
-            room.errors[d, k] *= share
+            room.errors[d, k] *= h * share
             parted += (room.rough[d, k] / units[k]) ** 2
         room.sizes[0, d] = abs(h) * math.sqrt(first) * share
         room.sizes[1, d] = math.sqrt(parted)
@@ -195,17 +197,17 @@ def _prepare(room: Any) -> None:
 
 
 @kernel
-def carry_along(t: float, h: float, falling: bool, since: float, room: Any) -> None:
+def carry_along(t: float, h: float, until: float, since: float, room: Any) -> None:
     """Carry displacements along a step.
 
     Args:
         t: Where it begins [s]; the state is in the row STATE of the work rows, where that at the end is left.
         h: Its size [s].
-        falling: Whether contacts, drives or rates change where it ends.
+        until: When contacts, drives or rates change next, where it ends or behind that [s].
         since: When they have changed last [s].
         room: What to carry with.
     """
-    grade, origin = _grade(t, h, falling, since)
+    grade, origin = _grade(t, h, until, since)
     tableau, work, tangent = room.tableau, room.work, room.tangent
     layout = tangent.layout
     space, stages, last = space_of(layout), tableau.weights.shape[0], tableau.last

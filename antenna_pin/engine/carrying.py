@@ -43,12 +43,14 @@ class Steps(NamedTuple):
         times: When they begin, (steps,) [s].
         sizes: Of them, (steps,) [s].
         since: When contacts, drives or rates have changed last, (steps,) [s].
+        until: When they change next, (1,) [s].
         states: Where they begin, (steps, size).
     """
 
     times: Array
     sizes: Array
     since: Array
+    until: Array
     states: Array
 
 
@@ -79,7 +81,7 @@ class Carrying:
         ways: Array,
         off: Array,
         *,
-        falling: bool,
+        until: float,
         since: float,
     ) -> Along:
         """Carry displacements, and what they are off by, along a step.
@@ -88,7 +90,7 @@ class Carrying:
             start: When it begins [s], its size [s], and the state there.
             ways: Displacements there, (displacement, few).
             off: What some are off by, (displacement, k - few).
-            falling: Whether contacts, drives or rates change where it ends.
+            until: When contacts, drives or rates change next [s].
             since: When they have changed last [s].
         """
         time, size, y = start
@@ -96,7 +98,7 @@ class Carrying:
         room = self._room(few + off.shape[1], few, True)
         room.work[self._stepper.method.stages + STATE][: len(y)] = y
         room.ways[:few], room.ways[few:] = ways.T, off.T
-        carry_along(time, size, falling, since, room)
+        carry_along(time, size, until, since, room)
         self._stepper.answers.check()
         return Along(room.now.T.copy(), room.errors.T, room.rough.T, room.sizes, room.books.T)
 

@@ -25,6 +25,7 @@ class ChainRoom(NamedTuple):
         times: When they begin, (steps,) [s].
         sizes: Of them, (steps,) [s].
         since: When contacts, drives or rates have changed last, (steps,) [s].
+        until: When they change next, (1,) [s].
         states: Where they begin, (steps, size).
         scales: Of the parts of a displacement in coordinates, (displacement,).
         first: Displacements where a step begins, scratch, (k, displacement).
@@ -37,6 +38,7 @@ class ChainRoom(NamedTuple):
     times: Any
     sizes: Any
     since: Any
+    until: Any
     states: Any
     scales: Any
     first: Any
@@ -109,7 +111,7 @@ def _carry_in_parts(n: int, parts: int, good: float, chain: Any) -> float:
     chain.booked[:] = 0.0
     for i in range(parts):
         t = chain.times[n] + i * size
-        carry_along(t, size, False, chain.since[n], room)
+        carry_along(t, size, chain.until[0], chain.since[n], room)
         worst = max(worst, _worst(good, chain.scales, room))
         if not worst <= 1.0:
             return math.inf
@@ -120,7 +122,7 @@ def _carry_in_parts(n: int, parts: int, good: float, chain: Any) -> float:
             _set(room.ways, full.ways)
             for k in range(chain.states.shape[1]):
                 full.work[stages + STATE, k] = room.work[stages + START, k]
-            carry_along(t, size, False, chain.since[n], full)
+            carry_along(t, size, chain.until[0], chain.since[n], full)
             _take(full, room)
         else:
             _take(room, room)

@@ -88,13 +88,14 @@ class AlongStages:
         time, whole, y = start
         matrix, off = carried.matrix, carried.other - carried.matrix
         there, behind = (np.flatnonzero(one.any(axis=0)) for one in (matrix, off))
-        begin = time + piece.a * whole
+        begin, size = time + piece.a * whole, (piece.b - piece.a) * whole
+        # A break that is known at both ends has no piece.
+        falling = (piece.falling or piece.known[1]) and not piece.known[0]
         found = self._carrying.along(
-            (begin, (piece.b - piece.a) * whole, y),
+            (begin, size, y),
             lift.up @ matrix[:, there],
             lift.up @ off[:, behind],
-            # A break that is known at both ends has no piece.
-            falling=(piece.falling or piece.known[1]) and not piece.known[0],
+            until=begin + size if falling else math.inf,
             since=self._since(piece.known[0], begin),
         )
         down, moved = lift.down, lift.down @ found.ways
@@ -111,7 +112,7 @@ class AlongStages:
         return Carried(ends, ends + rests, carried.frame, books)
 
     def over_steps(
-        self, steps: Sequence[Step], lift: Lift, carried: Carried, good: float
+        self, steps: Sequence[Step], lift: Lift, carried: Carried, good: float, until: float
     ) -> tuple[int, Carried]:
         """Return along how many steps displacements are known well enough, and these behind them.
 
@@ -120,6 +121,7 @@ class AlongStages:
             lift: Coordinates as displacements, the same along the steps.
             carried: Displacements before them.
             good: As for :meth:`over`.
+            until: When a contact ends next, behind them; infinite if that is not known [s].
         """
         matrix, off = carried.matrix, carried.other - carried.matrix
         there = np.flatnonzero((matrix != 0.0).any(axis=0) | (off != 0.0).any(axis=0))
@@ -127,6 +129,7 @@ class AlongStages:
             np.array([one.time for one in steps]),
             np.array([one.size for one in steps]),
             np.array([self._since(one.known[0], one.time) for one in steps]),
+            np.array([until]),
             np.array([one.y for one in steps]),
         )
         # Each part of a displacement is one coordinate, or none.

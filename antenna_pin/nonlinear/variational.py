@@ -154,7 +154,7 @@ class Carrier:
             if self._goes_along(step):
                 self._waiting.append(step)
             else:
-                self._go_along()
+                self._go_along(run.stepper.t if parting else np.inf)
                 self._step(step, parting)
             self._changed, self._broken = False, broken
             for c in parting:
@@ -230,13 +230,13 @@ class Carrier:
         seen = self._looks and self._looks[0] < step.time + (1.0 + _AT_ONCE) * step.size
         return not (step.changes[1] or step.known[1] or seen)
 
-    def _go_along(self) -> None:
-        """Carry the displacements along the steps that wait."""
+    def _go_along(self, until: float = np.inf) -> None:
+        """Carry the displacements along the steps that wait, to when a contact ends behind them [s]."""
         steps, self._waiting, here = self._waiting, [], (self._time, self._y, self._here)
         while steps:
             assert self.stages is not None
             lift = self.field.lift(self._all.frame, steps[0].time, steps[0].y)
-            done, self._all = self.stages.over_steps(steps, lift, self._all, _BY_STAGES * self._good)
+            done, self._all = self.stages.over_steps(steps, lift, self._all, _BY_STAGES * self._good, until)
             for one in steps[:done]:
                 self._matrices.begin(one.time, one.y, one.changes[0] or bool(self._young))
             if done < len(steps):

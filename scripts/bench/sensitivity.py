@@ -120,7 +120,7 @@ def at_best(model: Scenario, keys: dict[str, str | float | None], span: float) -
     def carry() -> None:
         for begin, size, y, memory in made.steps:
             field.workspace.memory[:] = memory
-            carrying.along((begin, size, y), ways, nothing, falling=False, since=-math.inf)
+            carrying.along((begin, size, y), ways, nothing, until=math.inf, since=-math.inf)
 
     carry()
     once = min(seconds(lambda: flow.after(start, span)) for _ in range(5))
