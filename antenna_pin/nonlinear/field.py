@@ -60,9 +60,9 @@ class Field:
         self.units = Units.of(near.system)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._tangents = near.tangents(self.units)
-        self._by_parts = near.follows(self._tangents, self.units)
         self.displacement = self.parts[-1].stop  #: Size of a displacement.
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
+        self._follow()
         self._opened: dict[int, Array] = {}
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
@@ -78,7 +78,13 @@ class Field:
         """Let words of the program go with parameters no more: an event has set them."""
         if self.numbers is not None and len(words):
             self.numbers.let_go(words)
-            self._by_parts = self._near.follows(self._tangents, self.units)
+            self._follow()
+
+    def _follow(self) -> None:
+        """Let derivatives put together from parts know the system's numbers, if they can."""
+        self._by_parts = self._near.follows(self._tangents, self.units)
+        self.depths.tangents = self._tangents if self._by_parts else None
+        self._of_rows = self._near.of_rows()
 
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
@@ -280,11 +286,7 @@ class Field:
     # --- coordinates ----------------------------------------------------------------------------------------
 
     def lift(self, frame: Frame, time: float, y: Array) -> Lift:
-        """Return the coordinates along a frame's axes as displacements of a state near the frame's own.
-
-        Closures and motions hold in displaced states, to first order: across the axes a displacement is what
-        they want it to be.
-        """
+        """Return coordinates as displacements (:meth:`antenna_pin.nonlinear.lifts.Lifts.lift`)."""
         return self._lifts.lift(frame, time, y)
 
     def _speeds(self, time: float, y: Array, ways: Array) -> Array:
@@ -292,13 +294,17 @@ class Field:
         steps = self._steps(y, ways, False)
         found = np.array(self._slopes.speeds(time, y, ways, steps)[0])
         speeds = self._near.violated("every_speed")
-        for k in np.flatnonzero(ways[self.parts[-3]].any(axis=0)).tolist():
+        for k in np.flatnonzero(ways[self._of_rows].any(axis=0)).tolist():
             found[:, k] = self._near.over(speeds, time, y, ways[:, k], float(steps[k]))[0]
         return found
 
     def _gaps(self, time: float, y: Array, ways: Array) -> Array:
-        """Return the derivatives of how far constraints are violated along displacements, (rows, k)."""
-        return self.along(self._near.violated("every_gap"), time, y, ways)
+        """Return the derivatives of how far constraints are violated over numbers of the system, (rows, k)."""
+        assert self.workspace.constraints is not None
+        found = np.zeros((len(self.workspace.constraints.every_gap), ways.shape[1]))
+        if (moved := ways[self._of_rows].any(axis=0)).any():
+            found[:, moved] = self.depths.along(self._near.violated("every_gap"), time, y, ways[:, moved])
+        return found
 
     def _opening(self, y: Array, c: int) -> Array:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""

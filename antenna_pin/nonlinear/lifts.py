@@ -28,7 +28,7 @@ class Lifts:
         parts: Of a displacement.
         speeds: ``(time, y, ways) -> (rows, k)``: the derivatives along displacements of how fast constraints
             are violated.
-        gaps: ``(time, y, ways) -> (rows, k)``: the same of how far they are.
+        gaps: ``(time, y, ways) -> (rows, k)``: the same of how far they are, over numbers of the system.
     """
 
     def __init__(
@@ -85,17 +85,20 @@ class Lifts:
         assert constraints is not None
         way, rate, *_, numbers, _, _ = self._parts
         n, clock = frame.ways, list(range(2 * frame.ways, frame.first_bristle))
+        nq, nv = self._workspace.model.nq, self._workspace.model.nv
 
         self._workspace.prepare_motions(time, y)
         constraints.residuals(time, y, program)
         rows = constraints.every_row.copy()
+        # Over time alone places wanted go with rates wanted.
+        over_time = constraints.every_speed - rows @ y[nq : nq + nv]
         across = self._units.way[:, None] * frame.bound
         first = frame.first_bristle + len(self._units.bristle)
         last = first + numbers.stop - numbers.start
-        explicit = [*clock, *range(first, last)]  # what constraints know of besides the configuration
-        places = [*range(n), *explicit, *range(last, last + len(frame.kept))]
-        gaps = self._gaps(time, y, up[:, explicit])
-        off = np.hstack([rows @ up[way, :n], gaps, self._gaps_over_kept(frame, time, y)])
+        # What constraints know of besides the configuration: time, numbers of the system and of elements.
+        places = [*range(n), *clock, *range(first, last + len(frame.kept))]
+        gaps = [np.outer(over_time, up[-1, clock]), self._gaps(time, y, up[:, first:last])]
+        off = np.hstack([rows @ up[way, :n], *gaps, self._gaps_over_kept(frame, time, y)])
         up[way, places] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
         moved = up[:, places]
         turned = self._speeds(time, y, moved)

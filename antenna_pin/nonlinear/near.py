@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.engine import Carrying, SystemSlopes, Tangents
+from antenna_pin.engine import Carrying, SystemSlopes, Tangents, moves_rows
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Units, parts_of
 from antenna_pin.nonlinear.kept import Kept
@@ -102,6 +102,13 @@ class Near:
             program, bodies, plan, gravity = numbers.program, numbers.tree, numbers.plan, numbers.gravity
         kept = self.kept.words, self.kept.units(units.way, units.rate)
         return tangents is not None and tangents.follow(SystemSlopes(program, bodies, plan, gravity, *kept))
+
+    def of_rows(self) -> NDArray[np.int_]:
+        """Return the places in a displacement of the system's numbers that constraints go with."""
+        if self.numbers is None or self.system.plan is None:
+            return np.zeros(0, dtype=int)
+        moved = moves_rows(self.system, self.numbers.program, self.numbers.plan)
+        return np.arange(self.parts[-3].start, self.parts[-3].stop)[moved]
 
     def coarseness(self, units: Units, in_play: float | None = None) -> Array:
         """Return over what a step of each part of a displacement must be one at most, (displacement,).
