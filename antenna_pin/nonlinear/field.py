@@ -11,7 +11,7 @@ from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System
 from antenna_pin.engine import Carrying, Slopes, Tangents
 from antenna_pin.nonlinear.depths import Depths
-from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
+from antenna_pin.nonlinear.frames import CLOCK, Frame, Lift, Rates, Units, frame_at
 from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.nonlinear.near import STEP, Function, Near
 from antenna_pin.nonlinear.numbers import Numbers
@@ -31,6 +31,7 @@ _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Where rates are looked at for their round-off, in parts of a step.
 _MINUTE, _BESIDE = 1e-3, range(-6, 7)
 _SHALLOW = 0.1  # part of their size to which a depth cuts steps where kinks are looked for no more
+_OF_ROWS = 1e-3  # step of differences of constraints, in rad and over lengths, on whose scale they are smooth
 _LOCATING = 0.01  # over a step of differences, that with which a kink is located: to the square of it
 
 
@@ -66,7 +67,8 @@ class Field:
         self._opened: dict[int, Array] = {}
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
-        self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds, self._gaps)
+        over = self._speeds, near.rows_over_numbers
+        self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, *over)
         self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
@@ -84,7 +86,6 @@ class Field:
         """Let derivatives put together from parts know the system's numbers, if they can."""
         self._by_parts = self._near.follows(self._tangents, self.units)
         self.depths.tangents = self._tangents if self._by_parts else None
-        self._of_rows = self._near.of_rows()
 
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
@@ -290,21 +291,14 @@ class Field:
         return self._lifts.lift(frame, time, y)
 
     def _speeds(self, time: float, y: Array, ways: Array) -> Array:
-        """Return the derivatives of how fast constraints are violated along displacements, (rows, k)."""
-        steps = self._steps(y, ways, False)
-        found = np.array(self._slopes.speeds(time, y, ways, steps)[0])
-        speeds = self._near.violated("every_speed")
-        for k in np.flatnonzero(ways[self._of_rows].any(axis=0)).tolist():
-            found[:, k] = self._near.over(speeds, time, y, ways[:, k], float(steps[k]))[0]
-        return found
+        """Return the derivatives of how fast constraints are violated along displacements, (rows, k).
 
-    def _gaps(self, time: float, y: Array, ways: Array) -> Array:
-        """Return the derivatives of how far constraints are violated over numbers of the system, (rows, k)."""
-        assert self.workspace.constraints is not None
-        found = np.zeros((len(self.workspace.constraints.every_gap), ways.shape[1]))
-        if (moved := ways[self._of_rows].any(axis=0)).any():
-            found[:, moved] = self.depths.along(self._near.violated("every_gap"), time, y, ways[:, moved])
-        return found
+        Numbers of the system are left as they are.
+        """
+        assert self.system.plan is not None
+        far = np.abs(ways[self.parts[0]]).max(axis=0) / (_OF_ROWS * min(self.system.plan.length, 1.0))
+        sizes = np.maximum(far, np.abs(ways[-1]) / (STEP * CLOCK))
+        return np.asarray(self._slopes.speeds(time, y, ways, 1.0 / np.where(sizes > 0.0, sizes, 1.0))[0])
 
     def _opening(self, y: Array, c: int) -> Array:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""
