@@ -172,7 +172,7 @@ class Near:
         return np.asarray(WEIGHTS @ (values[:3] - values[3:]) / step)
 
     def rows_over_numbers(self, time: float, y: Array) -> Array:
-        """Return how far and how fast constraints are violated over the system's numbers, (2, rows, numbers)."""
+        """Return how far and how fast constraints are violated per number, (2, rows, numbers)."""
         workspace, numbers, constraints = self.workspace, self.numbers, self.workspace.constraints
         assert constraints is not None
         count = 0 if numbers is None else numbers.count

@@ -15,10 +15,11 @@ from antenna_pin.nonlinear.field import Field
 
 ROOT = Path(__file__).parents[2]
 STEPS = 10.0 ** np.arange(1.0, -1.5, -0.5)
-"""Over a step of a thousandth of a play; at finer ones both orders agree by chance on what is round-off."""
+"""Over a step of a thousandth of a play; at finer ones orders agree by chance on what is round-off."""
 CLOSE = 1e-9
-"""Of the largest of a column and of all: what differences are good to by the best of steps. Gaps and masses are
-known to 1e-14 and, where rows of constraints are nearly dependent, 1e-13 of theirs; steps are a thousandth."""
+"""Of each number and of the largest: what differences are good to by the best of steps. Masses are known to
+1e-14 and, where rows of constraints are nearly dependent, 1e-13 of theirs, plays to 1e-14; steps are a
+thousandth."""
 
 
 def by_differences(field, y, c, ways):
@@ -74,7 +75,7 @@ HELD = {
 
 @pytest.mark.parametrize("held", HELD)
 def test_impacts_under_constraints_change_as_differences_say(held):
-    """In loops and with motions, whose multipliers take part of the blow; at ends of a slider in its guide."""
+    """In loops and with motions, whose multipliers take part of a blow; at ends of a slider in a guide."""
     model, case, changes = HELD[held]
     system = build_system(load_scenario(model, case=case, overrides=changes))
     assert judge(system, anywhere(system, 3)[1]) < 1.0
@@ -156,7 +157,7 @@ def test_impacts_change_with_numbers_of_the_system_as_differences_say(loops):
 
 
 def test_an_impact_of_two_bodies_changes_as_its_closed_form():
-    """Centre to centre the mass is m M / (m + M); the depth rate d' = v . e / |e| of a disc off by e, in a plane."""
+    """Centre to centre the mass is m M / (m + M); the depth rate is v . e / |e|, of a disc off by e."""
     closed = {"clearance.bore.geometry": CLOSED, "mechanism.links.disc.mass": 2.0}
     scenario = load_scenario("impact_pair", case="planar", overrides=closed)
     system, numbers = with_numbers(scenario, ["mechanism.links.disc.mass", "clearance.bore.radial_clearance"])
@@ -175,7 +176,11 @@ def test_an_impact_of_two_bodies_changes_as_its_closed_form():
     n = e / np.linalg.norm(e)
     across = (v - (v @ n) * n) / np.linalg.norm(e)
     assert speed == pytest.approx([*(1e-4 * across), *(0.1 * n), 0.0, 0.0], abs=1e-15)
-    # Scales are the values. How numbers of the system go with these is found by differences: to 1e-13 of them,
-    # radii of a hundredth of a metre over 1e-7 m of play to 2e-18 m, so that of 1e-4 m some 2e-15 are unsure.
+    # Scales are the values. How numbers of the system go with these is found by differences, to 1e-13 of
+    # them; of radii, to 2e-18 m over 1e-7 m of play, so that of 1e-4 m some 2e-15 are unsure.
     assert mass == pytest.approx([0.0, 0.0, 0.0, 0.0, 3.0 / 5.0, 0.0], abs=1e-12)
     assert field.depths.opening(y, 0, ways)[0] == pytest.approx([*(-1e-4 * n), 0, 0, 0, 1e-4], abs=2e-15)
+    # Where nothing is compiled, as with gaps by coal, differences over a thousandth of the play say the same.
+    field.depths.tangents = None
+    assert field.depths.impact(TIME, y, 0, ways) == pytest.approx(np.array([speed, mass]), abs=1e-9)
+    assert field.depths.opening(y, 0, ways)[0] == pytest.approx([*(-1e-4 * n), 0, 0, 0, 1e-4], abs=1e-13)

@@ -7,12 +7,11 @@ from displacements import with_numbers
 from antenna_pin import RunSettings, load_scenario
 from antenna_pin.nonlinear import flow_of
 from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.modes_of_states import take_up_modes
 
 STEP = 1e-3
 HELD = 1e-10
-"""Of what residuals would be at all, some 1: sixth order leaves 1e-18 of a step of a thousandth, and round-off
-of speeds of some 100 m/s 1e-14 over it, with what lifts have of the same."""
+"""Of what residuals would be at all, some 1: sixth order leaves 1e-18 of a step of a thousandth, round-off of
+speeds of some 100 m/s 1e-14 over it, and lifts have as much."""
 
 
 def residuals(field, time, y, ways):
@@ -82,3 +81,10 @@ def test_displacements_leave_constraints_held(model, case, changes, keys, clock)
     assert np.linalg.matrix_rank(up) == up.shape[1]
     left = np.abs(residuals(field, start.time, start.y, up / np.abs(up).max(axis=0)))
     assert left.max() < HELD, np.unravel_index(left.argmax(), left.shape)
+    # Lifts that are known are those of their own state and of their own axes.
+    faster, axes = start.y.copy(), field.frame(start.y, clock)
+    faster[flow.system.model.nq :][: flow.system.model.nv] *= 2.0
+    assert np.array_equal(field.lift(axes, start.time, start.y).up, up)
+    assert not np.array_equal(field.lift(axes, start.time, faster).up, up)
+    assert field.lift(field.frame(start.y, not clock), start.time, start.y).up.shape != up.shape
+    assert np.array_equal(field.lift(axes, start.time, start.y).up, up)

@@ -1,4 +1,4 @@
-"""States in which all moves and touches, displacements of these by one unit, systems with numbers displaced."""
+"""States in which all moves and touches, displacements by one unit, systems with numbers displaced."""
 
 import functools
 
