@@ -31,6 +31,7 @@ _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Where rates are looked at for their round-off, in parts of a step.
 _MINUTE, _BESIDE = 1e-3, range(-6, 7)
 _SHALLOW = 0.1  # part of their size to which a depth cuts steps where kinks are looked for no more
+_OFF = 0.3  # tangent of an angle, in units, by which axes may be off
 _OF_ROWS = 1e-3  # step of differences of constraints, in rad and over lengths, on whose scale they are smooth
 _LOCATING = 0.01  # over a step of differences, that with which a kink is located: to the square of it
 
@@ -289,6 +290,10 @@ class Field:
     def lift(self, frame: Frame, time: float, y: Array) -> Lift:
         """Return coordinates as displacements (:meth:`antenna_pin.nonlinear.lifts.Lifts.lift`)."""
         return self._lifts.lift(frame, time, y)
+
+    def is_off(self, frame: Frame, time: float, y: Array) -> bool:
+        """Whether a frame's axes are off what constraints leave in a state, so that others serve better."""
+        return self._lifts.tilt(frame, time, y) > _OFF
 
     def _speeds(self, time: float, y: Array, ways: Array) -> Array:
         """Return the derivatives of how fast constraints are violated along displacements, (rows, k).

@@ -20,6 +20,20 @@ _KEPT = 2  # of states and of axes: where a step begins and ends, and old and ne
 _FAINT = 1e-10  # of what rows of constraints do, over the most: less is what round-off has left
 
 
+class _Made(NamedTuple):
+    """A lift that was made.
+
+    Attributes:
+        frame: Of which axes.
+        lift: The lift.
+        tilt: By how much the axes are off what constraints leave, as the tangent of an angle, in units.
+    """
+
+    frame: Frame
+    lift: Lift
+    tilt: float
+
+
 class _Held(NamedTuple):
     """What is held in a state.
 
@@ -30,7 +44,7 @@ class _Held(NamedTuple):
         rows: Of constraints, (rows, nv).
         over_time: By how much they are violated per second, (rows,).
         over_numbers: How far and how fast over numbers of the system, (2, rows, numbers).
-        lifts: Those that were made there, by their axes.
+        lifts: Those that were made there.
     """
 
     key: tuple[float, bytes, bytes]
@@ -39,7 +53,7 @@ class _Held(NamedTuple):
     rows: Array
     over_time: Array
     over_numbers: Array
-    lifts: list[tuple[Frame, Lift]]
+    lifts: list[_Made]
 
 
 class Lifts:
@@ -69,7 +83,7 @@ class Lifts:
         self._kept_units = kept.units(units.way, units.rate)
         self._speeds, self._over_numbers = speeds, over_numbers
         self._states: list[_Held] = []
-        self._free: list[tuple[Frame, Lift]] = []  # without constraints they are the same in every state
+        self._free: list[_Made] = []  # without constraints they are the same in every state
 
     def lift(self, frame: Frame, time: float, y: Array) -> Lift:
         """Return the coordinates along a frame's axes as displacements of a state near the frame's own.
@@ -77,11 +91,18 @@ class Lifts:
         Closures and motions hold in displaced states, to first order: across the axes a displacement is what
         they want it to be.
         """
+        return self._made(frame, time, y).lift
+
+    def tilt(self, frame: Frame, time: float, y: Array) -> float:
+        """Return by how much axes are off what constraints leave in a state, as the tangent of an angle."""
+        return self._made(frame, time, y).tilt
+
+    def _made(self, frame: Frame, time: float, y: Array) -> _Made:
         held = None if self._workspace.constraints is None else self._held_at(time, y)
         lifts = self._free if held is None else held.lifts
-        for axes, known in lifts:
-            if axes is frame:
-                return known
+        for one in lifts:
+            if one.frame is frame:
+                return one
         units, (way, rate, bristles, *remembered, numbers, _, clock) = self._units, self._parts
         n, nb, nk, nm = frame.ways, len(self._units.bristle), len(frame.kept), len(frame.remembered)
         count, first = numbers.stop - numbers.start, frame.first_bristle
@@ -100,12 +121,11 @@ class Lifts:
         for k, (contact, column) in enumerate(frame.remembered, parameters.stop + nk):
             at = remembered[column - 1].start + contact
             up[at, k] = down[k, at] = 1.0
-        if held is not None:
-            self._hold(up, frame, held)
-        lift = Lift(up, down)
-        lifts.insert(0, (frame, lift))
+        tilt = 0.0 if held is None else self._hold(up, frame, held)
+        made = _Made(frame, Lift(up, down), tilt)
+        lifts.insert(0, made)
         del lifts[_KEPT:]
-        return lift
+        return made
 
     def _held_at(self, time: float, y: Array) -> _Held:
         """Return what is held in a state."""
@@ -126,8 +146,8 @@ class Lifts:
         self._states = [found, *self._states[: _KEPT - 1]]
         return found
 
-    def _hold(self, up: Array, frame: Frame, held: _Held) -> None:
-        """Let closures and motions hold in displacements, in place."""
+    def _hold(self, up: Array, frame: Frame, held: _Held) -> float:
+        """Let closures and motions hold in displacements, in place; return the tilt of axes."""
         way, rate, *_, numbers, _, _ = self._parts
         n, clock = frame.ways, list(range(2 * frame.ways, frame.first_bristle))
         rows, over = held.rows, held.over_numbers
@@ -138,12 +158,14 @@ class Lifts:
         places = [*range(n), *clock, *range(first, last + len(frame.kept))]
         gaps = [np.outer(held.over_time, up[-1, clock]), over[0], self._gaps_over_kept(frame, held)]
         off = np.hstack([rows @ up[way, :n], *gaps])
-        up[way, places] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
+        back = np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
+        up[way, places] -= across @ back
         moved = up[:, places]
         turned = self._speeds(held.time, held.y, moved) + over[1] @ moved[numbers]
         across = self._units.rate[:, None] * frame.bound
         off = np.hstack([turned, rows @ up[rate, n : 2 * n]])
         up[rate, [*places, *range(n, 2 * n)]] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
+        return float(np.abs(back[:, :n]).max(initial=0.0))
 
     def _gaps_over_kept(self, frame: Frame, held: _Held) -> Array:
         """Return by how much constraints are violated per unit of each number that elements keep, (rows, k).

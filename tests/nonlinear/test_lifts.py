@@ -88,3 +88,18 @@ def test_displacements_leave_constraints_held(model, case, changes, keys, clock)
     assert not np.array_equal(field.lift(axes, start.time, faster).up, up)
     assert field.lift(field.frame(start.y, not clock), start.time, start.y).up.shape != up.shape
     assert np.array_equal(field.lift(axes, start.time, start.y).up, up)
+
+
+def test_axes_serve_until_a_loop_has_turned_away_from_them():
+    """A crank under a torque: what its loop leaves at one angle is far off that at another."""
+    torque = {"drives.crank": {"replace": True, "kind": "constant", "value": 5.0}}
+    flow, start = flow_of(load_scenario("slider_crank", case="ideal", overrides=torque))
+    field = Field(flow.system, RunSettings(engine="compiled"))
+    first, there = flow.after(start, 1e-3), flow.after(start, 31e-3)
+    axes = field.frame(first.y)
+    assert not field.is_off(axes, first.time, first.y)
+    assert field.is_off(axes, there.time, there.y)
+    assert not field.is_off(field.frame(there.y), there.time, there.y)
+    ours = flow.tangent(first, 0.03).matrix
+    # As in tests/nonlinear/test_variational.py; found 1e-11.
+    assert ours == pytest.approx(flow.tangent_by_runs(first, 0.03).matrix, abs=1e-8 * np.abs(ours).max())
