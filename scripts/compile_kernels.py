@@ -34,9 +34,11 @@ JOBS: tuple[Job, ...] = (
     ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5")),
     ("bai2020", "case3", (CLOSED.format("elevation"), "integrator.method=radau5", COMPILED)),
 )
-#: Of these also derivatives over a state, for orbits, exponents and sensitivities: of a tree, of a loop.
-DERIVATIVES: tuple[Job, ...] = (JOBS[0], JOBS[1])
+#: Of these also derivatives over a state, for orbits, exponents and sensitivities: of a tree, of a loop, and
+#: over an onset.
+DERIVATIVES: tuple[Job, ...] = (JOBS[0], JOBS[1], ("impact_pair", "planar", (CLOSED.format("bore"),)))
 DURATION = 0.02  # [s]
+MOMENT = 1.01e-3  # of derivatives [s]: the pair meets after 1 ms
 
 _made: Any = None  # how many kernels the processes have compiled
 
@@ -68,7 +70,7 @@ def make(job: Job, derivatives: bool = False) -> None:
             from antenna_pin.nonlinear import flow_of
 
             flow, start = flow_of(scenario)
-            flow.tangent(start, 1e-5)
+            flow.tangent(start, MOMENT)
             return
         simulate(scenario, duration=min(DURATION, scenario.duration))
         system = build_system(scenario)

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from antenna_pin.engine.carrying import Along, Carrying, Steps
     from antenna_pin.engine.compiled import Compiled, CompiledStepper, check_compiled
     from antenna_pin.engine.pace import Pace, Sizes
-    from antenna_pin.engine.shifts import SystemSlopes
+    from antenna_pin.engine.shifts import SystemSlopes, moves_rows
     from antenna_pin.engine.slopes import Slopes
     from antenna_pin.engine.tangents import Tangents
 
@@ -24,6 +24,7 @@ __all__ = [
     "SystemSlopes",
     "Tangents",
     "check_compiled",
+    "moves_rows",
 ]
 
 loaded_when_used(
@@ -32,7 +33,7 @@ loaded_when_used(
         "carrying": "Along Carrying Steps",
         "compiled": "Compiled CompiledStepper check_compiled",
         "pace": "Pace Sizes",
-        "shifts": "SystemSlopes",
+        "shifts": "SystemSlopes moves_rows",
         "slopes": "Slopes",
         "tangents": "Tangents",
     },

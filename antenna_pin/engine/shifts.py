@@ -19,7 +19,7 @@ from antenna_pin.joints.slope_kernels import LawWords
 from antenna_pin.mechanism import BODY
 from antenna_pin.records import BLOCK, PROGRAM, place_of, words_of
 
-__all__ = ["SystemSlopes", "shifts_of", "takes_slopes"]
+__all__ = ["SystemSlopes", "moves_rows", "shifts_of", "takes_slopes"]
 
 Array = NDArray[np.float64]
 
@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 _STEP = 1e-3
 # Words of a contact's laws.
 _LAWS = layout_kernels.CANDIDATE_WORDS - CANDIDATE
+# Of a body, what says how it moves, not where it is.
+_INERTIAL = ("mass", "centre", "inertia", "armature")
 
 
 class SystemSlopes(NamedTuple):
@@ -62,6 +64,29 @@ def takes_slopes(system: System, slopes: SystemSlopes) -> bool:
     return not bodies[:, :, first : first + 3].any()
 
 
+def moves_rows(system: System, program: Array, plan: Array) -> NDArray[np.bool_]:
+    """Return with which numbers residuals of constraints may go, of places and of velocities, (numbers,).
+
+    Args:
+        system: The system, with constraints.
+        program: By how much its program changes, (numbers, words).
+        plan: By how much its constraints do, (numbers, words).
+    """
+    assert system.plan is not None
+    if system.callables:  # what these know stands nowhere
+        return np.ones(len(plan), dtype=bool)
+    changed, parts = plan != 0.0, system.plan.parts
+    bodies = changed[:, parts.tree].reshape(len(plan), -1, words_of(BODY))
+    for name in _INERTIAL:
+        first = place_of(BODY, name)
+        bodies[:, :, first : first + words_of(BODY[name])] = False
+    changed[:, parts.tree] = bodies.reshape(len(plan), -1)
+    moved = changed.any(axis=1)
+    for driven in (parts.motions, parts.holds):
+        moved |= _driven_otherwise(system, program != 0.0, driven)
+    return np.asarray(moved)
+
+
 def shifts_of(
     system: System,
     stepper: CompiledStepper,
@@ -88,7 +113,9 @@ def shifts_of(
     )
     count, contacts = len(program), len(numbers.memory)
     closures, couplings = _held(system, plan)
-    motions = _motions_moved(system, program.astype(bool))
+    motions = np.zeros(count, dtype=bool)
+    if system.plan is not None:
+        motions = _driven_otherwise(system, program.astype(bool), system.plan.parts.motions)
     heavy = tree.any(axis=1) | gravity.any(axis=1) | motions
     if system.plan is not None:
         heavy |= plan[:, system.plan.parts.closures].any(axis=1)
@@ -125,13 +152,19 @@ def _held(system: System, plan: Array) -> tuple[NDArray[np.void], NDArray[np.voi
     return closures.view(kinds[0]), couplings.view(kinds[1])
 
 
-def _motions_moved(system: System, changed: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which numbers motions go with, (numbers,)."""
+def _driven_otherwise(system: System, changed: NDArray[np.bool_], driven: slice) -> NDArray[np.bool_]:
+    """Return which numbers go into elements that move joints, or hold them, (numbers,).
+
+    Args:
+        system: The system.
+        changed: Which words of its program go with which numbers, (numbers, words).
+        driven: Where in the constraints the joints' records stand.
+    """
+    assert system.plan is not None
     moved = np.zeros(len(changed), dtype=bool)
-    if system.plan is not None:
-        for one in system.plan.words[system.plan.parts.motions].view(layout_of_rows.DRIVEN):
-            block = int(one["words"]) - int(kernels.PARAMETERS)
-            moved |= changed[:, block : block + _length(system.program, block)].any(axis=1)
+    for one in system.plan.words[driven].view(layout_of_rows.DRIVEN):
+        block = int(one["words"]) - int(kernels.PARAMETERS)
+        moved |= changed[:, block : block + _length(system.program, block)].any(axis=1)
     return moved
 
 

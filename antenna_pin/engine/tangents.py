@@ -11,6 +11,7 @@ from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.dynamics.angle_change_kernels import MOST, ROWS
 from antenna_pin.dynamics.tangent_kernels import ASKED, EFFORTS, PART
 from antenna_pin.engine.compiled import CompiledStepper
+from antenna_pin.engine.impact_kernels import CLOSING, HEAVIER, MET, OPENING, write_met
 from antenna_pin.engine.row_tangent_kernels import RowRoom
 from antenna_pin.engine.shifts import SystemSlopes, shifts_of, takes_slopes
 from antenna_pin.engine.step_kernels import Numbers
@@ -106,6 +107,7 @@ class Tangents:
         )
         self._rates = nv + nx
         self._number(self.room.shifts)
+        self._joints = {int(one["block"]): k for k, one in enumerate(parts) if not one["element"]}
 
     def _number(self, shifts: Shifts) -> None:
         """Take numbers of the system as parts of displacements."""
@@ -155,6 +157,36 @@ class Tangents:
         write_tangent(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self.room, out)
         self._answers.check()
         return np.asarray(out.transpose(0, 2, 1))
+
+    def opening(self, y: Array, contact: int, ways: Array) -> Array:
+        """Return how far a contact's gap opens along displacements [m], (k,).
+
+        Args:
+            y: State.
+            contact: Its number; it need not touch.
+            ways: As for :meth:`rates`.
+        """
+        return self._met(y, contact, ways, False)[:, OPENING]
+
+    def impact(self, y: Array, contact: int, ways: Array) -> tuple[Array, Array]:
+        """Return how what a contact remembers of an onset changes along displacements, (k,) each.
+
+        That is its approach speed [m/s], and the logarithm of its effective mass.
+
+        Args:
+            y: State of the onset.
+            contact: Its number.
+            ways: As for :meth:`rates`.
+        """
+        found = self._met(y, contact, ways, True)
+        return found[:, CLOSING], found[:, HEAVIER]
+
+    def _met(self, y: Array, contact: int, ways: Array, masses: bool) -> Array:
+        out = np.zeros((ways.shape[1], MET))
+        joint = self._joints[self._system.block_of_contact[contact]]
+        y, ways = np.ascontiguousarray(y), np.ascontiguousarray(ways.T)
+        write_met(joint, contact, y, ways, masses, self.room, out)
+        return out
 
 
 def _parts(system: System) -> tuple[NDArray[np.void], int]:

@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS
+from antenna_pin.engine import Tangents
 from antenna_pin.nonlinear.frames import CLOCK, Frame, Units
 from antenna_pin.nonlinear.near import STEP, Function, Near
+from antenna_pin.records import CONTACT
 
 __all__ = ["Depths"]
 
@@ -33,6 +35,9 @@ class Depths:
     Args:
         near: Evaluates it at displaced states.
         units: Of displacements.
+
+    Attributes:
+        tangents: Know the derivatives of what is met at contacts; None where differences have to do.
     """
 
     def __init__(self, near: Near, units: Units) -> None:
@@ -41,6 +46,9 @@ class Depths:
         *_, speeds, masses, _, _, clock = near.parts
         self._coarse[speeds] = self._coarse[masses] = 1.0 / STEP
         self._coarse[clock] = 1.0 / (STEP * CLOCK)
+        self._table = np.zeros(len(near.workspace.table), CONTACT)
+        self.tangents: Tangents | None = None
+        self._over_numbers = np.eye(len(self._coarse))[:, near.parts[-3]]
 
     def along(self, function: Function, time: float, y: Array, ways: Array) -> Array:
         """Return the derivatives of a function along displacements of any size, (values, k).
@@ -70,6 +78,8 @@ class Depths:
         """Return how far a contact's gap opens with each parameter, (parameters,) [m]."""
         near, numbers = self._near, self._near.numbers
         assert numbers is not None
+        if self.tangents is not None:
+            return self.tangents.opening(y, c, self._over_numbers)
 
         def gap(displaced: Array) -> float:
             back = numbers.displace(displaced)
@@ -103,6 +113,32 @@ class Depths:
             own = own + self.over_numbers(y, c) @ ways[near.parts[-3]]
         nq = near.system.model.nq
         return own, float(normal @ y[nq : nq + near.system.model.nv])
+
+    def impact(self, time: float, y: Array, c: int, ways: Array) -> tuple[Array, Array]:
+        """Return how what is remembered of an onset changes along displacements, (k,) each.
+
+        That is the approach speed [m/s], and the logarithm of the effective mass.
+
+        Args:
+            time: [s].
+            y: State of the onset.
+            c: Which contact begins.
+            ways: Displacements, (displacement, k).
+        """
+        if self.tangents is not None:
+            return self.tangents.impact(y, c, ways)
+        workspace, (_, rate, *_) = self._near.workspace, self._near.parts
+        own = slice(rate.start, self._near.parts[4].stop)
+        # Masses do not go with velocities, rates do by the normal: neither need be differentiated over them.
+        placed = ways.copy()
+        placed[own] = 0.0
+
+        def met(_: float, state: Array) -> Array:
+            workspace.locate(state, self._table)
+            return np.array([self._table["rate"][c], np.log(workspace.effective_mass(state, c))])
+
+        faster, heavier = self.along(met, time, y, placed)
+        return faster - workspace.along_normal(y, c)[0] @ ways[rate], heavier
 
     def level(self, frame: Frame, y: Array, up: Array) -> Array | None:
         """Return in what basis rates are differentiated next to where contacts begin or end, (size, size).

@@ -11,7 +11,7 @@ from antenna_pin.differences import WEIGHTS, roughness
 from antenna_pin.dynamics import System
 from antenna_pin.engine import Carrying, Slopes, Tangents
 from antenna_pin.nonlinear.depths import Depths
-from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
+from antenna_pin.nonlinear.frames import CLOCK, Frame, Lift, Rates, Units, frame_at
 from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.nonlinear.near import STEP, Function, Near
 from antenna_pin.nonlinear.numbers import Numbers
@@ -31,6 +31,8 @@ _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Where rates are looked at for their round-off, in parts of a step.
 _MINUTE, _BESIDE = 1e-3, range(-6, 7)
 _SHALLOW = 0.1  # part of their size to which a depth cuts steps where kinks are looked for no more
+_OFF = 0.3  # tangent of an angle, in units, by which axes may be off
+_OF_ROWS = 1e-3  # step of differences of constraints, in rad and over lengths, on whose scale they are smooth
 _LOCATING = 0.01  # over a step of differences, that with which a kink is located: to the square of it
 
 
@@ -60,13 +62,14 @@ class Field:
         self.units = Units.of(near.system)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._tangents = near.tangents(self.units)
-        self._by_parts = near.follows(self._tangents, self.units)
         self.displacement = self.parts[-1].stop  #: Size of a displacement.
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
+        self._follow()
         self._opened: dict[int, Array] = {}
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)
         self.round_off = 0.0
-        self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, self._speeds, self._gaps)
+        over = self._speeds, near.rows_over_numbers
+        self._lifts = Lifts(self.workspace, self.units, self.kept, self.parts, *over)
         self._rows = np.concatenate([np.arange(system.model.nv), system.model.nv + self.bristles])
         self._weights = 1.0 / np.concatenate([self.units.rate, self.units.bristle])[:, None]
 
@@ -78,7 +81,12 @@ class Field:
         """Let words of the program go with parameters no more: an event has set them."""
         if self.numbers is not None and len(words):
             self.numbers.let_go(words)
-            self._by_parts = self._near.follows(self._tangents, self.units)
+            self._follow()
+
+    def _follow(self) -> None:
+        """Let derivatives put together from parts know the system's numbers, if they can."""
+        self._by_parts = self._near.follows(self._tangents, self.units)
+        self.depths.tangents = self._tangents if self._by_parts else None
 
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
@@ -280,25 +288,22 @@ class Field:
     # --- coordinates ----------------------------------------------------------------------------------------
 
     def lift(self, frame: Frame, time: float, y: Array) -> Lift:
-        """Return the coordinates along a frame's axes as displacements of a state near the frame's own.
-
-        Closures and motions hold in displaced states, to first order: across the axes a displacement is what
-        they want it to be.
-        """
+        """Return coordinates as displacements (:meth:`antenna_pin.nonlinear.lifts.Lifts.lift`)."""
         return self._lifts.lift(frame, time, y)
 
-    def _speeds(self, time: float, y: Array, ways: Array) -> Array:
-        """Return the derivatives of how fast constraints are violated along displacements, (rows, k)."""
-        steps = self._steps(y, ways, False)
-        found = np.array(self._slopes.speeds(time, y, ways, steps)[0])
-        speeds = self._near.violated("every_speed")
-        for k in np.flatnonzero(ways[self.parts[-3]].any(axis=0)).tolist():
-            found[:, k] = self._near.over(speeds, time, y, ways[:, k], float(steps[k]))[0]
-        return found
+    def is_off(self, frame: Frame, time: float, y: Array) -> bool:
+        """Whether a frame's axes are off what constraints leave in a state, so that others serve better."""
+        return self._lifts.tilt(frame, time, y) > _OFF
 
-    def _gaps(self, time: float, y: Array, ways: Array) -> Array:
-        """Return the derivatives of how far constraints are violated along displacements, (rows, k)."""
-        return self.along(self._near.violated("every_gap"), time, y, ways)
+    def _speeds(self, time: float, y: Array, ways: Array) -> Array:
+        """Return the derivatives of how fast constraints are violated along displacements, (rows, k).
+
+        Numbers of the system are left as they are.
+        """
+        assert self.system.plan is not None
+        far = np.abs(ways[self.parts[0]]).max(axis=0) / (_OF_ROWS * min(self.system.plan.length, 1.0))
+        sizes = np.maximum(far, np.abs(ways[-1]) / (STEP * CLOCK))
+        return np.asarray(self._slopes.speeds(time, y, ways, 1.0 / np.where(sizes > 0.0, sizes, 1.0))[0])
 
     def _opening(self, y: Array, c: int) -> Array:
         """Return about how far a contact's gap opens with each parameter, (parameters,) [m]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -161,16 +161,15 @@ def own_state(
     return own
 
 
-def _remembered(system: System, touching: Array) -> tuple[tuple[int, int], ...]:
+def _remembered(masses: Sequence[bool], touching: Array) -> tuple[tuple[int, int], ...]:
     """Return contact and column of what the contacts that touch remember and their forces depend on.
 
     Args:
-        system: The system.
+        masses: Of each contact, whether it goes by the effective mass that it remembers.
         touching: Of each contact, 0 or not, (contacts,).
     """
-    takes_mass = [takes for joint in system.clearances for takes in joint.takes_mass]
     touch = np.flatnonzero(touching).tolist()
-    return tuple((c, column) for c in touch for column in ((1, 2) if takes_mass[c] else (1,)))
+    return tuple((c, column) for c in touch for column in ((1, 2) if masses[c] else (1,)))
 
 
 def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept: Kept) -> Frame:
@@ -184,7 +183,7 @@ def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept
         kept: What elements keep.
     """
     system, constraints = workspace.system, workspace.constraints
-    memories, nv = _remembered(system, touching), system.model.nv
+    memories, nv = _remembered(kept.masses, touching), system.model.nv
     numbers = kept.gone_by(workspace.program)
     if constraints is None:
         return Frame(np.eye(nv), np.zeros((nv, 0)), memories, numbers)

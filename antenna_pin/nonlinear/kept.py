@@ -70,12 +70,14 @@ class Kept:
     Attributes:
         numbers: In the order of their elements.
         words: Where they stand in a program, (kept,).
+        masses: Of each contact, whether it goes by the effective mass that it remembers.
     """
 
     def __init__(self, system: System) -> None:
         """Find them."""
         self.numbers = tuple(_numbers(system))
         self.words = np.array([one.word for one in self.numbers], dtype=int)
+        self.masses = tuple(takes for joint in system.clearances for takes in joint.takes_mass)
 
     def __len__(self) -> int:
         """How many there are, gone by or not."""

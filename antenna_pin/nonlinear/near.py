@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.engine import Carrying, SystemSlopes, Tangents
+from antenna_pin.engine import Carrying, SystemSlopes, Tangents, moves_rows
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Units, parts_of
 from antenna_pin.nonlinear.kept import Kept
@@ -57,6 +57,7 @@ class Near:
         self.bristles = np.asarray(system.bristle_x, dtype=int)
         self.parts = parts_of(system, len(self.kept), 0 if numbers is None else numbers.count)
         self.numbers = None if numbers is None else InPlace(numbers, self.workspace, self.stepper)
+        self._of_rows: list[int] = []  # numbers that constraints go with
         self._y, self._memory = np.zeros(system.manifold.size), self.workspace.memory.copy()
 
     def rates(self, time: float, y: Array) -> Array:
@@ -95,6 +96,9 @@ class Near:
         """Let derivatives know the system's numbers and what elements keep; return whether they can."""
         own, numbers = self.stepper.numbers, self.numbers
         tree = own.tree.view(np.float64).reshape(-1)
+        if numbers is not None and self.system.plan is not None:
+            moved = moves_rows(self.system, numbers.program, numbers.plan)
+            self._of_rows = np.flatnonzero(moved).tolist()
         program, bodies, plan, gravity = (
             np.zeros((0, size)) for size in (len(own.program), len(tree), len(own.plan), 3)
         )
@@ -167,14 +171,25 @@ class Near:
         values = np.array(found)
         return np.asarray(WEIGHTS @ (values[:3] - values[3:]) / step)
 
-    def violated(self, name: str) -> Function:
-        """Return residuals of constraints as a function of the state, by their name there."""
-        constraints = self.workspace.constraints
-
-        def function(time: float, y: Array) -> Array:
-            assert constraints is not None
-            self.workspace.prepare_motions(time, y)
-            constraints.residuals(time, y, self.workspace.program)
-            return np.asarray(getattr(constraints, name))
-
-        return function
+    def rows_over_numbers(self, time: float, y: Array) -> Array:
+        """Return how far and how fast constraints are violated per number, (2, rows, numbers)."""
+        workspace, numbers, constraints = self.workspace, self.numbers, self.workspace.constraints
+        assert constraints is not None
+        count = 0 if numbers is None else numbers.count
+        out = np.zeros((2, len(constraints.every_gap), count))
+        if numbers is None:
+            return out
+        for k in self._of_rows:
+            found, way = [], np.zeros(count)
+            for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
+                way[k] = point * STEP
+                back = numbers.displace(way)
+                try:
+                    workspace.prepare_motions(time, y)
+                    constraints.residuals(time, y, workspace.program)
+                    found.append([constraints.every_gap.copy(), constraints.every_speed.copy()])
+                finally:
+                    back()
+            values = np.array(found)
+            out[:, :, k] = np.tensordot(WEIGHTS[0], values[:3] - values[3:], 1) / STEP
+        return out

@@ -15,7 +15,7 @@ from antenna_pin.nonlinear.frames import Frame, way_between
 from antenna_pin.nonlinear.instants import Carried
 from antenna_pin.nonlinear.near import Function
 from antenna_pin.nonlinear.replay import Replay
-from antenna_pin.records import CONTACT, MEMORY
+from antenna_pin.records import MEMORY
 from antenna_pin.simulation import Jump, Moment, Set, Time
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.own_actions import Switch
@@ -78,7 +78,6 @@ class Saltation:
         self._replay = Replay(field.workspace, field.kept, field.numbers)
         self._passages: list[Passage] = []
         run.actions.passages = self._passages
-        self._table = np.zeros(len(field.workspace.table), CONTACT)
         #: What has happened so far.
         self.passed: list[Passed] = []
         #: How many displacements there are, and how many directions changes of mode have left of them.
@@ -215,19 +214,10 @@ class Saltation:
         clock = lift.up[field.parts[-1].start]
         self._note("onset", str(c), time, clock @ ways[0])
 
-        def mass(_: float, state: Array) -> Array:
-            return np.array([field.workspace.effective_mass(state, c)])
-
-        kept: dict[int, tuple[Function, float]] = {2: (mass, float(memory["effective_mass"]))}
+        faster, heavier = field.depths.impact(time, y, c, lift.up)
+        slopes = {2: heavier}
         if memory["approach_speed"] > field.system.approach_speed_floors[c]:
-            kept[1] = self._rate(c), float(memory["approach_speed"])
-        # Masses do not go with velocities, rates do by the normal: neither need be differentiated over them.
-        rate_of, placed = field.parts[1], lift.up.copy()
-        placed[rate_of.start : field.parts[4].stop] = 0.0
-        slopes = {k: field.depths.along(one, time, y, placed)[0] / size for k, (one, size) in kept.items()}
-        if 1 in slopes:
-            normal, _ = field.workspace.along_normal(y, c)
-            slopes[1] -= normal @ lift.up[rate_of] / kept[1][1]
+            slopes[1] = faster / float(memory["approach_speed"])
         for one in ways:
             one[carried.frame.first_bristle + field.bristles_of(c)] = 0.0
         frame = self._let(c, memory, y)
@@ -272,12 +262,3 @@ class Saltation:
         """Let a contact remember something from now on; return the axes then, with time."""
         self._field.workspace.memory[c] = memory
         return self._field.frame(y, clock=True)
-
-    def _rate(self, c: int) -> Function:
-        """Return how fast a contact closes [m/s] as a function of the state."""
-
-        def function(_: float, state: Array) -> Array:
-            self._field.workspace.locate(state, self._table)
-            return np.array([self._table["rate"][c]])
-
-        return function

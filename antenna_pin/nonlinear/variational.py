@@ -272,7 +272,7 @@ class Carrier:
             self._all = self._missed.off(self._all, self._down(end, whole) @ off)
         self._all = self._missed.merged(self._all)
         self._time, self._y = self._here = end, whole
-        if self.field.workspace.constraints is not None:
+        if self.field.is_off(self._all.frame, end, whole):
             self.turn(self.field.frame(self._y, self._all.frame.clock))
 
     def _set_flow(self, time: float, y: Array) -> None:

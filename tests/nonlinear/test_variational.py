@@ -80,7 +80,7 @@ TORQUE = {"drives.crank": {"replace": True, "kind": "constant", "value": 5.0}}
     ],
 )
 def test_an_impact_in_a_closed_loop(drive, engine):
-    """Coordinates are those that closures and motions leave, along axes that are others at each step."""
+    """Coordinates are those that closures and motions leave, along axes that turn with the loop."""
     changes = {"integrator.engine": engine, "clearance.pin.geometry": "closed-form"} | drive
     flow, start = flow_of(load_scenario("slider_crank", case="planar", overrides=changes))
     # At 1e-12 the instant of the impact is known to 1e-13 s, and so are both derivatives to some 1e-7.

@@ -1,15 +1,57 @@
-"""Displacements by one unit of everything that rates depend on, and systems whose numbers are displaced."""
+"""States in which all moves and touches, displacements by one unit, systems with numbers displaced."""
 
 import functools
 
 import numpy as np
 
-from antenna_pin import build_system
+from antenna_pin import RunSettings, build_system
+from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.scenario import with_number
 from antenna_pin.sensitivity.parameters import parameters_of
 
 TIME = 0.123
+
+
+def press(field, y, joint, rng, tilt=1.0):
+    """Take a journal from its middle along no axis into the wall; say what touches."""
+    system, workspace = field.system, field.workspace
+    own = system.mechanism.joint(joint.name).v
+    first = system.contact_names.index(joint.contact_names[0])
+    direction = rng.normal(size=own.stop - own.start) * field.units.way[own]
+    direction[3:] *= tilt
+    if hasattr(joint.geometry, "slider_length"):
+        direction[0] *= 0.01  # not out of its guide, along x
+    for size in np.geomspace(0.3, 300.0, 200):
+        there, way = y.copy(), np.zeros(system.model.nv)
+        way[own] = size * direction
+        workspace.retract(there, way)
+        gaps = np.array([workspace.along_normal(there, first + k)[1] for k in range(joint.contacts)])
+        deep = gaps / joint.geometry.radial_clearance
+        if deep.min() < -1e-2:  # differences of the whole are worth little at less
+            y[:] = there
+            workspace.memory["touching"][first : first + joint.contacts] = deep < -1e-3
+            return
+    raise AssertionError(f"{joint.name} never touches")
+
+
+def anywhere(system, seed, tilt=1.0):
+    """Return a field, and a state in which everything moves and all joints with play touch."""
+    field, rng = Field(system, RunSettings(engine="compiled")), np.random.default_rng(seed)
+    nq, nv, units = system.model.nq, system.model.nv, field.units
+    with_play = [system.mechanism.joint(joint.name).v for joint in system.clearances]
+    y, way = system.state(system.neutral(), 0.3 * rng.normal(size=nv)), 0.3 * rng.normal(size=nv)
+    for own in with_play:
+        way[own] = 0.0
+    field.workspace.retract(y, way)
+    memory = field.workspace.memory
+    memory["approach_speed"], memory["effective_mass"] = 0.05, 1.3
+    for joint, own in zip(system.clearances, with_play, strict=True):
+        press(field, y, joint, rng, tilt)
+        y[nq:][own] = 3.0 * rng.normal(size=own.stop - own.start) * units.rate[own]
+    y[nq + nv + field.bristles] = 0.01 * rng.normal(size=len(field.bristles)) * units.bristle
+    system.turn_on(y)
+    return field, y
 
 
 def ways_of(field):
