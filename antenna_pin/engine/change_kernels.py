@@ -126,7 +126,7 @@ def _flip(loop: Loop, c: int, rate: float) -> None:
     """Let a contact touch, at a depth rate [m/s], or part; a sample of its largest force is due then."""
     s, book, buffers = loop.stretch[0], loop.book, loop.buffers
     y = loop.work[start_row(loop)]
-    s.phase = FRESH
+    s.phase, s.flipped = FRESH, 1
     if book.memory[c].touching == 0.0:
         touch(book, c, s.t, rate, effective_mass(c, y, loop.numbers), y)
         return

@@ -17,8 +17,10 @@ from antenna_pin.engine.pace_kernels import cut, following, hopeless, note_size,
 from antenna_pin.engine.stretch_kernels import (
     AGAIN,
     CHANGES,
+    FREELY,
     FRESH,
     MEETS,
+    SINGLY,
     STANDS,
     Loop,
     accept,
@@ -55,11 +57,11 @@ def go_on(loop: Loop) -> int:
     s = loop.stretch[0]
     s.known = 0
     s.ended = 0
-    s.turned = 0
+    s.flipped = 0
     reason = GOES_ON
     while reason == GOES_ON:
         if s.phase == FRESH:
-            if s.accepted + s.rejected + s.relocated >= s.budget or _has_made_one(loop):
+            if s.accepted + s.rejected + s.relocated >= s.budget or _is_shown(loop):
                 return PAUSED
             if s.t >= s.end:
                 return ENDED
@@ -107,10 +109,10 @@ def _in_turn(loop: Loop, reason: int) -> int:
 
 
 @inlined
-def _has_made_one(loop: Loop) -> bool:
-    """Whether the loop outside wants to see each step, and one is made, or a contact has turned back."""
+def _is_shown(loop: Loop) -> bool:
+    """Whether the loop outside wants to see what was made: a contact has changed, or it sees each step."""
     s = loop.stretch[0]
-    return bool(s.singly != 0 and (s.accepted > 0 or s.turned != 0))
+    return bool(s.shown != FREELY and (s.flipped != 0 or (s.shown == SINGLY and s.accepted > 0)))
 
 
 @inlined
@@ -225,7 +227,6 @@ def _meet(loop: Loop) -> int:
         if reason != GOES_ON:
             return reason
     elif s.deep == 0 and loop.search.ignore[c] != 0:
-        s.turned = 1
         return _in_turn(loop, graze(loop))
     if s.deep != 0:
         s.phase = FRESH

@@ -24,16 +24,21 @@ STANDS = 2
 MEETS = 3
 CHANGES = 4
 
+# Where a stretch ends besides: nowhere, where a contact has changed, there and behind each step.
+FREELY = 0
+TO_CHANGES = 1
+SINGLY = 2
+
 #: Where the steps are, and what they have come to: time [s]; size to try next, and what it was when the step
 #: began [s]; that of the trial that stands [s], its scaled error, and the fraction up to which it is
 #: searched; samples a second [Hz], from when on [s], until when [s]; where a step is (see above); trials of
 #: it that did not pass; the contact that changes, at which fraction, and whether it is too deep then; whether
 #: the derivative was asked last at the end of the trial, of contacts in closed form; whether the loop outside
-#: sees to this step, whether it wants to see each, whether a contact has turned back where it changed,
-#: whether the loop outside was told of the first step that the run's end cuts; whether the last trial failed
-#: by a function that refuses; whether the search knows the contacts at the start; samples in the buffer, and
-#: for how many there must be room; which of the chosen output times is the next; what was counted; how many
-#: trial steps may be made.
+#: sees to this step, where the stretch ends besides (see above), whether a contact has changed, whether the
+#: loop outside was told of the first step that the run's end cuts; whether the last trial failed by a
+#: function that refuses; whether the search knows the contacts at the start; samples in the buffer, and for
+#: how many there must be room; which of the chosen output times is the next; what was counted; how many trial
+#: steps may be made.
 STRETCH = layout(
     ("t", "f8"),
     ("h", "f8"),
@@ -51,8 +56,8 @@ STRETCH = layout(
     ("deep", "i8"),
     ("ended", "i8"),
     ("watched", "i8"),
-    ("singly", "i8"),
-    ("turned", "i8"),
+    ("shown", "i8"),
+    ("flipped", "i8"),
     ("cut", "i8"),
     ("refused", "i8"),
     ("known", "i8"),
@@ -77,6 +82,7 @@ class Buffers(NamedTuple):
         memories: Contact memory at samples, MEMORY, (capacity, contacts).
         early: Whether a sample is one of an earlier time, to be put between others, (capacity,).
         instants: Ends of steps, (budget,) [s].
+        sizes: Of these steps, (budget,) [s].
         ends: States there, (budget, size); empty where nobody wants to look at them.
         kept: Scratch, (2, size).
         out: Scratch, (2, size).
@@ -87,6 +93,7 @@ class Buffers(NamedTuple):
     memories: Any
     early: Any
     instants: Any
+    sizes: Any
     ends: Any
     kept: Any
     out: Any
@@ -281,10 +288,6 @@ def accept(loop: Loop) -> None:
         s.samples = before
         return
     s.t += tried
-    if buffers.ends.shape[0] > 0:
-        buffers.instants[s.accepted] = s.t
-        for i in range(size):
-            buffers.ends[s.accepted, i] = work[stages + STATE, i]
     begin(stages, loop.space, work)
     loop.numbers.outside.asked[0].new = 1
     if loop.search.turns.shape[0] > 0:
@@ -293,6 +296,10 @@ def accept(loop: Loop) -> None:
     aim = s.end if last else loop.breaks[loop.pace[0].next]
     if s.t >= s.end or abs(s.t - aim) <= 1e-15 * aim:  # by the round-off of a sum: a step ends where it is to
         s.t = min(aim, s.end)
+    if buffers.ends.shape[0] > 0:
+        buffers.instants[s.accepted], buffers.sizes[s.accepted] = s.t, tried
+        for i in range(size):
+            buffers.ends[s.accepted, i] = work[stages + START, i]
     s.accepted += 1
     s.phase = FRESH
 

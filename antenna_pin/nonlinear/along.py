@@ -7,20 +7,25 @@ whole matrices; and errors are carried with it: what it is off by is a displacem
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.engine import Carrying, Steps
-from antenna_pin.nonlinear.frames import Lift
+from antenna_pin.nonlinear.frames import Frame, Lift
 from antenna_pin.nonlinear.instants import Carried
 from antenna_pin.nonlinear.pieces import Piece
+from antenna_pin.nonlinear.within import Within
 
 __all__ = ["AlongStages", "Step"]
 
 Array = NDArray[np.float64]
+
+# How often at most pieces of a step are tried, those next to a kink as short as it matters, until whole
+# matrices are looked at for what breaks there.
+_TRIES = 48
 
 
 class Step(NamedTuple):
@@ -110,6 +115,41 @@ class AlongStages:
         books = carried.books.copy()
         books[:, there] += found.books
         return Carried(ends, ends + rests, carried.frame, books)
+
+    def in_halves(
+        self,
+        piece: Piece,
+        within: Within,
+        lift: Callable[[Frame, float, Array], Lift],
+        carried: Carried,
+        good: float,
+    ) -> Carried | None:
+        """Return displacements behind a piece of a step, along ever shorter halves where need be, or None.
+
+        Args:
+            piece: The piece.
+            within: States within the step.
+            lift: Makes displacements of coordinates about a state: of constraints those where a piece begins.
+            carried: Displacements before the piece.
+            good: As for :meth:`over`.
+        """
+        tries = _TRIES
+
+        def along(piece: Piece, carried: Carried) -> Carried | None:
+            nonlocal tries
+            if all(piece.known) or tries == 0:
+                return None
+            tries -= 1
+            y = within.at(piece.a)
+            here = lift(carried.frame, within.time + piece.a * within.size, y)
+            found = self.over(piece, (within.time, within.size, y), here, carried, good)
+            if found is None and piece.halvings > 0:
+                found = carried
+                for half in piece.cut(0.5 * (piece.a + piece.b), False):
+                    found = None if found is None else along(half, found)
+            return found
+
+        return along(piece, carried)
 
     def over_steps(
         self, steps: Sequence[Step], lift: Lift, carried: Carried, good: float, until: float

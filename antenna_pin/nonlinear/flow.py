@@ -242,8 +242,8 @@ class Flow:
         return carrier, run.present()
 
     def begun(self, start: State, span: float) -> Run:
-        """Return the run of a span of time [s] from a state before its first step, to be made one by one."""
-        return Run(self.system, start, start.time + span, self._sampled(span), self._events, singly=True)
+        """Return the run of a span of time [s] from a state before its first step, whose steps are taped."""
+        return Run(self.system, start, start.time + span, self._sampled(span), self._events, taped=True)
 
     def tangent_by_runs(
         self, start: State, span: float, chart: Chart | None = None, *, step: float | None = None

@@ -83,9 +83,9 @@ class Saltation:
         #: How many displacements there are, and how many directions changes of mode have left of them.
         self.count = self.rank = count
 
-    def has_happened(self) -> bool:
-        """Whether an event has happened since the last time, or an element has changed its mode."""
-        return bool(self._passages)
+    def happened(self) -> set[float]:
+        """Return when events have happened, or elements have changed their modes, since the last time [s]."""
+        return {one.time for one in self._passages}
 
     def through_events(self, carried: Carried, time: float, y: Array) -> Carried:
         """Return displacements behind what has happened since the last time.

@@ -24,7 +24,9 @@ itself is off by for them is in the doubt (:mod:`antenna_pin.nonlinear.missed`).
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +42,7 @@ from antenna_pin.nonlinear.pieces import Piece
 from antenna_pin.nonlinear.saltation import Passed, Saltation
 from antenna_pin.nonlinear.within import Within
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.tape import Taped
 
 __all__ = ["Carrier"]
 
@@ -47,9 +50,6 @@ Array = NDArray[np.float64]
 
 # What a piece of a step may be wrong by, over the displacements and over the run's tolerance.
 _GOOD = 1e2
-# How often at most the run's own stages are tried along halves of a step, those next to a kink as short as it
-# matters, until whole matrices are looked at for what breaks there.
-_TRIES = 48
 # What stages may be wrong by, over that: their estimate is that of a lower order.
 _BY_STAGES = 10.0
 # In parts of a step, what counts as the same instant.
@@ -64,7 +64,7 @@ class Carrier:
     """Carries displacements along a run: what the run shows itself to between its steps.
 
     Args:
-        run: Before its first step; its steps are made one by one.
+        run: Before its first step; its steps are taped.
         first: Axes in its first state.
         ways: Displacements to carry, in coordinates along these, (size, k), or what makes them of these; all
             of them if left out.
@@ -73,6 +73,7 @@ class Carrier:
 
     Attributes:
         field: The rates, with the contacts that count.
+        within: States within the steps, before what changes behind them.
     """
 
     def __init__(
@@ -88,8 +89,7 @@ class Carrier:
         self.field = Field(run.system, settings, numbers)
         workspace = self.field.workspace
         workspace.memory[:], workspace.program[:] = run.workspace.memory, run.workspace.program
-        self._within = within = Within(run)
-        self._at = within.at
+        self.within = within = Within(run)
         self._again = StepAnew(self.field, settings, run.stepper.scales, within.workspace)
         self._good = _GOOD * settings.rtol
         carrying, moving = self.field.carrying(), slice(self.field.parts[2].stop)
@@ -97,13 +97,13 @@ class Carrier:
         self.stages = None if carrying is None else AlongStages(carrying, moving)
         self._deep = _DEEP * np.array(run.search.tolerances)
         self._young: set[int] = set()
-        self._changed = self._broken = False
-        self._tries = 0
         self._take_over(run)
+        self._begins = False, False
         self._waiting: list[Step] = []
         self._looks = list(looks)
-        #: Told of each look: ``(time, y, displacements)``, the last (displacement, k).
+        #: Told of looks and before changes: ``(time, y, displacements)``, the last (displacement, k).
         self.seen: Callable[[float, Array, Array], None] | None = None
+        self.before: Callable[[float, Array, Array], None] | None = None
         lift = self.field.lift(first, self._time, self._y)
         start = np.eye(lift.up.shape[1]) if ways is None else ways(lift) if callable(ways) else ways
         self._saltation = Saltation(self.field, run, start.shape[1])
@@ -137,74 +137,88 @@ class Carrier:
     def _take_over(self, run: Run) -> None:
         """Begin the next step where the run is."""
         self._time, self._y = self._here = run.stepper.t, run.here.copy()
-        self._within.take_over(run)
+        self.within.take_over(run)
 
     def look(self, run: Run) -> None:
-        """Carry the displacements over the step and the changes since the last look."""
-        touched, touching = self._within.touching, run.workspace.memory["touching"]
-        flipped = np.flatnonzero(touched != touching).tolist()
-        happened = self._saltation.has_happened()
-        broken = any(one.last == run.stepper.t for one in run.watch.value())
-        flipped = self._at_once(run, flipped)
-        if run.stepper.t > self._time:  # behind an event the state may be another than the step has led to
-            end, ends = None if happened else run.here.copy(), bool(flipped) or happened
-            changes, known = (self._changed, ends), (self._changed or self._broken, ends or broken)
-            step = Step(self._time, run.stepper.h, self._y, run.stepper.t, end, changes, known)
-            parting = [c for c in flipped if touching[c] == 0.0]
-            if self._goes_along(step):
-                self._waiting.append(step)
-            else:
-                self._go_along(run.stepper.t if parting else np.inf)
-                self._step(step, parting)
-            self._changed, self._broken = False, broken
-            for c in parting:
-                self._all = self._saltation.release(c, self._missed.flow, self._all, self._time, self._y)
-            if parting:
-                self._drop_flow()
-        if flipped or happened or len(self._waiting) >= _TOGETHER:
-            self._go_along()
-        if happened:
-            self._all = self._saltation.through_events(self._all, self._time, self._y)
-        for c in flipped:
-            if touching[c] != 0.0:
-                self._all = with_time(self._all)
-                now = self._all, self._time, self._y
-                self._all = self._saltation.onset(c, run.workspace.memory[c], *now)
-        self._changed = self._changed or bool(flipped) or happened
-        if self._changed and self.stages is not None:
-            self.stages.since = run.stepper.t
+        """Carry the displacements over the steps since the last look, and over what changes behind them."""
+        touching, steps = run.workspace.memory["touching"], run.steps.tape.steps
+        flipped = np.flatnonzero(self.within.touching != touching).tolist()
+        happened, breaks = self._saltation.happened(), {one.last for one in run.watch.value()}
+        for one in steps:
+            changing = flipped if one is steps[-1] else []
+            ends = bool(changing) or one.until in happened, one.until in breaks
+            self._over(one, ends, [c for c in changing if touching[c] == 0.0])
+        if flipped or happened:
+            self._change(run.workspace.memory, flipped, bool(steps))
         self._take_over(run)
-        self._young = {c for c in {*self._young, *flipped} if touching[c] != 0.0 and self._is_shallow(c)}
+        if flipped or happened:
+            self._young = {c for c in {*self._young, *flipped} if touching[c] != 0.0}
+            self._settle()
+
+    def _over(self, one: Taped, ends: tuple[bool, bool], parting: Sequence[int]) -> None:
+        """Carry the displacements over a step, now or with those that follow.
+
+        Args:
+            one: The step.
+            ends: Whether anything changes where it ends, and whether rates break there.
+            parting: Contacts that end there.
+        """
+        step = Step(*one, (self._begins[0], ends[0]), (any(self._begins), any(ends)))
+        along = self._goes_along(step)
+        if along:
+            self._waiting.append(step)
+        if not along or len(self._waiting) >= _TOGETHER:
+            self._go_along(one.until if parting else np.inf)
+        if not along:
+            self._step(step, parting)
+        self._time, self._y = self._here = one.until, one.end
+        self._begin(ends)
+        if not ends[0]:
+            self._settle()
+
+    def _begin(self, begins: tuple[bool, bool]) -> None:
+        """Begin the next step: whether anything has changed there, and whether rates break."""
+        self._begins = begins
+        if begins[0] and self.stages is not None:
+            self.stages.since = self._time
+
+    def _change(self, memory: NDArray[Any], flipped: list[int], moved: bool) -> None:
+        """Carry the displacements over what changes in the present state.
+
+        Args:
+            memory: What contacts remember behind it.
+            flipped: Contacts that begin or end.
+            moved: Whether a step has led there, along which the flow is carried to contacts that end.
+        """
+        self._go_along()
+        here, ending = (self._time, self._y), [c for c in flipped if memory["touching"][c] == 0.0]
+        if not moved:
+            self._tell(self.before)
+            self._begin((True, False))
+        for c in ending:
+            if not moved:
+                self._set_flow(*here)
+            self._all = self._saltation.release(c, self._missed.flow, self._all, *here)
+        if ending:
+            for one in (self._all.matrix, self._all.other, self._all.books):
+                one[:, self._missed.flow] = 0.0
+        self._all = self._saltation.through_events(self._all, *here)
+        for c in [c for c in flipped if c not in ending]:
+            self._all = self._saltation.onset(c, memory[c], with_time(self._all), *here)
+
+    def _settle(self) -> None:
+        """Bring displacements back to equal times, where no contact has just begun any more."""
+        places = self.field.workspace.along_normal
+        self._young = {c for c in self._young if places(self._y, c)[1] > -float(self._deep[c])}
         if not self._young and self._all.frame.clock:
             self._go_along()
             self._all = at_equal_times(self.field, self._all, *self._here)
 
-    def _at_once(self, run: Run, flipped: list[int]) -> list[int]:
-        """Let contacts change that did so where the step begins, together with another; return the rest."""
-        if not flipped or run.stepper.t == self._time:
-            return flipped
-        memory, own, rest = run.workspace.memory, self._within.workspace.memory, []
-        last = {int(one["contact"]): one for one in run.episodes}
-        for c in flipped:
-            begins, here = memory["touching"][c] != 0.0, (self._time, self._y)
-            if c not in last or last[c]["onset" if begins else "release"] != self._time:
-                rest.append(c)
-                continue
-            self._go_along()
-            if begins:
-                self._all = self._saltation.onset(c, memory[c], with_time(self._all), *here)
-                self._young.add(c)
-            else:
-                self._set_flow(*here)
-                self._all = self._saltation.release(c, self._missed.flow, self._all, *here)
-                self._drop_flow()
-            own[c], self._changed = memory[c], True
-        return rest
-
-    def _drop_flow(self) -> None:
-        """Carry no flow beside displacements any more."""
-        for one in (self._all.matrix, self._all.other, self._all.books):
-            one[:, self._missed.flow] = 0.0
+    def look_at(self, time: float) -> None:
+        """Be shown to ``seen`` at one more instant that is to come [s]."""
+        place = bisect_left(self._looks, time)
+        if time not in self._looks[place : place + 1]:
+            self._looks.insert(place, time)
 
     def book(self, place: int, more: Array) -> None:
         """Take something to what is integrated along the run, by how much more of each displacement, (k,)."""
@@ -215,10 +229,6 @@ class Carrier:
         """Carry them to the end."""
         self.look(run)
         self._go_along()
-
-    def _is_shallow(self, c: int) -> bool:
-        """Whether a contact has just begun."""
-        return self.field.workspace.along_normal(self._y, c)[1] > -float(self._deep[c])
 
     def _goes_along(self, step: Step) -> bool:
         """Whether displacements may go along a step together with others.
@@ -252,7 +262,7 @@ class Carrier:
             parting: Contacts that end there.
         """
         self._time, self._y = step.time, step.y
-        self._within.begin(step.time, step.y, step.size, step.end)
+        self.within.begin(step.time, step.y, step.size, step.end)
         self._again.begin(step.time, step.y)
         (begins, ends), known, end = step.changes, step.known, step.until
         self._matrices.begin(step.time, step.y, begins or bool(self._young))
@@ -260,9 +270,9 @@ class Carrier:
         if begins and ends:
             self._part(Piece(0.0, 0.5, True, False, (known[0], False)))
             rest = Piece(0.5, 1.0, False, True, (False, known[1]))
-        whole = self._at(1.0)
+        whole = self.within.at(1.0)
         if parting:
-            self._set_flow(self._time + rest.a * self._within.size, self._at(rest.a))
+            self._set_flow(self._time + rest.a * self.within.size, self.within.at(rest.a))
             up = self.field.lift(self._all.frame, end, whole).up
             self._matrices.opening = self.field.depths.opening(whole, parting[0], up)[0]
         self._part(rest)
@@ -274,6 +284,8 @@ class Carrier:
         self._time, self._y = self._here = end, whole
         if self.field.is_off(self._all.frame, end, whole):
             self.turn(self.field.frame(self._y, self._all.frame.clock))
+        if ends:
+            self._tell(self.before)
 
     def _set_flow(self, time: float, y: Array) -> None:
         """Write the flow of a state beside displacements."""
@@ -285,7 +297,7 @@ class Carrier:
 
     def _part(self, piece: Piece) -> None:
         """Carry the displacements over a part of a step, and show them where they are to be looked at."""
-        size = self._within.size
+        size = self.within.size
         while self._looks and (theta := (self._looks[0] - self._time) / size) < piece.b - _AT_ONCE:
             if theta > piece.a + _AT_ONCE:
                 before, piece = piece.cut(theta, False)
@@ -297,10 +309,14 @@ class Carrier:
 
     def _show(self, theta: float) -> None:
         """Show the displacements at a fraction of the step."""
-        time, y = self._here = self._looks.pop(0), self._at(theta)
-        if self.seen is not None:
-            matrix, frame = (carried := self.carried).matrix, carried.frame
-            self.seen(time, y, self.field.lift(frame, time, y).up @ matrix)
+        self._here = self._looks.pop(0), self.within.at(theta)
+        self._tell(self.seen)
+
+    def _tell(self, told: Callable[[float, Array, Array], None] | None) -> None:
+        """Tell of displacements in the present state."""
+        if told is not None:
+            carried, (time, y) = self.carried, self._here
+            told(time, y, self.field.lift(carried.frame, time, y).up @ carried.matrix)
 
     def _down(self, time: float, y: Array) -> Array:
         """Return what makes coordinates of displacements."""
@@ -321,24 +337,9 @@ class Carrier:
 
     def _piece(self, piece: Piece) -> None:
         """Carry the displacements over a part of the step, by the run's own stages where these can."""
-        self._tries = _TRIES
-        found = self._by_stages(piece, self._all)
+        by = self.within, self.field.lift, self._all, _BY_STAGES * self._good
+        found = None if self.stages is None else self.stages.in_halves(piece, *by)
         self._all = self._matrices.over(piece, self._all) if found is None else found
-
-    def _by_stages(self, piece: Piece, carried: Carried) -> Carried | None:
-        """Return displacements behind a part of the step by the run's own stages; None where these cannot."""
-        if self.stages is None or all(piece.known) or self._tries == 0:
-            return None
-        self._tries -= 1
-        start = self._time, self._within.size, self._at(piece.a)
-        # Of constraints displacements are those where the piece begins.
-        lift = self.field.lift(carried.frame, self._time + piece.a * self._within.size, start[2])
-        found = self.stages.over(piece, start, lift, carried, _BY_STAGES * self._good)
-        if found is None and piece.halvings > 0:
-            found = carried
-            for half in piece.cut(0.5 * (piece.a + piece.b), False):
-                found = None if found is None else self._by_stages(half, found)
-        return found
 
     @property
     def doubt(self) -> Array:

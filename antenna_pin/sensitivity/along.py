@@ -7,7 +7,7 @@ goes on between is carried with displacements (:mod:`antenna_pin.nonlinear.varia
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,9 +22,9 @@ from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.nonlinear.saltation import Passed
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.records import CONTACT
+from antenna_pin.sensitivity.deepest import Deepest
 from antenna_pin.sensitivity.happened import Happened, Happenings
 from antenna_pin.sensitivity.parameters import GrazeError
-from antenna_pin.sensitivity.timetable import Look
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.passages import Blow, Passage
 from antenna_pin.simulation.samples import Chunk
@@ -89,6 +89,22 @@ class Lasting(NamedTuple):
     books: tuple[Array, Array | None]
 
 
+class _Mark(NamedTuple):
+    """Displacements before a change.
+
+    Attributes:
+        time: When [s].
+        y: The state.
+        ways: Displacements, (displacement, parameters).
+        books: Of what is integrated, (nx, parameters).
+    """
+
+    time: float
+    y: Array
+    ways: Array
+    books: Array
+
+
 class Along:
     """Looks at a run as displacements are carried along it: what the run shows itself to between its steps.
 
@@ -96,31 +112,21 @@ class Along:
         run: The run.
         carrier: Carries its displacements.
         numbers: Parameters of the system.
-        looks: When to look.
+        begin: From when on displacements are looked at where contacts are deepest [s].
         count: How many parameters there are.
-        deepest: Contacts and when their depth is largest [s].
 
     Attributes:
         carrier: As given.
-        deepest: As given.
         changes: How elements have met their joints.
         happened: How events are displaced, in their order.
         lasting: Contacts from onset to release.
     """
 
-    def __init__(
-        self,
-        run: Run,
-        carrier: Carrier,
-        numbers: Numbers,
-        looks: Iterable[Look],
-        count: int,
-        deepest: Sequence[tuple[int, float]] = (),
-    ) -> None:
+    def __init__(self, run: Run, carrier: Carrier, numbers: Numbers, begin: float, count: int) -> None:
         """Begin at the run's start."""
         system = run.system
-        self.carrier, self._looks, self._count = carrier, list(looks), count
-        self.deepest = tuple(deepest)
+        self.carrier, self._begin, self._count = carrier, begin, count
+        self._deepest = Deepest(carrier.within)
         self._field = Field(system, run.settings, numbers)
         workspace = self._field.workspace
         self._replay = Replay(workspace, Kept(system), self._field.numbers)
@@ -128,14 +134,13 @@ class Along:
         # Of samples what :class:`Displaced` has, in its order.
         self._seen: list[tuple[Any, ...]] = []
         self._table, self._gaps = np.zeros(len(workspace.table), CONTACT), list[Array]()
-        # Before a change: when, the state, its displacements, those of what is integrated.
-        self._mark: tuple[float, Array, Array, Array] | None = None
+        self._marks: dict[float, _Mark] = {}
         self.changes: list[Change] = []
         self.happened: list[Happened] = []
         self._happenings = Happenings(self._field, self._replay)
         self.lasting: list[Lasting] = []
         self._open: dict[int, int] = {}
-        carrier.seen = self._see
+        carrier.seen, carrier.before = self._see, self._mark
         self._take_over(run)
         nothing = np.zeros(count)
         for c in np.flatnonzero(run.workspace.memory["touching"]).tolist():
@@ -154,6 +159,11 @@ class Along:
         at, states, memories, programs, ways, books, doubts, words = zip(*self._seen, strict=True)
         chunk = Chunk(np.array(at), np.array(states), np.array(memories), list(programs))
         return Displaced(chunk, *(np.array(one) for one in (ways, books, doubts, words)))
+
+    @property
+    def deepest(self) -> list[tuple[int, float]]:
+        """Contacts and when their depth is largest [s], in order."""
+        return self._deepest.found
 
     @property
     def depths(self) -> Array:
@@ -181,26 +191,32 @@ class Along:
     def _go(self, run: Run, carry: Callable[[Run], None]) -> None:
         passages, noted = list(run.actions.passages or ()), len(self.carrier.passed)
         words = self.carrier.field.numbers.program.copy() if passages and self.carrier.field.numbers else None
+        for time in self._deepest.look(run.steps.tape.steps):
+            if time >= self._begin:
+                self.carrier.look_at(time)
         carry(run)
         new = self.carrier.passed[noted:]
         touching, touched = run.workspace.memory["touching"], self._memory["touching"]
         flipped = np.flatnonzero(touching != touched).tolist()
         if new:
             self._check(run.stepper.t, self.carrier.carried.matrix)
-        if passages and self._mark is not None and self._mark[0] == run.stepper.t:
-            self._meet_all(self._mark, passages, new, words)
+        for mark in self._marks.values():
+            there = [one for one in passages if one.time == mark.time]
+            if there:
+                self._meet_all(mark, there, [one for one in new if one.time == mark.time], words)
         for c in flipped:
             late = next(
                 (p.late for p in new if p.what != "event" and p.name == str(c)), np.zeros(self._count)
             )
             self._flip(c, bool(touching[c]), run.stepper.t, late)
+        self._marks.clear()
         self._take_over(run)
 
     def _flip(self, c: int, begins: bool, time: float, late: Array) -> None:
         """Note a contact that begins or ends: what it integrates has no rate before, and none behind."""
         nothing = np.zeros(self._count)
         if begins:
-            books = self._mark[3] if self._mark is not None and self._mark[0] == time else self.books
+            books = self._marks[time].books if time in self._marks else self.books
             self._open[c] = len(self.lasting)
             self.lasting.append(Lasting(c, time, (late, nothing), (nothing, nothing), (books, None)))
         elif c in self._open:
@@ -221,20 +237,23 @@ class Along:
             )
 
     def _see(self, time: float, y: Array, ways: Array) -> None:
-        """Look at displacements within a step."""
-        look, carrier = self._looks.pop(0), self.carrier
+        """Look at displacements at a sample."""
+        carrier = self.carrier
         self._check(time, ways)
         self._remember(ways)
-        if look.sample >= 0:
-            field, sizes = carrier.field, np.linalg.norm(carrier.carried.matrix, axis=0)
-            assert field.numbers is not None
-            here = y.copy(), field.workspace.memory.copy(), field.workspace.program.copy(), ways.copy()
-            words = field.numbers.program.copy()
-            field.workspace.locate(y, self._table)
-            self._gaps.append(self._table["gap"].copy())
-            self._seen.append((time, *here, self.books, carrier.doubt / sizes, words))
-        else:
-            self._mark = time, y.copy(), ways.copy(), self.books
+        field, sizes = carrier.field, np.linalg.norm(carrier.carried.matrix, axis=0)
+        assert field.numbers is not None
+        here = y.copy(), field.workspace.memory.copy(), field.workspace.program.copy(), ways.copy()
+        words = field.numbers.program.copy()
+        field.workspace.locate(y, self._table)
+        self._gaps.append(self._table["gap"].copy())
+        self._seen.append((time, *here, self.books, carrier.doubt / sizes, words))
+
+    def _mark(self, time: float, y: Array, ways: Array) -> None:
+        """Note displacements before a change."""
+        self._check(time, ways)
+        self._remember(ways)
+        self._marks[time] = _Mark(time, y.copy(), ways.copy(), self.books)
 
     def _remember(self, ways: Array) -> None:
         """Note what contacts that last remember, of neighbours."""
@@ -248,9 +267,9 @@ class Along:
 
     def _meet_all(
         self,
-        mark: tuple[float, Array, Array, Array],
+        mark: _Mark,
         passages: list[Passage],
-        new: tuple[Passed, ...],
+        new: list[Passed],
         words: Array | None,
     ) -> None:
         """Note how elements meet their joints at an instant."""

@@ -23,7 +23,6 @@ from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity.along import Along, Displaced
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
-from antenna_pin.sensitivity.timetable import Pilot, timetable
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
 from antenna_pin.simulation.loop import Run
@@ -155,17 +154,11 @@ class ByEquation:
         first, flow = self._here.first, self.flow
         begin, end = first.reached, first.reached + duration
         span = end - first.time
-        plain = flow.begun(first, span)
-        pilot = Pilot(plain)
-        plain.advance(keep=pilot)
-        flow.check_ended(plain, span, first)
-        deepest = [time for _, time in pilot.deepest]
-        every = np.unique(np.concatenate([[begin, end], times, moments, deepest]))
-        looks = list(timetable(pilot, first.time, every[(every >= begin) & (every <= end)]))
-        frame = Chart(flow.system, first).frame
+        every = np.unique(np.concatenate([[begin, end], times, moments]))
+        samples = every[(every >= begin) & (every <= end)].tolist()
         run = flow.begun(first, span)
-        carrier = Carrier(run, frame, self._start, self._numbers, [one.time for one in looks])
-        along = Along(run, carrier, self._numbers, looks, len(self.parameters), pilot.deepest)
+        carrier = Carrier(run, Chart(flow.system, first).frame, self._start, self._numbers, samples)
+        along = Along(run, carrier, self._numbers, begin, len(self.parameters))
         run.advance(keep=along)
         flow.check_ended(run, span, first)
         return along

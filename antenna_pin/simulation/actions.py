@@ -112,7 +112,8 @@ class Actions:
         """Keep what has happened for who asks for it."""
         if self.passages is not None:
             done = tuple(self.modes.done)
-            self.passages.append(Passage(event, acts, done, self._workspace.program.copy()))
+            program = self._workspace.program.copy()
+            self.passages.append(Passage(self._stepper.t, event, acts, done, program))
 
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""

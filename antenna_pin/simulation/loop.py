@@ -59,6 +59,7 @@ class Run:
         events: What to look for besides contacts.
         since: From when on it records [s]; when ``start`` was reached, if not given.
         singly: Whether what keeps it looks at it after each step.
+        taped: Whether that looks where contacts change and events happen, at the steps up to there.
         controllers: That command it, by name.
     """
 
@@ -71,6 +72,7 @@ class Run:
         events: Sequence[Event] = (),
         since: float | None = None,
         singly: bool = False,
+        taped: bool = False,
         controllers: Mapping[str, Controller] = MappingProxyType({}),
     ) -> None:
         """Prepare the stepper, the search of its steps, and the contacts that touch at the start."""
@@ -97,7 +99,7 @@ class Run:
         self.watch.tick = self.ticks.next
         self.oversight = Oversight(self.workspace, self.control, self.events)
         self.singular = None if system.plan is None else Singularities(Workspace(system))
-        self.steps = Stretches(self.stepper, self._parts(), singly)
+        self.steps = Stretches(self.stepper, self._parts(), singly, taped)
         self._ahead: list[list[Crossing]] = []
         self.outcome, self.message = Outcome.COMPLETED, Outcome.COMPLETED.value
         self.wall = 0.0
@@ -183,6 +185,7 @@ class Run:
                 report(self.stepper.t, self.steps.following, self.steps.accepted)
                 if keep is not None:
                     keep.look(self)
+                    self.steps.tape.steps.clear()
         self.judge()
         if keep is not None:
             keep.end(self)
@@ -242,13 +245,9 @@ class Run:
         while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
             self._step()
             self.wall = wall()
-            if self.outcome is not Outcome.COMPLETED or not self._may_go_on(interrupted()):
-                return
-            yield
-
-    def _may_go_on(self, interrupted: bool) -> bool:
-        made = self.steps.so_far(self.wall)
-        return self._stop(*self.oversight.look(self.stepper.t, self.here, made, interrupted))
+            here = self.stepper.t, self.here, self.steps.so_far(self.wall)
+            if self.outcome is Outcome.COMPLETED and self._stop(*self.oversight.look(*here, interrupted())):
+                yield
 
     def _step(self) -> None:
         """Make steps up to the end of one that is seen to here, or of a stretch."""

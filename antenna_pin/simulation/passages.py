@@ -50,12 +50,14 @@ class Passage(NamedTuple):
     """What has happened at an instant, by an event.
 
     Attributes:
+        time: When [s].
         event: By which.
         acts: Whether it did what it is there for.
         done: What elements did, in order.
         program: Behind it.
     """
 
+    time: float
     event: Event
     acts: bool
     done: tuple[Turned | Blow, ...]

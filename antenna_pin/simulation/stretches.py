@@ -19,6 +19,7 @@ from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.search import ContactSearch
 from antenna_pin.simulation.singular import Singularities
+from antenna_pin.simulation.tape import Tape
 from antenna_pin.simulation.watch import Watch
 from antenna_pin.simulation.watched import Watched
 
@@ -31,6 +32,7 @@ Array = NDArray[np.float64]
 # asks. Where steps are dear they are at most a part of those before: what is wrong shows at the beginning.
 _BUDGET, _FREEDOMS, _ASKED, _PART = 1024, 24, 32, 4
 _CAPACITY = 256  # samples
+_TAPED = 64  # steps on a tape
 _COUNTS = ("accepted", "rejected", "relocated")
 
 
@@ -88,21 +90,26 @@ class Stretches:
         stepper: What makes them.
         parts: What they are made with, and where they go.
         singly: Whether the run wants to see each step that is accepted.
+        taped: Whether it wants to see where contacts change, with the steps up to there.
 
     Attributes:
+        tape: Of steps that were accepted, where they are taped.
         accepted: Steps that have been accepted.
         rejected: Trial steps rejected by their error.
         relocated: Trial steps made to end where something happens.
     """
 
-    def __init__(self, stepper: CompiledStepper, parts: Parts, singly: bool) -> None:
+    def __init__(self, stepper: CompiledStepper, parts: Parts, singly: bool, taped: bool = False) -> None:
         """Allocate once."""
         self._stepper, self._parts = stepper, parts
         self.accepted = self.rejected = self.relocated = 0
         self._watched = Watched(parts.watch)
         self._stretch = np.zeros(1, kernels.STRETCH)
         self._stretch["rate"], self._stretch["begin"] = parts.samples.rate, parts.samples.begin
-        self._stretch["end"], self._stretch["singly"] = parts.control.end, singly
+        self._stretch["end"] = parts.control.end
+        freely = kernels.TO_CHANGES if taped else kernels.FREELY
+        self._stretch["shown"] = kernels.SINGLY if singly else freely
+        self.tape, self._taped = Tape(), taped
         self._lack: Callable[[], float] = float
         self._give_answers()
         freedoms = max(stepper.manifold.nv, _FREEDOMS)
@@ -110,7 +117,9 @@ class Stretches:
         most = _ASKED if asks("elements") or asks("gaps") else _BUDGET
         self._dear = most == _ASKED or asks("acceleration") or asks("terms")
         self._most = max(1, min(most, _BUDGET) * _FREEDOMS**2 // freedoms**2)
-        contacts, ends = len(parts.episodes), self._most if parts.singular is not None else 0
+        if taped:
+            self._most = min(self._most, _TAPED)
+        contacts, ends = len(parts.episodes), self._most if taped or parts.singular is not None else 0
         self._loop = kernels.Loop(
             stretch=self._stretch,
             pace=parts.control.pace.numbers,
@@ -148,6 +157,7 @@ class Stretches:
             memories=np.zeros((capacity, contacts), MEMORY),
             early=np.zeros(capacity, dtype=np.int64),
             instants=np.zeros(ends),
+            sizes=np.zeros(ends),
             ends=np.zeros((ends, size)),
             kept=self._stepper.kept,
             out=np.zeros((2, size)),
@@ -271,7 +281,8 @@ class Stretches:
         stretch, (control, samples, episodes, *_) = self._stretch, self._parts
         for name in (*_COUNTS, "samples", "evaluations"):
             stretch[name] = 0
-        stretch["t"] = self._stepper.t
+        stretch["t"] = began = self._stepper.t
+        y = self._stepper.start[: self._stepper.manifold.size].copy()
         stretch["chosen"] = np.searchsorted(samples.chosen, self._stepper.t, side="right")
         stretch["budget"] = max(1, min(most, control.until_look(self.made)))
         episodes.make_room()
@@ -288,13 +299,13 @@ class Stretches:
         )
         reason = int(kernel(self._loop, *arguments))
         try:
-            self._take_over()
+            self._take_over(began, y)
         finally:
             self._stepper.answers.check()
         return reason
 
-    def _take_over(self) -> None:
-        """Put what the loop has come to into the record."""
+    def _take_over(self, began: float, y: Array) -> None:
+        """Put what the loop has come to, which began at a time [s] in a state, into the record."""
         stepper, found, buffers = self._stepper, self._stretch[0], self._loop.buffers
         stepper.t, stepper.h = float(found["t"]), float(found["tried"])
         stepper.evaluations += int(found["evaluations"])
@@ -307,3 +318,5 @@ class Stretches:
             setattr(self, name, getattr(self, name) + int(found[name]))
         if self._parts.singular is not None:
             self._parts.singular.look_along(buffers.instants[:ends], buffers.ends[:ends])
+        if self._taped:
+            self.tape.extend(began, y, (buffers.instants[:ends], buffers.sizes[:ends], buffers.ends[:ends]))

@@ -86,6 +86,25 @@ def test_events_of_an_oscillator(tmp_path):
     assert (found.doubt("event_energy") * scales).max() < 1e-6
 
 
+def test_events_in_one_step_that_change_nothing(tmp_path):
+    """Three places that one step passes: instants go by the closed form, what follows by nothing."""
+    places = (0.1, 0.1005, 0.101)
+    marks = "".join(
+        f'[events.at{k}]\nkind = "angle"\njoint = "way"\nvalue = "{place} m"\naction = "mark"\n'
+        for k, place in enumerate(places)
+    )
+    plain, marked = (
+        sensitivities(mass(tmp_path, COIL + more), list(KEYS), [0.22], method="equation")
+        for more in ("", marks)
+    )
+    scales = np.array([one.scale for one in marked.parameters])
+    for k, place in enumerate(places):
+        late = slopes_at(place, float(marked.run.data["event_time"].values[k]))[1][0]
+        assert np.abs((marked.derivative("event_time")[k] - late) * scales).max() < 1e-11  # as above
+    # Steps end elsewhere: each run is good to some of its tolerances.
+    assert np.abs((marked.derivative("v") - plain.derivative("v"))[-1] * scales).max() < 1e-10
+
+
 def test_what_a_latch_weighs_and_lets_go(tmp_path):
     """Of the mass m v^2 / 2 where it is caught; of the spring that is switched off - k x^2 / 2 there."""
     found = sensitivities(mass(tmp_path, COIL + LATCH), list(KEYS), [0.25], method="equation")
