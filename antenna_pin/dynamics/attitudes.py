@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics.system import System
-from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS
 
 __all__ = ["journal_attitudes"]
 
@@ -34,7 +34,8 @@ def journal_attitudes(system: System, states: Array, before: tuple[Array, Array]
             half = 0.5 * np.arctan2(q[:, 3], q[:, 2])
             found[:, 2], found[:, 3] = np.sin(half), np.cos(half)
         else:
-            found[:, :3] = q[:, 3:6] @ frame_aligning_z(slot.axis)
+            block = system.program[system.clearance_blocks[joint.name] :][:JOINT_WORDS]
+            found[:, :3] = q[:, 3:6] @ block.view(JOINT)["axes"][0]
             found[:, 3] = q[:, 6]
         if joint.bearing_on == "child":
             found[:, :3] *= -1.0

@@ -17,7 +17,8 @@ from antenna_pin.dynamics.program_parts import program_parts
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.errors import FunctionError
-from antenna_pin.mechanism import PLACE, JointSlot, body_tree, frame_aligning_z
+from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS
+from antenna_pin.mechanism import PLACE, JointSlot, body_tree
 from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["Observed", "joint_motion", "observed", "sliding_motion"]
@@ -283,12 +284,13 @@ def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list
         a = found.acceleration[:, slot.v]
         if slot.name in guided:
             k = guided[slot.name]
-            pose, centre = found.pose[:, k], system.clearances[k].offset * slot.axis
+            block = system.program[system.clearance_blocks[slot.name] :][:JOINT_WORDS]
+            pose, axes, centre = found.pose[:, k], *(block.view(JOINT)[one][0] for one in ("axes", "centre"))
             # In the child's own axes: the bearing's axis, the journal's centre, and how fast it moves, seen
             # from the parent, or from the child where the bearing is.
             if system.clearances[k].bearing_on == "child":
-                sign, axes = -1.0, frame_aligning_z(slot.axis)
-                bearing, centre = axes[:, 2], centre + pose["centre"] @ axes.T
+                sign, bearing = -1.0, axes[:, 2]
+                centre = centre + pose["centre"] @ axes.T
                 velocity = pose["velocity"] @ axes.T
             else:
                 sign, bearing = 1.0, pose["rotation"][:, 2, :]

@@ -84,16 +84,19 @@ class InPlace:
         numbers: Which, and by how much.
         workspace: Of the copy; its model and program are changed.
         stepper: Its arrays are.
+        whole: Whether the copy's own program is changed as well, from which other workspaces take theirs.
     """
 
-    def __init__(self, numbers: Numbers, workspace: Workspace, stepper: CompiledStepper) -> None:
+    def __init__(
+        self, numbers: Numbers, workspace: Workspace, stepper: CompiledStepper, *, whole: bool = False
+    ) -> None:
         """Find what changes."""
         self.count, model = numbers.count, workspace.model
         self._of_elements = numbers.of_elements
         own = stepper.numbers
         bodies = workspace.bodies
         arrays = {
-            "program": [workspace.program],
+            "program": [workspace.program, workspace.system.program] if whole else [workspace.program],
             "tree": [own.tree] if bodies is None else [own.tree, bodies],
             "plan": [own.plan],
             "gravity": [own.gravity],

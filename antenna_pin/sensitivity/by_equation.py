@@ -14,6 +14,7 @@ from antenna_pin.differences import WEIGHTS
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear import Flow
+from antenna_pin.nonlinear.beside import Beside
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.displacer import Displacer
 from antenna_pin.nonlinear.frames import Lift
@@ -87,6 +88,9 @@ class ByEquation:
         self._next = Displacer(system, len(self.parameters))
         # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
         self._numbers.slopes["program"][:, self._next.kept.words] = 0.0
+        self._shown: Run | None = None
+        #: What stands for its neighbours where states are looked at.
+        self.beside = Beside(system, settings, self._numbers, self._system)
 
     def _neighbour(self, k: int, s: float) -> Neighbour:
         """Return the scenario with a parameter so many scales farther."""
@@ -177,18 +181,14 @@ class ByEquation:
 
         The first sample is where what is integrated along the run counts from.
         """
-        here = self.seen(displaced.chunk, 0, 0.0)
+        here = self.seen(displaced.chunk)
         names = [name for name, one in here.items() if one.dtype.kind == "f"]
         found: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names if name != "time"}
         for k in range(len(self.parameters)):
             best: dict[str, tuple[Array, Array]] = {}
             for step in _STEPS:
                 ahead, behind = (
-                    [
-                        self.seen(self.moved(displaced, k, side * j * step), k, side * j * step)
-                        for j in (1, 2, 3)
-                    ]
-                    for side in (1, -1)
+                    [self._seen_beside(displaced, k, side * j * step) for j in (1, 2, 3)] for side in (1, -1)
                 )
                 good = True
                 for name in found:
@@ -217,17 +217,27 @@ class ByEquation:
             for name, each in found.items()
         }
 
-    def seen(self, chunk: Chunk, k: int, s: float) -> dict[str, Array]:
-        """Return the series that states imply of a neighbour's system, by name."""
-        one = self.made(k, s)
-        run = Run(one.system, one.first, one.first.reached + 1.0, self.settings, ())
-        return dict(series_at(run, chunk))
+    def seen(self, chunk: Chunk) -> dict[str, Array]:
+        """Return the series that states of the system imply, by name."""
+        with self.beside.at(0, 0.0) as near:
+            return self._told(near.system, chunk)
 
-    def moved(self, displaced: Displaced, k: int, s: float) -> Chunk:
-        """Return states displaced along a parameter so many scales."""
+    def _seen_beside(self, displaced: Displaced, k: int, s: float) -> dict[str, Array]:
+        """Return the same of a neighbour's states."""
+        with self.beside.at(k, s) as near:
+            return self._told(near.system, self.moved(displaced, k, s, near.system))
+
+    def _told(self, system: System, chunk: Chunk) -> dict[str, Array]:
+        if self._shown is None or self._shown.system is not system:
+            first = self._here.first
+            self._shown = Run(system, first, first.reached + 1.0, self.settings, ())
+        return dict(series_at(self._shown, chunk))
+
+    def moved(self, displaced: Displaced, k: int, s: float, there: System) -> Chunk:
+        """Return states displaced along a parameter so many scales, in that neighbour's system."""
         every = displaced.ways[..., k], displaced.words[:, k], displaced.books[..., k]
         moves, words, books = (s * one for one in every)
-        return self._next.states(displaced.chunk, moves, words, self.made(k, s).system, books)
+        return self._next.states(displaced.chunk, moves, words, there, books)
 
 
 def _most(sizes: Array) -> Array:

@@ -18,7 +18,6 @@ from antenna_pin.dynamics import System, observed
 from antenna_pin.nonlinear.near import Near
 from antenna_pin.sensitivity.along import Displaced
 from antenna_pin.sensitivity.by_equation import ByEquation
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.samples import Chunk
 
 __all__ = ["Bend", "InTime"]
@@ -96,30 +95,31 @@ class InTime:
             long: How long each contact lasts [s].
         """
         equation, part = self._equation, self._part(places)
-        count, own = len(equation.parameters), equation.made(0, 0.0).system
+        count = len(equation.parameters)
 
         def force(chunk: Chunk, system: System) -> Array:
             seen = observed(system, chunk.times, chunk.states, chunk.memories, chunk.programs)
             return np.asarray(seen.contact["normal_force"])[np.arange(len(places)), contacts]
 
-        lines = _lines(part.chunk, own, equation.settings)
-        here, doubt, step = _best(lambda h: force(lines(h), own), long, _STEPS)
-
-        def rate(chunk: Chunk, system: System) -> Array:
+        def rate(chunk: Chunk, near: Near) -> Array:
             """Return the rate of a neighbour's force, by the steps that are best for the run's own."""
-            beside = _lines(chunk, system, equation.settings)
-            return _sixth(lambda h: force(beside(h), system), step)[0]
+            lines = _lines(chunk, near)
+            return _sixth(lambda h: force(lines(h), near.system), step)[0]
 
-        bend, off, _ = _best(lambda h: rate(lines(h), own), long, _STEPS[:3], doubt)
+        with equation.beside.at(0, 0.0) as own:
+            lines, most = _lines(part.chunk, own), force(part.chunk, own.system)
+            here, doubt, step = _best(lambda h: force(lines(h), own.system), long, _STEPS)
+            bend, off, _ = _best(lambda h: rate(lines(h), own), long, _STEPS[:3], doubt)
         over, rest = np.zeros((2, len(places), count))
         for k in range(count):
 
             def along(s: Array, k: int = k) -> Array:
                 far = float(s[0])
-                return rate(equation.moved(part, k, far), equation.made(k, far).system)
+                with equation.beside.at(k, far) as near:
+                    return rate(equation.moved(part, k, far, near.system), near)
 
             over[:, k], rest[:, k], _ = _best(along, np.ones(len(places)), _ALONG, doubt)
-        return Bend(force(part.chunk, own), here, bend, over, off, rest)
+        return Bend(most, here, bend, over, off, rest)
 
     def series(self, place: int, long: float) -> dict[str, tuple[Array, Array]]:
         """Return the rates of all series at a sample and their doubts, by name.
@@ -128,14 +128,15 @@ class InTime:
             place: Which.
             long: How long what passes there takes [s].
         """
-        chunk, system = self._part(np.array([place])).chunk, self._equation.made(0, 0.0).system
-        lines = _lines(chunk, system, self._equation.settings)
+        chunk = self._part(np.array([place])).chunk
+        with self._equation.beside.at(0, 0.0) as near:
+            lines = _lines(chunk, near)
         best: dict[str, tuple[Array, Array]] = {}
-        here = self._equation.seen(chunk, 0, 0.0)
+        here = self._equation.seen(chunk)
         for step in _STEPS:
             h = np.array([step * long])
             ahead, behind = (
-                [self._equation.seen(lines(side * j * h), 0, 0.0) for j in (1, 2, 3)] for side in (1, -1)
+                [self._equation.seen(lines(side * j * h)) for j in (1, 2, 3)] for side in (1, -1)
             )
             for name in (one for one, value in here.items() if value.dtype.kind == "f" and one != "time"):
                 odd = np.array([one[name][0] for one in ahead]) - np.array([one[name][0] for one in behind])
@@ -154,9 +155,9 @@ class InTime:
         return Displaced(chunk, *(one[places] for one in every[1:]))
 
 
-def _lines(chunk: Chunk, system: System, settings: RunSettings) -> Callable[[Array], Chunk]:
+def _lines(chunk: Chunk, near: Near) -> Callable[[Array], Chunk]:
     """Return what gives states as far along their flows as each is told, (n,) [s]."""
-    near = Near(system, settings)
+    system = near.system
     nq, nv = system.model.nq, system.model.nv
     flows = []
     for time, state, memory, program in zip(
