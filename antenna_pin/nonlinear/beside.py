@@ -40,6 +40,9 @@ class Beside:
         asked = bool(near.workspace.paths or near.system.callables)
         #: Of each parameter, whether its neighbours are built.
         self.builds = (bodies["axis"] != 0.0).any(axis=(1, 2)) | asked
+        others = [one.any(axis=1) for key, one in numbers.slopes.items() if key != "program"]
+        #: Of each, whether its neighbours differ in their programs alone, which go with their states.
+        self.by_program = ~(np.any(others, axis=0) | self.builds)
 
     @contextmanager
     def at(self, k: int, s: float) -> Iterator[Near]:

@@ -12,9 +12,12 @@ from antenna_pin.dynamics import kernels, records_at
 from antenna_pin.elements import Motor
 from antenna_pin.simulation.seen import Seen
 
-__all__ = ["motors_of", "of_motors"]
+__all__ = ["MOTORS_SINCE_BEGIN", "motors_of", "of_motors"]
 
 Array = NDArray[np.float64]
+
+#: Series that count from the run's first sample on.
+MOTORS_SINCE_BEGIN = ("motor_electric_energy", "motor_heat")
 
 
 def motors_of(seen: Seen) -> list[str]:

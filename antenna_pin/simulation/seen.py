@@ -22,7 +22,7 @@ from antenna_pin.dynamics import (
 from antenna_pin.elements import Motor
 from antenna_pin.simulation.loop import Run
 
-__all__ = ["Seen"]
+__all__ = ["SINCE_BEGIN", "Seen"]
 
 Array = NDArray[np.float64]
 
@@ -46,6 +46,8 @@ _OF_FORCES = {
     "force_angular_impulse": "angular_impulse",
     "force_central_impulse": "central_impulse",
 }
+#: Series of the ledger that count from the run's first sample on, and the error of its balance.
+SINCE_BEGIN = (*_LEDGER, *_OF_FORCES, "energy_error")
 _BALANCE = {
     "drive_work": -1.0,
     "dissipation_normal": 1.0,
@@ -116,7 +118,7 @@ class Seen:
     def attitudes(self) -> Array:
         """Of the journals in their bearings, quaternions without jumps in sign, (n, joints, 4)."""
         before = None if self.before is None else (self.before.state, self.before.attitudes)
-        return journal_attitudes(self.system, self.states, before)
+        return journal_attitudes(self.system, self.states, self.programs, before)
 
     @property
     def system(self) -> System:
@@ -150,12 +152,12 @@ class Seen:
     @cached_property
     def joints(self) -> tuple[list[str], Array]:
         """Names and motion of the joints that turn."""
-        return joint_motion(self.system, self.states, self.found.acceleration)
+        return joint_motion(self.system, self.states, self.found.acceleration, self.programs)
 
     @cached_property
     def slides(self) -> tuple[list[str], Array]:
         """Names and motion of the joints that slide."""
-        return sliding_motion(self.system, self.states, self.found)
+        return sliding_motion(self.system, self.states, self.found, self.programs)
 
     @cached_property
     def elastic(self) -> Deflections:
