@@ -19,7 +19,6 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.motors import MOTORS_SINCE_BEGIN
 from antenna_pin.simulation.record import series_at
 from antenna_pin.simulation.samples import Chunk
-from antenna_pin.simulation.seen import SINCE_BEGIN
 from antenna_pin.state import State
 from antenna_pin.trajectory.schema import VARIABLES
 
@@ -66,8 +65,8 @@ class Table:
         #: Of each column, which of those that are not empty it is of.
         self.owner = np.repeat(np.arange(len(self._filled)), [width for width in widths if width])
         #: Whether it counts from the first sample on.
-        since = {*SINCE_BEGIN, *MOTORS_SINCE_BEGIN}
-        self.since = np.repeat([name in since for name in taken], widths)
+        counts = [VARIABLES[name].source == "ledger" or name in MOTORS_SINCE_BEGIN for name in taken]
+        self.since = np.repeat(counts, widths)
 
     def flat(self, series: Mapping[str, Array]) -> Array:
         """Return series as rows, (n, columns)."""
@@ -197,6 +196,9 @@ class OfStates:
 
 def beside_one_another(chunks: Sequence[Chunk]) -> Chunk:
     """Return states of neighbours as those of one run: at each time one neighbour's after another's."""
-    times, states, memories = (np.stack(list(one), axis=1) for one in list(zip(*chunks, strict=True))[:3])
+    times = np.stack([one.times for one in chunks], axis=1)
+    states = np.stack([one.states for one in chunks], axis=1)
+    memories = np.stack([one.memories for one in chunks], axis=1)
     programs = [one for each in zip(*(chunk.programs for chunk in chunks), strict=True) for one in each]
-    return Chunk(times.reshape(-1), *(one.reshape(-1, one.shape[-1]) for one in (states, memories)), programs)
+    n = times.size
+    return Chunk(times.reshape(n), states.reshape(n, -1), memories.reshape(n, memories.shape[-1]), programs)

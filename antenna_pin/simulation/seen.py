@@ -22,7 +22,7 @@ from antenna_pin.dynamics import (
 from antenna_pin.elements import Motor
 from antenna_pin.simulation.loop import Run
 
-__all__ = ["SINCE_BEGIN", "Seen"]
+__all__ = ["Seen"]
 
 Array = NDArray[np.float64]
 
@@ -46,8 +46,6 @@ _OF_FORCES = {
     "force_angular_impulse": "angular_impulse",
     "force_central_impulse": "central_impulse",
 }
-#: Series of the ledger that count from the run's first sample on, and the error of its balance.
-SINCE_BEGIN = (*_LEDGER, *_OF_FORCES, "energy_error")
 _BALANCE = {
     "drive_work": -1.0,
     "dissipation_normal": 1.0,
