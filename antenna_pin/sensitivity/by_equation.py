@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.differences import few
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear import Flow
@@ -120,18 +120,15 @@ class ByEquation:
         """Return the displacements of the first state in coordinates, (size, parameters)."""
         columns = []
         for k in range(len(self.parameters)):
-            ahead, behind = (
-                np.array([self._apart(k, side * j * _START) for j in (1, 2, 3)]) for side in (1, -1)
-            )
-            columns.append(WEIGHTS[0] @ (ahead - behind) / _START)
+            columns.append(few(functools.partial(self._apart, k), _START)[0])
         ways = np.column_stack(columns)
         ways[self._next.parts[-3]] = np.eye(len(self.parameters))
         return np.asarray(lift.down @ ways)
 
-    def _apart(self, k: int, s: float) -> Array:
+    def _apart(self, k: int, j: int) -> Array:
         """Return the displacement of a neighbour's first state, without that of the parameter itself."""
-        here = self._here.first
-        found = self._next.between(here, self.made(k, s).first)
+        here, s = self._here.first, j * _START
+        found = self._next.between(here, self.made(k, s).first if j else here)
         if found is None:
             one = self.parameters[k]
             raise GrazeError(
