@@ -69,6 +69,6 @@ def test_few_neighbours_tell_a_derivative(function, exact, count):
 
 
 def test_a_kink_among_few_neighbours_is_told():
-    """A slope that changes by one between the first and the second: orders are apart by a share of it."""
+    """A slope that goes from 0 to 1 between one step and two: odd differences of 0, 1/2, 3/2 steps."""
     _, doubt, steps = asked(lambda s: max(s, 1.5e-3))
-    assert doubt > 1e-2 and len(steps) == 7
+    assert doubt == pytest.approx(3 / 60 - 1 / 24, rel=1e-9) and len(steps) == 7
