@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["STEPS", "WEIGHTS", "Slope", "gradient", "roughness", "slope"]
+__all__ = ["STEPS", "WEIGHTS", "Slope", "few", "gradient", "roughness", "slope"]
 
 Array = NDArray[np.float64]
 
@@ -27,6 +27,8 @@ _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Difference of the two orders over the derivative that is good enough; doubt above which there is a kink; and
 # derivatives over the largest that are round-off.
 _GOOD, _ROUGH, _NOTHING = 1e-8, 1e-3, 1e-6
+# How near second order is to fourth, over the derivative, where sixth would change nothing of that.
+_NEAR = 1e-6
 
 
 # The median of third differences of what is normally distributed, over its deviation.
@@ -87,6 +89,36 @@ def slope(function: Callable[[float], Array], steps: Sequence[float] = STEPS) ->
         if share <= _GOOD:
             break
     return Slope(np.asarray(best, dtype=float), doubt)
+
+
+def few(function: Callable[[int], Array], step: float) -> tuple[Array, Array]:
+    """Return the derivative of a function at zero by as few of its neighbours as tell it, and its doubt.
+
+    Where each builds much: by three of values on a straight line, whose second and third differences are
+    round-off, with no doubt; by four where fourth order and second differ so little, by h^2 f3 / 6, that what
+    fourth leaves out, h^4 f5 / 30, is nothing; else by six. Infinite values have no derivative, and zero.
+
+    Args:
+        function: Of how many steps away, from -3 to 3, ``(j) -> values``.
+        step: That steps are of.
+    """
+    here, ahead, behind, farther = (np.asarray(function(j), dtype=float) for j in (0, 1, -1, 2))
+    noise = _ROUND_OFF * np.abs([here, ahead, behind, farther]).max(axis=0)
+    with np.errstate(invalid="ignore"):
+        first = ahead - behind
+        bent = np.abs(ahead + behind - 2.0 * here), np.abs(farther - behind - 3.0 * (ahead - here))
+        if not (np.maximum(*bent) > 2.0 * noise).any():
+            return np.where(np.isfinite(first), 0.5 * first / step, 0.0), np.zeros_like(first)
+        odd = [first, farther - function(-2)]
+        second, found = 0.5 * first, (8.0 * first - odd[1]) / 12.0
+        doubt = np.abs(found - second)
+        if (doubt > _NEAR * np.abs(found) + noise).any():
+            found, fourth = WEIGHTS @ np.array([*odd, function(3) - function(-3)])
+            doubt = np.abs(found - fourth)
+        else:
+            doubt = np.zeros_like(found)
+    changes = np.isfinite(found) & ((first != 0.0) | (odd[1] != 0.0))
+    return np.where(changes, found / step, 0.0), np.where(changes, doubt / step, 0.0)
 
 
 def gradient(

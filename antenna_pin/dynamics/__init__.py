@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from antenna_pin.dynamics.impulse import impulse, reduced_inertia
     from antenna_pin.dynamics.links import acting_on_links
     from antenna_pin.dynamics.motion import JointMotion, motion_block
+    from antenna_pin.dynamics.program_parts import records_at
     from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
     from antenna_pin.dynamics.system import System
     from antenna_pin.dynamics.workspace import Workspace
@@ -94,6 +95,7 @@ __all__ = [
     "mobility_of",
     "observed",
     "put_followers",
+    "records_at",
     "sliding_motion",
 ]
 
@@ -114,6 +116,7 @@ loaded_when_used(
         "impulse": "impulse reduced_inertia",
         "links": "acting_on_links",
         "motion": "JointMotion motion_block",
+        "program_parts": "records_at",
         "samples": "Observed joint_motion observed sliding_motion",
         "system": "System",
         "workspace": "Workspace",

@@ -2,30 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.dynamics.program_parts import program_parts
 from antenna_pin.dynamics.system import System
-from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS
 
 __all__ = ["journal_attitudes"]
 
 Array = NDArray[np.float64]
 
 
-def journal_attitudes(system: System, states: Array, before: tuple[Array, Array] | None = None) -> Array:
+def journal_attitudes(
+    system: System,
+    states: Array,
+    programs: Sequence[Array],
+    before: tuple[Array, Array] | None = None,
+) -> Array:
     """Return the attitudes of the journals' frames in their bearings', as quaternions without jumps in sign.
 
     Args:
         system: The system.
         states: (n, nq + nv + nx).
+        programs: Force elements at each: the same array from one to the next where nothing was changed.
         before: The state before the first of these, and its attitudes, (joints, 4), whose signs go on.
 
     Returns:
         (n, joints, 4), xyzw.
     """
     if before is not None:
-        states = np.concatenate([before[0][np.newaxis], states])
+        states, programs = np.concatenate([before[0][np.newaxis], states]), [programs[0], *programs]
     result = np.zeros((len(states), len(system.clearances), 4))
     for k, joint in enumerate(system.clearances):
         slot = system.mechanism.joint(joint.name)
@@ -34,7 +43,10 @@ def journal_attitudes(system: System, states: Array, before: tuple[Array, Array]
             half = 0.5 * np.arctan2(q[:, 3], q[:, 2])
             found[:, 2], found[:, 3] = np.sin(half), np.cos(half)
         else:
-            found[:, :3] = q[:, 3:6] @ frame_aligning_z(slot.axis)
+            place = system.clearance_blocks[joint.name]
+            for first, last in program_parts(programs):
+                axes = programs[first][place : place + JOINT_WORDS].view(JOINT)["axes"][0]
+                found[first:last, :3] = q[first:last, 3:6] @ axes
             found[:, 3] = q[:, 6]
         if joint.bearing_on == "child":
             found[:, :3] *= -1.0

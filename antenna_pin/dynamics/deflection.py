@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics.program_parts import records_at
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import JointSpring
 from antenna_pin.mechanism import link_twists
@@ -59,22 +60,8 @@ def deflections(
         motion[:, k, 1] = v[:, slot.v.start]
         motion[:, k, 2] = accelerations[:, slot.v.start]
         spin[:, k] = turning[:, hubs.index(urdf.joint(name).parent)]
-        stiffness, rest = _springs(system, name, programs)
-        energy[:, k] = 0.5 * stiffness * (motion[:, k, 0] - rest) ** 2
+        at = system.spring_blocks[name]
+        on = records_at(programs, at, kernels.ELEMENT)["on"]
+        spring = records_at(programs, at + int(kernels.PARAMETERS), JointSpring.compiled().LAYOUT)
+        energy[:, k] = 0.5 * on * spring["stiffness"] * (motion[:, k, 0] - spring["rest_angle"]) ** 2
     return Deflections(motion, energy, spin)
-
-
-def _springs(system: System, name: str, programs: Sequence[Array]) -> tuple[Array, Array]:
-    """Return stiffness and rest of a part's spring at each sample, which events may have changed."""
-    own = system.spring_blocks[name] + int(kernels.PARAMETERS)
-    layout = JointSpring.compiled().LAYOUT
-    found, last, row = [], None, (0.0, 0.0)
-    for program in programs:
-        if program is not last:
-            last = program
-            on = program[own - int(kernels.PARAMETERS) : own].view(kernels.ELEMENT)["on"][0]
-            spring = program[own : own + layout.itemsize // 8].view(layout)[0]
-            row = (float(on * spring["stiffness"]), float(spring["rest_angle"]))
-        found.append(row)
-    numbers = np.array(found).reshape(-1, 2)
-    return numbers[:, 0], numbers[:, 1]

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import audit_kernels, link_kernels, point_kernels, sample_kernels
 from antenna_pin.dynamics.audit import energy_of_python_laws
 from antenna_pin.dynamics.held_samples import held_samples
-from antenna_pin.dynamics.program_parts import program_parts
+from antenna_pin.dynamics.program_parts import program_parts, records_at
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.errors import FunctionError
-from antenna_pin.mechanism import PLACE, JointSlot, body_tree, frame_aligning_z
+from antenna_pin.joints.layout_kernels import JOINT
+from antenna_pin.mechanism import PLACE, JointSlot, body_tree
 from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["Observed", "joint_motion", "observed", "sliding_motion"]
@@ -224,7 +225,9 @@ def _accelerations(model: Any, states: Array, forces: Array, free_base: bool) ->
     return forces
 
 
-def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[list[str], Array]:
+def joint_motion(
+    system: System, states: Array, accelerations: Array, programs: Sequence[Array]
+) -> tuple[list[str], Array]:
     """Return the joints that turn about an axis, and their motion; angles with whole turns.
 
     Not those of elastic parts, whose motion is a deflection (:func:`antenna_pin.dynamics.deflections`).
@@ -233,6 +236,7 @@ def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[l
         system: The system.
         states: (n, nq + nv + nx).
         accelerations: Generalized, (n, nv).
+        programs: Force elements at each, as of :func:`observed`.
 
     Returns:
         Names, and angle, rate and acceleration of each, (joints, n, 3) [rad, rad/s, rad/s^2]. A ball joint
@@ -244,7 +248,9 @@ def joint_motion(system: System, states: Array, accelerations: Array) -> tuple[l
         motion = np.zeros((len(states), 3))
         block = system.clearance_blocks.get(slot.name, -1)
         if block >= 0 and slot.name in system.turn_x:
-            sample_kernels.clearance_motion(system.program, block, states, accelerations, motion)
+            for first, last in program_parts(programs):
+                own = (one[first:last] for one in (states, accelerations, motion))
+                sample_kernels.clearance_motion(programs[first], block, *own)
         elif block < 0 and slot.kind in ("revolute", "continuous"):
             motion[:, 0] = states[:, slot.q.start]
             if slot.kind == "continuous":
@@ -264,13 +270,16 @@ def _between_links(system: System) -> list[JointSlot]:
     return [slot for name, slot in system.mechanism.joints.items() if name not in system.elastic]
 
 
-def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list[str], Array]:
+def sliding_motion(
+    system: System, states: Array, found: Observed, programs: Sequence[Array]
+) -> tuple[list[str], Array]:
     """Return the joints that slide along an axis, and their motion; not those of elastic parts.
 
     Args:
         system: The system.
         states: (n, nq + nv + nx).
         found: What the equations of motion give there.
+        programs: Force elements at each, as of :func:`observed`.
 
     Returns:
         Names, and way, rate and acceleration of each, (joints, n, 3) [m, m/s, m/s^2]; with play those of the
@@ -283,18 +292,19 @@ def sliding_motion(system: System, states: Array, found: Observed) -> tuple[list
         a = found.acceleration[:, slot.v]
         if slot.name in guided:
             k = guided[slot.name]
-            pose, centre = found.pose[:, k], system.clearances[k].offset * slot.axis
+            block = records_at(programs, system.clearance_blocks[slot.name], JOINT)
+            pose, axes, centre = found.pose[:, k], block["axes"], block["centre"]
             # In the child's own axes: the bearing's axis, the journal's centre, and how fast it moves, seen
             # from the parent, or from the child where the bearing is.
             if system.clearances[k].bearing_on == "child":
-                sign, axes = -1.0, frame_aligning_z(slot.axis)
-                bearing, centre = axes[:, 2], centre + pose["centre"] @ axes.T
-                velocity = pose["velocity"] @ axes.T
+                sign, bearing = -1.0, axes[:, :, 2]
+                centre = centre + np.einsum("nij,nj->ni", axes, pose["centre"])
+                velocity = np.einsum("nij,nj->ni", axes, pose["velocity"])
             else:
                 sign, bearing = 1.0, pose["rotation"][:, 2, :]
                 velocity = v[:, :3] + np.cross(v[:, 3:], centre)
             at_centre = a[:, :3] + np.cross(a[:, 3:], centre) + np.cross(v[:, 3:], velocity)
-            along = np.einsum("ij,ij->i", np.broadcast_to(bearing, at_centre.shape), at_centre)
+            along = np.einsum("ij,ij->i", bearing, at_centre)
             motion = np.column_stack([sign * pose["centre"][:, 2], sign * pose["velocity"][:, 2], along])
         elif slot.kind == "prismatic":
             motion = np.column_stack([states[:, slot.q], v, a])

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.differences import few
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit.bench import Bench, at_times
 from antenna_pin.fit.pieces import from_origin, piece_start
@@ -145,7 +145,7 @@ class _Equation:
         def apart(there: Callable[[float], State], s: float) -> Array:
             return self._apart(first, there(s))
 
-        columns = [_sixth(functools.partial(apart, one)) for one in neighbours]
+        columns = [_slope(functools.partial(apart, one)) for one in neighbours]
         # A start without anything that is fitted has no columns.
         ways = np.column_stack(columns) if columns else np.zeros((self._next.parts[-1].stop, 0))
         ways[self._next.parts[-3], : self._count] = np.eye(self._count)
@@ -271,7 +271,7 @@ class _Equation:
             found = there(s)
             return from_origin(begun, origin, found.q, found.v)
 
-        columns = [_sixth(functools.partial(lead, one)) for one in self._neighbours(piece, at)]
+        columns = [_slope(functools.partial(lead, one)) for one in self._neighbours(piece, at)]
         return from_origin(begun, origin, first.q, first.v), np.column_stack(columns)
 
     def _clock(self, piece: int, at: Array, rows: Array) -> tuple[Array, ...]:
@@ -293,10 +293,9 @@ class _Equation:
         return tuple(_fourth([one[c] for one in read], h) for c in range(len(rig.columns)))
 
 
-def _sixth(function: Callable[[float], Array]) -> Array:
-    """Return a derivative of sixth order at zero."""
-    ahead, behind = (np.array([function(side * j * _START) for j in (1, 2, 3)]) for side in (1, -1))
-    return np.asarray(np.tensordot(WEIGHTS[0], ahead - behind, 1) / _START)
+def _slope(function: Callable[[float], Array]) -> Array:
+    """Return a derivative at zero, of sixth order or as good."""
+    return few(lambda j: function(j * _START), _START)[0]
 
 
 def _fourth(values: Sequence[Array], h: float) -> Array:

@@ -34,6 +34,7 @@ class Displacer:
         self._system, self.kept = system, Kept(system)
         self.parts = parts_of(system, len(self.kept), numbers)
         self._bristles = np.asarray(system.bristle_x, dtype=int)
+        self._workspace = Workspace(system)
 
     def between(self, here: State, there: State) -> Array | None:
         """Return the displacement from a state to another, without that of numbers, (displacement,).
@@ -72,10 +73,10 @@ class Displacer:
         first = system.model.nq + system.model.nv
         way, rate, bristles, speeds, masses, _, kept, _ = self.parts
         states, memories, programs = chunk.states.copy(), chunk.memories.copy(), []
-        at, workspace = first + self._bristles, Workspace(system)
+        at = first + self._bristles
         more = np.broadcast_to(words, (len(states), words.shape[1]))
         for i, (y, move) in enumerate(zip(states, moves, strict=True)):
-            workspace.retract(y, move[way])
+            self._workspace.retract(y, move[way])
             y[system.model.nq : first] += move[rate]
             if books is not None:
                 y[first:] += books[i]

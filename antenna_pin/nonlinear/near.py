@@ -37,6 +37,7 @@ class Near:
         system: The system.
         settings: Of the run whose engine evaluates its rates.
         numbers: Parameters of the system that displacements have, too; none if left out.
+        whole: Whether they displace all that others take from the system, too.
 
     Attributes:
         system: The system; of a copy of its own if parameters displace it.
@@ -48,7 +49,9 @@ class Near:
         numbers: The system's numbers, if parameters displace them.
     """
 
-    def __init__(self, system: System, settings: RunSettings, numbers: Numbers | None = None) -> None:
+    def __init__(
+        self, system: System, settings: RunSettings, numbers: Numbers | None = None, *, whole: bool = False
+    ) -> None:
         """Allocate once."""
         self.system = system = system if numbers is None else numbers.own_system()
         self.workspace, self.kept = Workspace(system), Kept(system)
@@ -56,7 +59,9 @@ class Near:
         self.stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
         self.bristles = np.asarray(system.bristle_x, dtype=int)
         self.parts = parts_of(system, len(self.kept), 0 if numbers is None else numbers.count)
-        self.numbers = None if numbers is None else InPlace(numbers, self.workspace, self.stepper)
+        self.numbers = (
+            None if numbers is None else InPlace(numbers, self.workspace, self.stepper, whole=whole)
+        )
         self._of_rows: list[int] = []  # numbers that constraints go with
         self._y, self._memory = np.zeros(system.manifold.size), self.workspace.memory.copy()
 

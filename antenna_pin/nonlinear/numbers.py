@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.differences import few
 from antenna_pin.dynamics import System, Workspace, acting_in
 from antenna_pin.engine import CompiledStepper
 from antenna_pin.errors import InvalidParameterError
@@ -51,25 +51,18 @@ class Numbers:
     ) -> None:
         """Build the neighbours, and differentiate."""
         self._system, self.count = system, len(built)
-        here = _arrays(system)
-        self.slopes: dict[str, Array] = {key: np.zeros((self.count, one.size)) for key, one in here.items()}
+        elements = list(_of_elements(system))
+        here = _arrays(system, elements)
+        slopes = [_slopes(here, elements, *one) for one in zip(built, names, strict=True)]
+        ends = np.cumsum([one.size for one in here.values()])
+        parts = np.split(np.array(slopes).reshape(self.count, ends[-1]), ends[:-1], axis=1)
+        self.slopes: dict[str, Array] = dict(zip(here, parts, strict=True))
         #: Of each parameter, by the place of an element, its own numbers' derivatives.
-        self.of_elements: list[dict[str, dict[str, float]]] = []
-        for k, (build, name) in enumerate(zip(built, names, strict=True)):
-            ahead, behind = ([build(side * j * _STEP) for j in (1, 2, 3)] for side in (1, -1))
-            tables = [[_arrays(one) for one in side] for side in (ahead, behind)]
-            for key, array in here.items():
-                ahead_of, behind_of = (_alike(key, array, side, name) for side in tables)
-                self.slopes[key][k] = _slope(ahead_of, behind_of, name)
-            elements = [[_of_elements(one) for one in side] for side in (ahead, behind)]
-            own: dict[str, dict[str, float]] = {}
-            for place, values in _of_elements(system).items():
-                for key in values:
-                    one, other = (np.array([[there[place][key]] for there in side]) for side in elements)
-                    change = float(_slope(one, other, name)[0])
-                    if change != 0.0:
-                        own.setdefault(place, {})[key] = change
-            self.of_elements.append(own)
+        self.of_elements: list[dict[str, dict[str, float]]] = [{} for _ in range(self.count)]
+        for own, changes in zip(self.of_elements, self.slopes.pop("elements").tolist(), strict=True):
+            for (place, name), change in zip(elements, changes, strict=True):
+                if change != 0.0:
+                    own.setdefault(place, {})[name] = change
 
     def own_system(self) -> System:
         """Return a copy of the system, whose numbers may be changed in place."""
@@ -84,16 +77,19 @@ class InPlace:
         numbers: Which, and by how much.
         workspace: Of the copy; its model and program are changed.
         stepper: Its arrays are.
+        whole: Whether the copy's own program is changed as well, from which other workspaces take theirs.
     """
 
-    def __init__(self, numbers: Numbers, workspace: Workspace, stepper: CompiledStepper) -> None:
+    def __init__(
+        self, numbers: Numbers, workspace: Workspace, stepper: CompiledStepper, *, whole: bool = False
+    ) -> None:
         """Find what changes."""
         self.count, model = numbers.count, workspace.model
         self._of_elements = numbers.of_elements
         own = stepper.numbers
         bodies = workspace.bodies
         arrays = {
-            "program": [workspace.program],
+            "program": [workspace.program, workspace.system.program] if whole else [workspace.program],
             "tree": [own.tree] if bodies is None else [own.tree, bodies],
             "plan": [own.plan],
             "gravity": [own.gravity],
@@ -179,8 +175,9 @@ class InPlace:
         self.program[:, words] = 0.0
 
 
-def _arrays(system: System) -> dict[str, Array]:
-    """Return the arrays that a system's motion goes by, flat, by name."""
+def _arrays(system: System, elements: Sequence[tuple[str, str]]) -> dict[str, Array]:
+    """Return the arrays that a system's motion goes by, flat, by name, and numbers of elements."""
+    of_elements = _of_elements(system)
     model, tree = system.model, body_tree(system.mechanism)
     inertias = [one.toDynamicParameters() for one in model.inertias]
     places = [np.append(one.translation, one.rotation.reshape(-1)) for one in model.jointPlacements]
@@ -192,41 +189,44 @@ def _arrays(system: System) -> dict[str, Array]:
         "inertias": np.concatenate(inertias),
         "placements": np.concatenate(places),
         "armature": np.array(model.armature),
+        "elements": np.array([of_elements.get(one, math.nan) for one in elements], dtype=float),
     }
 
 
-def _of_elements(system: System) -> dict[str, dict[str, float]]:
+def _of_elements(system: System) -> dict[tuple[str, str], float]:
     """Return the numbers of a system's elements, by place and name."""
     return {
-        one.place: {
-            field.name: float(value)
-            for field in dataclasses.fields(one.element)
-            if isinstance(value := getattr(one.element, field.name), float) and math.isfinite(value)
-        }
+        (one.place, field.name): float(value)
         for one in acting_in(system)
         if dataclasses.is_dataclass(one.element)
+        for field in dataclasses.fields(one.element)
+        if isinstance(value := getattr(one.element, field.name), float) and math.isfinite(value)
     }
 
 
-def _alike(key: str, here: Array, there: Sequence[Mapping[str, Array]], name: str) -> Array:
-    """Return neighbours' arrays, (3, size), or refuse those of another kind."""
-    found = [one[key] for one in there]
-    for one in found:
-        sizes = np.abs(np.array([here, one])) if one.shape == here.shape else None
-        whole = None if sizes is None else (sizes[0] != sizes[1]) & (sizes.max(axis=0) < _WHOLE)
-        if whole is None or whole.any():
+def _slopes(
+    here: Mapping[str, Array],
+    elements: Sequence[tuple[str, str]],
+    build: Callable[[float], System],
+    name: str,
+) -> Array:
+    """Return the derivatives of all arrays, one behind the other, or refuse what has none."""
+    values = np.concatenate(list(here.values()))
+
+    def there(j: int) -> Array:
+        if j == 0:
+            return values
+        found = _arrays(build(j * _STEP), elements)
+        alike = all(found[key].shape == one.shape for key, one in here.items())
+        other = np.concatenate(list(found.values())) if alike else values
+        sizes = np.abs([values, other])
+        if not alike or ((values != other) & (sizes.max(axis=0) < _WHOLE)).any():
             rule = "one that changes numbers of the mechanism alone, not what it is made of or how often"
             raise InvalidParameterError("sensitivities", "key", rule, said=name)
-    return np.array(found)
+        return other
 
-
-def _slope(ahead: Array, behind: Array, name: str) -> Array:
-    """Return a derivative, of each number, from three neighbours on both sides, (3, size) each."""
-    with np.errstate(invalid="ignore"):
-        sixth, fourth = WEIGHTS @ (ahead - behind) / _STEP
-    size = np.maximum(np.abs(ahead).max(axis=0), np.abs(sixth))
-    if (np.abs(sixth - fourth) > _ROUGH * size).any():
+    slope, apart = few(there, _STEP)
+    if (apart > _ROUGH * np.maximum(np.abs(values), np.abs(slope))).any():
         rule = "one of which the mechanism's numbers are smooth functions near its value"
         raise InvalidParameterError("sensitivities", "key", rule, said=name)
-    # What stays the same is not to go with round-off; infinite numbers stay as they are.
-    return np.where((ahead == behind).all(axis=0) | ~np.isfinite(sixth), 0.0, sixth)
+    return slope

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.sensitivity.parameters import GrazeError
 from antenna_pin.sensitivity.unlike import first_unlike
+from antenna_pin.trajectory import Column
 
 __all__ = ["check_alike", "in_order_of"]
 
@@ -18,42 +18,48 @@ __all__ = ["check_alike", "in_order_of"]
 _AT_ONCE = 1e-9
 
 
-def in_order_of(ours: xr.Dataset, theirs: xr.Dataset, of: xr.Dataset | None = None) -> xr.Dataset:
-    """Return numbers of a neighbour with contacts that begin at once in the order of a run's.
+def in_order_of(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> Mapping[str, Column]:
+    """Return a neighbour's variables with contacts that begin at once in the order of a run's.
 
     Args:
-        ours: The run.
-        theirs: The neighbour's numbers.
-        of: The neighbour, if these are not all of it.
+        ours: The run's.
+        theirs: The neighbour's.
     """
-    whole = theirs if of is None else of
-    if "episode" not in theirs.sizes or ours.sizes.get("episode") != theirs.sizes["episode"]:
+    count = len(theirs["onset_time"].values) if "onset_time" in theirs else -1
+    if count < 0 or "onset_time" not in ours or len(ours["onset_time"].values) != count:
         return theirs
-    order = np.empty(theirs.sizes["episode"], dtype=int)
-    order[_by_contact(ours)] = _by_contact(whole)
-    return theirs if (np.diff(order) > 0).all() else theirs.isel(episode=order)
+    order = np.empty(count, dtype=int)
+    order[_by_contact(ours)] = _by_contact(theirs)
+    if (np.diff(order) > 0).all():
+        return theirs
+    return {
+        name: Column(one.dims, one.values.take(order, one.dims.index("episode")), one.attrs)
+        if "episode" in one.dims
+        else one
+        for name, one in theirs.items()
+    }
 
 
-def _by_contact(data: xr.Dataset) -> NDArray[np.int_]:
+def _by_contact(run: Mapping[str, Column]) -> NDArray[np.int_]:
     """Return contacts in the order in which they begin, of those at once the first in number first."""
-    onsets = data["onset_time"].values
+    onsets = run["onset_time"].values
     later = np.diff(onsets, prepend=onsets[:1]) > _AT_ONCE
-    return np.lexsort((data["episode_contact"].values, np.cumsum(later)))
+    return np.lexsort((run["episode_contact"].values, np.cumsum(later)))
 
 
-def check_alike(ours: xr.Dataset, theirs: xr.Dataset, what: str) -> None:
+def check_alike(ours: Mapping[str, Column], theirs: Mapping[str, Column], what: str) -> None:
     """Refuse a neighbour in which other contacts begin, or other things happen.
 
     Args:
-        ours: The run.
-        theirs: The neighbour, in its order.
+        ours: The variables of the run.
+        theirs: Those of the neighbour, in its order.
         what: What is said of it.
 
     Raises:
         GrazeError: It is none that goes over into the run.
     """
-    for name, here in ours.variables.items():
-        there: Any = theirs.variables.get(name)
+    for name, here in ours.items():
+        there = theirs.get(name)
         if "time" in here.dims or here.dtype.kind == "f" and there is not None and here.shape == there.shape:
             continue
         if there is None or here.shape != there.shape or not np.array_equal(here.values, there.values):

@@ -10,33 +10,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.differences import few
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear import Flow
+from antenna_pin.nonlinear.beside import Beside
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.displacer import Displacer
 from antenna_pin.nonlinear.frames import Lift
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.scenario import Scenario, with_number
-from antenna_pin.sensitivity.along import Along, Displaced
+from antenna_pin.sensitivity.along import Along
+from antenna_pin.sensitivity.of_states import OfStates
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
-from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.record import series_at
-from antenna_pin.simulation.samples import Chunk
 from antenna_pin.state import State
 
 __all__ = ["ByEquation"]
 
 Array = NDArray[np.float64]
 
-# Step of differences of first states, in a parameter's scale; steps of those of samples, the largest first,
-# and how well their two orders agree at least, over the derivative; round-off of a sample, over its size.
-_START, _STEPS, _GOOD, _ROUND_OFF = 1e-3, (1e-3, 1e-4, 1e-5, 1e-6), 1e-9, 1e-14
+# Step of differences of first states, in a parameter's scale.
+_START = 1e-3
 
 
 class Neighbour(NamedTuple):
@@ -86,6 +84,10 @@ class ByEquation:
         self._next = Displacer(system, len(self.parameters))
         # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
         self._numbers.slopes["program"][:, self._next.kept.words] = 0.0
+        beside = Beside(system, settings, self._numbers, self._system)
+        scales = np.array([one.scale for one in self.parameters])
+        #: What a result says of its states, and of displaced ones.
+        self.told = OfStates(beside, self._next, settings, self._here.first, scales)
 
     def _neighbour(self, k: int, s: float) -> Neighbour:
         """Return the scenario with a parameter so many scales farther."""
@@ -117,18 +119,15 @@ class ByEquation:
         """Return the displacements of the first state in coordinates, (size, parameters)."""
         columns = []
         for k in range(len(self.parameters)):
-            ahead, behind = (
-                np.array([self._apart(k, side * j * _START) for j in (1, 2, 3)]) for side in (1, -1)
-            )
-            columns.append(WEIGHTS[0] @ (ahead - behind) / _START)
+            columns.append(few(functools.partial(self._apart, k), _START)[0])
         ways = np.column_stack(columns)
         ways[self._next.parts[-3]] = np.eye(len(self.parameters))
         return np.asarray(lift.down @ ways)
 
-    def _apart(self, k: int, s: float) -> Array:
+    def _apart(self, k: int, j: int) -> Array:
         """Return the displacement of a neighbour's first state, without that of the parameter itself."""
-        here = self._here.first
-        found = self._next.between(here, self.made(k, s).first)
+        here, s = self._here.first, j * _START
+        found = self._next.between(here, self.made(k, s).first if j else here)
         if found is None:
             one = self.parameters[k]
             raise GrazeError(
@@ -162,70 +161,3 @@ class ByEquation:
         run.advance(keep=along)
         flow.check_ended(run, span, first)
         return along
-
-    # --- samples --------------------------------------------------------------------------------------------
-
-    def series(self, displaced: Displaced) -> dict[str, tuple[Array, Array]]:
-        """Return derivatives of the series of a result at samples, and their doubts, (n, ..., parameters).
-
-        The first sample is where what is integrated along the run counts from.
-        """
-        here = self.seen(displaced.chunk, 0, 0.0)
-        names = [name for name, one in here.items() if one.dtype.kind == "f"]
-        found: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names if name != "time"}
-        for k in range(len(self.parameters)):
-            best: dict[str, tuple[Array, Array]] = {}
-            for step in _STEPS:
-                ahead, behind = (
-                    [
-                        self.seen(self.moved(displaced, k, side * j * step), k, side * j * step)
-                        for j in (1, 2, 3)
-                    ]
-                    for side in (1, -1)
-                )
-                good = True
-                for name in found:
-                    odd = np.array([one[name] for one in ahead]) - np.array([one[name] for one in behind])
-                    sixth, fourth = np.tensordot(WEIGHTS, odd, 1) / step
-                    rest = np.abs(sixth - fourth) + _ROUND_OFF * np.abs(here[name]) / step
-                    rest = _most(rest)
-                    if name in best:
-                        better = rest < best[name][1]
-                        sixth, rest = (
-                            np.where(better, sixth, best[name][0]),
-                            np.where(better, rest, best[name][1]),
-                        )
-                    best[name] = sixth, rest
-                    good = good and bool(
-                        (rest <= _GOOD * np.maximum(_most(np.abs(sixth)), _most(np.abs(here[name])))).all()
-                    )
-                if good:
-                    break
-            scale = self.parameters[k].scale
-            for name, (value, rest) in best.items():
-                carried = displaced.doubts[:, k].reshape(-1, *[1] * (value.ndim - 1)) * _most(np.abs(value))
-                found[name].append((value / scale, (rest + carried) / scale))
-        return {
-            name: (np.stack([v for v, _ in each], axis=-1), np.stack([d for _, d in each], axis=-1))
-            for name, each in found.items()
-        }
-
-    def seen(self, chunk: Chunk, k: int, s: float) -> dict[str, Array]:
-        """Return the series that states imply of a neighbour's system, by name."""
-        one = self.made(k, s)
-        run = Run(one.system, one.first, one.first.reached + 1.0, self.settings, ())
-        return dict(series_at(run, chunk))
-
-    def moved(self, displaced: Displaced, k: int, s: float) -> Chunk:
-        """Return states displaced along a parameter so many scales."""
-        every = displaced.ways[..., k], displaced.words[:, k], displaced.books[..., k]
-        moves, words, books = (s * one for one in every)
-        return self._next.states(displaced.chunk, moves, words, self.made(k, s).system, books)
-
-
-def _most(sizes: Array) -> Array:
-    """Return the largest of each sample, (n, ...), in every place of it."""
-    if sizes.ndim == 1:
-        return sizes
-    most = sizes.max(axis=tuple(range(1, sizes.ndim)), keepdims=True, initial=0.0)
-    return np.broadcast_to(most, sizes.shape)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.assemble import build_system
+from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.differences import WEIGHTS
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario, with_number
@@ -22,7 +22,7 @@ from antenna_pin.side_by_side import side_by_side
 from antenna_pin.simulation import simulate
 from antenna_pin.simulation.from_scenario import controllers_of, events_of
 from antenna_pin.state import State
-from antenna_pin.trajectory import Outcome, Trajectory
+from antenna_pin.trajectory import Outcome, Trajectory, columns_of
 
 __all__ = ["ByRuns", "Slopes", "numbers_at"]
 
@@ -84,13 +84,17 @@ def numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
     data = run.data[[name for name in names if name not in _OF_THE_RUN]]
     if "time" not in data.sizes:
         return data
-    had = run.data["time"].values
+    return data.isel(time=_samples_at(run.data["time"].values, times)).assign_coords(time=times)
+
+
+def _samples_at(had: Array, times: Array) -> NDArray[np.int_]:
+    """Return which of a run's samples are at some times."""
     near = _ULPS * np.spacing(max(float(had[-1]), float(times.max(initial=0.0))))
     at = np.searchsorted(had, times + near, side="right") - 1
     lacking = np.abs(had[at] - times) > near
     if lacking.any():
         raise SensitivityError(f"sensitivities: the run has no sample at {times[lacking][0]:.9g} s")
-    return data.isel(time=at).assign_coords(time=times)
+    return np.asarray(at)
 
 
 def _sizes(data: xr.Dataset) -> dict[str, float]:
@@ -142,24 +146,32 @@ class ByRuns:
         self._times, self._start, self._processes = times, start, processes
         self._system = build_system(scenario) if start is not None else None
         self.run = self._made(scenario, "the run", start)
+        self._columns = columns_of(self.run)
         self.here = numbers_at(self.run, times)
+        self._here = {str(name): one.values for name, one in self.here.data_vars.items()}
         #: How large numbers of a variable are, or of others of its unit: it may be next to zero itself.
         self.sizes = _sizes(self.here)
         #: How long the longest contact lasts that has a largest force [s].
         self._longest = _longest(self.run.data)
 
     def _made(self, scenario: Scenario, what: str, start: State | None) -> Trajectory:
-        """Return a run.
+        """Return a run: the run itself of its scenario, others, and those from a state, of a system.
 
         Raises:
             SensitivityError: It did not come to its end.
         """
-        given = {"settings": self._settings, "duration": self._duration, "start": start}
-        if start is None:
-            run = simulate(scenario, **given)  # type: ignore[arg-type]
+        given: dict[str, Any] = {"settings": self._settings, "duration": self._duration}
+        if start is None and scenario is self._scenario:
+            run = simulate(scenario, **given)
         else:  # a scenario's own times of samples are none behind its duration
-            more = {"events": events_of(scenario), "controllers": controllers_of(scenario)}
-            run = simulate(build_system(scenario), **given, **more)  # type: ignore[arg-type]
+            system = build_system(scenario)
+            if start is None:
+                q, v = initial_state(scenario, system)
+                first: dict[str, Any] = {"q": q, "v": v, "angles": initial_angles(scenario, system)}
+            else:
+                first = {"start": start}
+            given |= {"events": events_of(scenario), "controllers": controllers_of(scenario)}
+            run = simulate(system, **given, **first)
         if run.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         if not run.completed:
@@ -243,24 +255,24 @@ class ByRuns:
         work: Callable[[float], dict[str, Array]] = functools.partial(self._neighbour, parameter)
         made = list(side_by_side(work, values, self._processes))
         found = {}
-        for name, here in self.here.data_vars.items():
+        for name, here in self._here.items():
             sides = made[: len(points)], made[len(points) :]
-            ahead, behind = (np.array([one[str(name)] for one in side]) for side in sides)
+            ahead, behind = (np.array([one[name] for one in side]) for side in sides)
             if self._order == 6:
                 best, other = np.tensordot(WEIGHTS, ahead - behind, 1) / h
             else:  # on one side it is of first order
-                best, other = 0.5 * (ahead - behind)[0] / h, (ahead[0] - here.values) / h
+                best, other = 0.5 * (ahead - behind)[0] / h, (ahead[0] - here) / h
             # What a run is off by grows on the way as what a parameter changes does.
             grown = float(np.nanmax(np.abs(best), initial=0.0)) * parameter.scale
-            noise = _TOLERANCES * self._settings.rtol * max(self.sizes[str(name)], grown) / h
+            noise = _TOLERANCES * self._settings.rtol * max(self.sizes[name], grown) / h
             if name == "peak_time":
                 noise += _LOCATED * self._longest / h
             doubt = np.abs(best - other) + noise
             # What changes a number by less than its own size over the scale is faint beside it.
-            own = self.sizes[str(name)] / parameter.scale
+            own = self.sizes[name] / parameter.scale
             size = max(float(np.nanmax(np.abs(best), initial=0.0)), own)
             worst = float(np.nanmax(doubt, initial=0.0)) / size if size > 0.0 else 0.0
-            found[str(name)] = _Difference(best, doubt, worst, noise / size if size > 0.0 else 0.0)
+            found[name] = _Difference(best, doubt, worst, noise / size if size > 0.0 else 0.0)
         return found
 
     def _neighbour(self, parameter: Parameter, value: float) -> dict[str, Array]:
@@ -285,6 +297,10 @@ class ByRuns:
             raise
         except AntennaPinError as error:  # of what is built, which only some values want more for
             raise SensitivityError(f"sensitivities: {what}, which is next to its value: {error}") from error
-        check_alike(self.run.data, in_order_of(self.run.data, run.data), what)
-        there = in_order_of(self.run.data, numbers_at(run, self._times), run.data)
-        return {str(name): np.asarray(there[name].values, dtype=float) for name in self.here.data_vars}
+        there = in_order_of(self._columns, columns_of(run))
+        check_alike(self._columns, there, what)
+        at = _samples_at(there["time"].values, self._times) if "time" in there else slice(None)
+        return {
+            name: np.asarray(there[name].values[at] if "time" in there[name].dims else there[name].values)
+            for name in self._here
+        }

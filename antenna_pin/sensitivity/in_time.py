@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS
-from antenna_pin.dynamics import System, observed
+from antenna_pin.dynamics import observed
 from antenna_pin.nonlinear.near import Near
 from antenna_pin.sensitivity.along import Displaced
-from antenna_pin.sensitivity.by_equation import ByEquation
-from antenna_pin.settings import RunSettings
+from antenna_pin.sensitivity.of_states import SIDES, OfStates, Row, beside_one_another
 from antenna_pin.simulation.samples import Chunk
 
 __all__ = ["Bend", "InTime"]
@@ -79,13 +78,14 @@ class InTime:
     """Differentiates what samples of a displaced run show over time.
 
     Args:
-        equation: Knows the run's neighbours.
+        told: What is said of states.
         displaced: The samples.
     """
 
-    def __init__(self, equation: ByEquation, displaced: Displaced) -> None:
+    def __init__(self, told: OfStates, displaced: Displaced) -> None:
         """Take the samples."""
-        self._equation, self._all = equation, displaced
+        self._told, self._all = told, displaced
+        self._rates: dict[tuple[int, float], dict[str, tuple[Array, Array]]] = {}
 
     def forces(self, places: NDArray[np.int_], contacts: NDArray[np.int_], long: Array) -> Bend:
         """Return how normal forces of contacts go on.
@@ -95,31 +95,37 @@ class InTime:
             contacts: The contact at each, (n,).
             long: How long each contact lasts [s].
         """
-        equation, part = self._equation, self._part(places)
-        count, own = len(equation.parameters), equation.made(0, 0.0).system
+        told, part, n = self._told, self._part(places), len(places)
 
-        def force(chunk: Chunk, system: System) -> Array:
-            seen = observed(system, chunk.times, chunk.states, chunk.memories, chunk.programs)
-            return np.asarray(seen.contact["normal_force"])[np.arange(len(places)), contacts]
+        def force(chunk: Chunk, near: Near) -> Array:
+            """Return forces in states that stand sample by sample, (n, states of each)."""
+            seen = observed(near.system, chunk.times, chunk.states, chunk.memories, chunk.programs)
+            found = np.asarray(seen.contact["normal_force"]).reshape(n, -1, seen.contact.shape[-1])
+            return found[np.arange(n), :, contacts]
 
-        lines = _lines(part.chunk, own, equation.settings)
-        here, doubt, step = _best(lambda h: force(lines(h), own), long, _STEPS)
+        def rate(chunk: Chunk, near: Near) -> Array:
+            """Return rates of forces likewise, by the steps that are best for the run's own."""
+            lines, count = _lines(chunk, near), len(chunk.times) // n
+            far = np.repeat(step, count)
+            ahead_and_behind = force(lines(far[:, None] * SIDES), near).reshape(n, count, len(SIDES))
+            return _orders(ahead_and_behind)[0] / step[:, None]
 
-        def rate(chunk: Chunk, system: System) -> Array:
-            """Return the rate of a neighbour's force, by the steps that are best for the run's own."""
-            beside = _lines(chunk, system, equation.settings)
-            return _sixth(lambda h: force(beside(h), system), step)[0]
-
-        bend, off, _ = _best(lambda h: rate(lines(h), own), long, _STEPS[:3], doubt)
-        over, rest = np.zeros((2, len(places), count))
-        for k in range(count):
-
-            def along(s: Array, k: int = k) -> Array:
-                far = float(s[0])
-                return rate(equation.moved(part, k, far), equation.made(k, far).system)
-
-            over[:, k], rest[:, k], _ = _best(along, np.ones(len(places)), _ALONG, doubt)
-        return Bend(force(part.chunk, own), here, bend, over, off, rest)
+        with told.beside.at(0, 0.0) as own:
+            lines, most = _lines(part.chunk, own), force(part.chunk, own)[:, 0]
+            noise = _ROUND_OFF * np.abs(most)
+            here, doubt, step = _best(lambda h: force(lines(h), own), long, _STEPS, noise)
+            bend, off, _ = _best(lambda h: rate(lines(h), own), long, _STEPS[:3], doubt)
+        count = len(told.scales)
+        over, rest = np.zeros((n, count)), np.full((n, count), np.inf)
+        for far in _ALONG:
+            wanted = [Row(k, one) for k in range(count) for one in (SIDES * far).tolist()]
+            rates = np.zeros((n, len(wanted)))
+            for numbers, near, chunks in told.neighbours(part, wanted):
+                rates[:, numbers] = rate(beside_one_another(chunks), near)
+            sixth, apart = _orders(rates.reshape(n, count, len(SIDES)))
+            value, other = sixth / far, (apart + doubt[:, None]) / far
+            over, rest = np.where(other < rest, value, over), np.fmin(other, rest)
+        return Bend(most, here, bend, over, off, rest)
 
     def series(self, place: int, long: float) -> dict[str, tuple[Array, Array]]:
         """Return the rates of all series at a sample and their doubts, by name.
@@ -128,21 +134,25 @@ class InTime:
             place: Which.
             long: How long what passes there takes [s].
         """
-        chunk, system = self._part(np.array([place])).chunk, self._equation.made(0, 0.0).system
-        lines = _lines(chunk, system, self._equation.settings)
+        if (place, long) not in self._rates:
+            self._rates[place, long] = self._series(place, long)
+        return self._rates[place, long]
+
+    def _series(self, place: int, long: float) -> dict[str, tuple[Array, Array]]:
+        chunk = self._part(np.array([place])).chunk
+        with self._told.beside.at(0, 0.0) as near:
+            lines = _lines(chunk, near)
+        here = self._told.seen(chunk)
+        steps = np.array(_STEPS) * long
+        told = self._told.seen(lines(np.outer(steps, SIDES).reshape(1, -1)))
         best: dict[str, tuple[Array, Array]] = {}
-        here = self._equation.seen(chunk, 0, 0.0)
-        for step in _STEPS:
-            h = np.array([step * long])
-            ahead, behind = (
-                [self._equation.seen(lines(side * j * h), 0, 0.0) for j in (1, 2, 3)] for side in (1, -1)
-            )
-            for name in (one for one, value in here.items() if value.dtype.kind == "f" and one != "time"):
-                odd = np.array([one[name][0] for one in ahead]) - np.array([one[name][0] for one in behind])
-                sixth, fourth = np.tensordot(WEIGHTS, odd, 1) / h[0]
-                rest = np.abs(sixth - fourth) + _ROUND_OFF * np.abs(here[name][0]).max(initial=0.0) / h[0]
+        for name in (one for one, value in here.items() if value.dtype.kind == "f" and one != "time"):
+            values = np.moveaxis(told[name].reshape(len(steps), len(SIDES), *here[name].shape[1:]), 1, -1)
+            noise = _ROUND_OFF * np.abs(here[name][0]).max(initial=0.0)
+            for h, (sixth, apart) in zip(steps.tolist(), zip(*_orders(values), strict=True), strict=True):
+                rest = (apart + noise) / h
                 if name not in best or rest.max(initial=0.0) < best[name][1].max(initial=0.0):
-                    best[name] = sixth, rest
+                    best[name] = sixth / h, rest
         return best
 
     def _part(self, places: NDArray[np.int_]) -> Displaced:
@@ -154,9 +164,9 @@ class InTime:
         return Displaced(chunk, *(one[places] for one in every[1:]))
 
 
-def _lines(chunk: Chunk, system: System, settings: RunSettings) -> Callable[[Array], Chunk]:
-    """Return what gives states as far along their flows as each is told, (n,) [s]."""
-    near = Near(system, settings)
+def _lines(chunk: Chunk, near: Near) -> Callable[[Array], Chunk]:
+    """Return what gives states as far along the flows of others as it is told, (n, of each) [s]."""
+    system = near.system
     nq, nv = system.model.nq, system.model.nv
     flows = []
     for time, state, memory, program in zip(
@@ -166,41 +176,42 @@ def _lines(chunk: Chunk, system: System, settings: RunSettings) -> Callable[[Arr
         flows.append(near.rates(time, np.ascontiguousarray(state)).copy())
 
     def line(h: Array) -> Chunk:
-        states = chunk.states.copy()
-        for y, flow, s in zip(states, flows, h.tolist(), strict=True):
+        count = h.shape[1]
+        states = np.repeat(chunk.states, count, axis=0)
+        for i, (y, s) in enumerate(zip(states, h.reshape(-1).tolist(), strict=True)):
             way = s * y[nq : nq + nv]
             near.workspace.retract(y, way)
-            y[nq:] += s * flow
+            y[nq:] += s * flows[i // count]
             system.turn_on(y)
-        return Chunk(chunk.times + h, states, chunk.memories, chunk.programs)
+        times = np.repeat(chunk.times, count) + h.reshape(-1)
+        programs = [program for program in chunk.programs for _ in range(count)]
+        return Chunk(times, states, np.repeat(chunk.memories, count, axis=0), programs)
 
     return line
 
 
-def _sixth(function: Callable[[Array], Array], h: Array) -> tuple[Array, Array]:
-    """Return derivatives at zero by differences of sixth order, and those of fourth less them, (n,) each."""
-    ahead, behind = (np.array([function(side * j * h) for j in (1, 2, 3)]) for side in (1, -1))
-    sixth, fourth = WEIGHTS @ (ahead - behind) / h
+def _orders(values: Array) -> tuple[Array, Array]:
+    """Return differences of sixth order, and by how much those of fourth are off them, of SIDES last."""
+    sixth, fourth = ((values[..., :3] - values[..., 3:]) @ one for one in WEIGHTS)
     return sixth, np.abs(sixth - fourth)
 
 
 def _best(
-    function: Callable[[Array], Array], sizes: Array, steps: tuple[float, ...], noise: Array | None = None
+    function: Callable[[Array], Array], sizes: Array, steps: tuple[float, ...], noise: Array
 ) -> tuple[Array, Array, Array]:
     """Return derivatives at zero, their doubts and steps, (n,) each: those at which two orders agree best.
 
     Args:
-        function: Of arguments, (n,), each of which moves one of its values.
+        function: Of arguments of each of its values, (n, of each).
         sizes: What steps are a part of, (n,).
         steps: These parts.
-        noise: What values are in doubt by besides round-off, (n,).
+        noise: What values are in doubt by, (n,).
     """
-    least = _ROUND_OFF * np.abs(function(np.zeros_like(sizes))) if noise is None else noise
     best, doubt, used = np.zeros_like(sizes), np.full_like(sizes, np.inf), sizes.copy()
-    for step in steps:
-        value, rest = _sixth(function, step * sizes)
-        rest = rest + least / (step * sizes)
+    for h in (step * sizes for step in steps):
+        sixth, apart = _orders(function(h[:, None] * SIDES))
+        rest = (apart + noise) / h
         better = rest < doubt
-        best, used = np.where(better, value, best), np.where(better, step * sizes, used)
+        best, used = np.where(better, sixth / h, best), np.where(better, h, used)
         doubt = np.where(better, rest, doubt)
     return best, doubt, used

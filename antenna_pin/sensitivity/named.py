@@ -51,7 +51,7 @@ def by_names(
         parameters: The parameters.
     """
     displaced, system = along.displaced, equation.flow.system
-    series, in_time = equation.series(displaced), InTime(equation, displaced)
+    series, in_time = equation.told.series(displaced), InTime(equation.told, displaced)
     times, scales = displaced.chunk.times, np.array([one.scale for one in parameters])
     most = displaced.doubts.max(axis=0, initial=0.0) if len(displaced.doubts) else np.zeros(len(parameters))
     found: dict[str, tuple[Array, Array]] = {}

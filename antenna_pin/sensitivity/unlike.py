@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
-import xarray as xr
+from antenna_pin.trajectory import Column
 
 __all__ = ["first_unlike"]
 
 _INSTANTS = ("onset_time", "change_time", "event_time")
 
 
-def first_unlike(ours: xr.Dataset, theirs: xr.Dataset) -> float:
+def first_unlike(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> float:
     """Return when contacts, changes or events of two runs begin to differ [s]; NaN if all begin alike.
 
     Args:
-        ours: A run.
-        theirs: Another.
+        ours: Variables of a run.
+        theirs: Those of another.
     """
     found = [_first(*(_course(one, name) for one in (ours, theirs))) for name in _INSTANTS]
     earliest = min(found)
     return earliest if earliest < math.inf else math.nan
 
 
-def _course(data: xr.Dataset, name: str) -> list[tuple[float, tuple[str, ...]]]:
+def _course(run: Mapping[str, Column], name: str) -> list[tuple[float, tuple[str, ...]]]:
     """Return instants of a kind in order, each with what it is of: all that is no measured number."""
-    if name not in data.variables:
+    if name not in run:
         return []
-    dim = data[name].dims[0]
-    said = [one.values for one in data.variables.values() if one.dims == (dim,) and one.dtype.kind != "f"]
-    return [(float(time), tuple(str(each[k]) for each in said)) for k, time in enumerate(data[name].values)]
+    dim = run[name].dims[0]
+    said = [one.values for one in run.values() if one.dims == (dim,) and one.dtype.kind != "f"]
+    return [(float(time), tuple(str(each[k]) for each in said)) for k, time in enumerate(run[name].values)]
 
 
 def _first(mine: list[tuple[float, tuple[str, ...]]], other: list[tuple[float, tuple[str, ...]]]) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics import kernels, records_at
 from antenna_pin.elements import BristleFriction
 from antenna_pin.simulation.seen import Seen
 
@@ -21,7 +21,11 @@ def bristles_of(seen: Seen, state: str) -> list[str]:
 
 def of_bristles(seen: Seen) -> Mapping[str, Any]:
     """Return the series of bristles."""
-    bends = [start + seen.states[:, at] for _, at, start in _with(seen, "bend")]
+    layout = BristleFriction.compiled().LAYOUT
+    bends = [
+        records_at(seen.programs, words, layout)["start"] + seen.states[:, at]
+        for _, at, words in _with(seen, "bend")
+    ]
     dwells = [seen.states[:, at] for _, at, _ in _with(seen, "dwell")]
     shape = len(seen.times), 0
     return {
@@ -30,8 +34,8 @@ def of_bristles(seen: Seen) -> Mapping[str, Any]:
     }
 
 
-def _with(seen: Seen, state: str) -> list[tuple[str, int, float]]:
-    """Return place, place in a state of the number of this name, and start, of all that have one."""
+def _with(seen: Seen, state: str) -> list[tuple[str, int, int]]:
+    """Return place, where in a state the number of this name is, and in a program its record, of all."""
     system, found = seen.system, []
     for name, friction in system.families.get("frictions", {}).items():
         own = [one.name for one in friction.integrals]
@@ -39,5 +43,5 @@ def _with(seen: Seen, state: str) -> list[tuple[str, int, float]]:
             block = system.element_blocks["frictions"][name]
             head = system.program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)[0]
             at = system.model.nq + system.model.nv + int(head["x"]) + own.index(state)
-            found.append((f"frictions.{name}", at, friction.start))
+            found.append((f"frictions.{name}", at, block + int(kernels.PARAMETERS)))
     return found

@@ -8,13 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics import kernels, records_at
 from antenna_pin.elements import Motor
 from antenna_pin.simulation.seen import Seen
 
-__all__ = ["motors_of", "of_motors"]
+__all__ = ["MOTORS_SINCE_BEGIN", "motors_of", "of_motors"]
 
 Array = NDArray[np.float64]
+
+#: Series that count from the run's first sample on.
+MOTORS_SINCE_BEGIN = ("motor_electric_energy", "motor_heat")
 
 
 def motors_of(seen: Seen) -> list[str]:
@@ -45,11 +48,11 @@ def of_motors(seen: Seen) -> Mapping[str, Any]:
 
 def _algebraic(seen: Seen, motor: Motor, name: str) -> Array:
     """Return the current of a motor without inductance, by its torque at the joint; 0 where it is off [A]."""
-    torque = seen.found.effort["effort"][:, list(seen.system.drives).index(name)] / motor.ratio
-    names, motion = seen.slides if seen.system.slides(motor.joint) else seen.joints
-    turned = motor.ratio * motion[names.index(motor.joint), :, 0]
-    cogging = -motor.cogging * np.sin(motor.cycles * turned + motor.cogging_phase)
     block = seen.system.drive_blocks[name]
-    part = slice(block, block + kernels.PARAMETERS)
-    on = np.array([program[part].view(kernels.ELEMENT)["on"][0] for program in seen.programs])
-    return np.where(on == 0.0, 0.0, (torque - cogging) / motor.torque_constant)
+    on = records_at(seen.programs, block, kernels.ELEMENT)["on"]
+    own = records_at(seen.programs, block + int(kernels.PARAMETERS), Motor.compiled().LAYOUT)
+    torque = seen.found.effort["effort"][:, list(seen.system.drives).index(name)] / own["ratio"]
+    names, motion = seen.slides if seen.system.slides(motor.joint) else seen.joints
+    turned = own["ratio"] * motion[names.index(motor.joint), :, 0]
+    cogging = -own["cogging"] * np.sin(own["cycles"] * turned + own["phase"])
+    return np.where(on == 0.0, 0.0, (torque - cogging) / own["torque_constant"])

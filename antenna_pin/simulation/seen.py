@@ -116,7 +116,7 @@ class Seen:
     def attitudes(self) -> Array:
         """Of the journals in their bearings, quaternions without jumps in sign, (n, joints, 4)."""
         before = None if self.before is None else (self.before.state, self.before.attitudes)
-        return journal_attitudes(self.system, self.states, before)
+        return journal_attitudes(self.system, self.states, self.programs, before)
 
     @property
     def system(self) -> System:
@@ -150,12 +150,12 @@ class Seen:
     @cached_property
     def joints(self) -> tuple[list[str], Array]:
         """Names and motion of the joints that turn."""
-        return joint_motion(self.system, self.states, self.found.acceleration)
+        return joint_motion(self.system, self.states, self.found.acceleration, self.programs)
 
     @cached_property
     def slides(self) -> tuple[list[str], Array]:
         """Names and motion of the joints that slide."""
-        return sliding_motion(self.system, self.states, self.found)
+        return sliding_motion(self.system, self.states, self.found, self.programs)
 
     @cached_property
     def elastic(self) -> Deflections:

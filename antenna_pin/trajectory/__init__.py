@@ -7,8 +7,10 @@ from antenna_pin._lazy import loaded_when_used
 if TYPE_CHECKING:
     from antenna_pin.trajectory.blows import blow_counts, blow_numbers, surfaces
     from antenna_pin.trajectory.file import FORMAT, write_blocks
+    from antenna_pin.trajectory.labelled import Column
     from antenna_pin.trajectory.meshes import Span, mesh_spans, mesh_touches, met_by_meshes
     from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
+    from antenna_pin.trajectory.plain import columns_of
     from antenna_pin.trajectory.read import (
         contact_ends,
         contact_joints,
@@ -43,6 +45,7 @@ __all__ = [
     "FORMAT",
     "FORMATS",
     "KINDS",
+    "Column",
     "Counts",
     "ModeChange",
     "Outcome",
@@ -52,6 +55,7 @@ __all__ = [
     "Trajectory",
     "blow_counts",
     "blow_numbers",
+    "columns_of",
     "contact_ends",
     "contact_joints",
     "contact_kinds",
@@ -81,9 +85,11 @@ loaded_when_used(
     {
         "blows": "blow_counts blow_numbers surfaces",
         "file": "FORMAT write_blocks",
+        "labelled": "Column",
         "meshes": "Span mesh_spans mesh_touches met_by_meshes",
         "outcome": "Counts ENDED_WELL Outcome",
         "read": "contact_ends contact_joints contact_kinds contacts_of is_lean names_along series",
+        "plain": "columns_of",
         "result": "Trajectory library_versions",
         "table": "FORMATS KINDS TableKind format_of kind_of open_table save_table table_attributes",
         "touches": "ModeChange Touch elements_of latch_changes mode_changes touches",

@@ -133,7 +133,11 @@ class Unlabelled:
 
     def content(self) -> Content:
         """Return the same without xarray."""
-        attributes = {**self.attributes, **self.of_system(), **self.more}
+        coordinates, variables = self.columns()
+        return Content(coordinates, variables, {**self.attributes, **self.of_system(), **self.more})
+
+    def columns(self) -> tuple[dict[str, Column], dict[str, Column]]:
+        """Return its coordinates and its other variables, by name."""
         labels = self.labels
         coordinates: dict[str, Column] = {}
         left_out = {"time"} if self.lean else set()
@@ -152,7 +156,7 @@ class Unlabelled:
             one.name: Column(one.dims, np.asarray(self.values[one.name]), one.attributes)
             for one in variables_of(set(labels) - left_out, self.free_base)
         }
-        return Content(coordinates, variables, attributes)
+        return coordinates, variables
 
 
 def _text(labels: Any) -> Any:
