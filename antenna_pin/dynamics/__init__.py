@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from antenna_pin.dynamics.evaluate import acceleration, contact_memory
     from antenna_pin.dynamics.held import HeldKind
     from antenna_pin.dynamics.impulse import impulse, reduced_inertia
-    from antenna_pin.dynamics.links import acting_on_links
+    from antenna_pin.dynamics.links import acting_on_links, works_in_x
     from antenna_pin.dynamics.motion import JointMotion, motion_block
     from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
     from antenna_pin.dynamics.system import System
@@ -95,6 +95,7 @@ __all__ = [
     "observed",
     "put_followers",
     "sliding_motion",
+    "works_in_x",
 ]
 
 loaded_when_used(
@@ -112,7 +113,7 @@ loaded_when_used(
         "evaluate": "acceleration contact_memory",
         "held": "HeldKind",
         "impulse": "impulse reduced_inertia",
-        "links": "acting_on_links",
+        "links": "acting_on_links works_in_x",
         "motion": "JointMotion motion_block",
         "samples": "Observed joint_motion observed sliding_motion",
         "system": "System",
