@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS, roughness
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import System, works_in_x
 from antenna_pin.engine import Carrying, Slopes, Tangents
 from antenna_pin.nonlinear.depths import Depths
 from antenna_pin.nonlinear.frames import Frame, Lift, Rates, Units, frame_at
@@ -62,6 +62,7 @@ class Field:
         self._tangents = near.tangents(self.units)
         self._by_parts = near.follows(self._tangents, self.units)
         self.displacement = self.parts[-1].stop  #: Size of a displacement.
+        self.works = works_in_x(near.system)  #: Where works and gross works stand in x, (n, 2).
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
         self._opened: dict[int, Array] = {}
         self._measured = any(joint.backend != "closed-form" for joint in self.system.clearances)

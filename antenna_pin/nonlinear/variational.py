@@ -38,6 +38,7 @@ from antenna_pin.nonlinear.missed import Missed, StepAnew
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.pieces import Piece
 from antenna_pin.nonlinear.saltation import Passed, Saltation
+from antenna_pin.nonlinear.turns import cut_at_turns
 from antenna_pin.nonlinear.within import Within
 from antenna_pin.simulation.loop import Run
 
@@ -98,7 +99,6 @@ class Carrier:
         self._deep = _DEEP * np.array(run.search.tolerances)
         self._young: set[int] = set()
         self._changed = self._broken = False
-        self._tries = 0
         self._take_over(run)
         self._waiting: list[Step] = []
         self._looks = list(looks)
@@ -151,11 +151,12 @@ class Carrier:
             changes, known = (self._changed, ends), (self._changed or self._broken, ends or broken)
             step = Step(self._time, run.stepper.h, self._y, run.stepper.t, end, changes, known)
             parting = [c for c in flipped if touching[c] == 0.0]
-            if self._goes_along(step):
-                self._waiting.append(step)
-            else:
-                self._go_along()
-                self._step(step, parting)
+            for one in cut_at_turns(step, run.here, self._within, self.field):
+                if self._goes_along(one):
+                    self._waiting.append(one)
+                else:
+                    self._go_along()
+                    self._step(one, parting if one.until == step.until else ())
             self._changed, self._broken = False, broken
             for c in parting:
                 self._all = self._saltation.release(c, self._missed.flow, self._all, self._time, self._y)
