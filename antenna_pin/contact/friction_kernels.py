@@ -23,6 +23,7 @@ __all__ = [
     "bristle_force",
     "friction_force",
     "friction_ratio",
+    "gonthier_kink",
     "steady_coefficient",
 ]
 
@@ -240,6 +241,37 @@ def _gonthier(
     return s, s + (1.0 - s) * mu_d * direction / sigma_1, (1.0 - s) * sigma_0 / sigma_1
 
 
+@inlined
+def _strength(mu_d: float, mu_s: float, dwell: float) -> float:
+    """What Gonthier's friction comes to at most [-]."""
+    return mu_d + (mu_s - mu_d) * dwell
+
+
+@kernel
+def gonthier_kink(law: Any, k: int, rate: float, bend: float, dwell: float) -> float:
+    """Function k of a joint's friction by Gonthier's law that is zero where it has a kink.
+
+    0: how much it sticks beyond its dwell, which grows slowly and fades fast; 1: what its bristles would give
+    beyond what they can.
+
+    Args:
+        law: The law, (FRICTION_SIZE,).
+        k: Which.
+        rate: Of the joint.
+        bend: Deflection of the bristles.
+        dwell: What is remembered of it [-].
+    """
+    bent, dwelling = record(law, LUGRE_LAW), record(law, GONTHIER_LAW)
+    sigma_0, sigma_1 = bent.bristle_stiffness, bent.bristle_damping
+    s, follow, fade = _gonthier(
+        bent.dynamic, bent.stribeck_speed, sigma_0, sigma_1, dwelling.rounding_speed, abs(rate)
+    )
+    if k == 0:
+        return float(s - dwell)
+    pull = sigma_0 * bend + sigma_1 * (follow * rate - fade * bend)
+    return float(abs(pull) - _strength(bent.dynamic, bent.static, dwell))
+
+
 @kernel
 def bristle(
     law: Any, force: float, slip: Any, whole: Any, along: Any, dwell: float
@@ -279,7 +311,7 @@ def bristle(
         dwelling = record(law, GONTHIER_LAW)
         s, follow, fade = _gonthier(mu_d, v_s, sigma_0, sigma_1, dwelling.rounding_speed, speed)
         dwelling_on = (s - dwell) / (dwelling.dwell_time if s >= dwell else sigma_1 / sigma_0)
-        limit = mu_d + (mu_s - mu_d) * dwell
+        limit = _strength(mu_d, mu_s, dwell)
     rx, ry, rz = follow * vx - fade * zx, follow * vy - fade * zy, follow * vz - fade * zz
     stiff = sigma_0 - sigma_1 * fade
     damp = sigma_1 * follow

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from antenna_pin.dynamics.evaluate import acceleration, contact_memory
     from antenna_pin.dynamics.held import HeldKind
     from antenna_pin.dynamics.impulse import impulse, reduced_inertia
-    from antenna_pin.dynamics.links import acting_on_links
+    from antenna_pin.dynamics.links import acting_on_links, works_in_x
     from antenna_pin.dynamics.motion import JointMotion, motion_block
     from antenna_pin.dynamics.program_parts import records_at
     from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
@@ -97,6 +97,7 @@ __all__ = [
     "put_followers",
     "records_at",
     "sliding_motion",
+    "works_in_x",
 ]
 
 loaded_when_used(
@@ -114,7 +115,7 @@ loaded_when_used(
         "evaluate": "acceleration contact_memory",
         "held": "HeldKind",
         "impulse": "impulse reduced_inertia",
-        "links": "acting_on_links",
+        "links": "acting_on_links works_in_x",
         "motion": "JointMotion motion_block",
         "program_parts": "records_at",
         "samples": "Observed joint_motion observed sliding_motion",

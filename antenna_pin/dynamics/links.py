@@ -27,6 +27,7 @@ __all__ = [
     "books_in_x",
     "desk_in",
     "place_on_links",
+    "works_in_x",
     "written_by",
 ]
 
@@ -140,6 +141,13 @@ def books_in_x(system: Any) -> dict[str, NDArray[np.int_]]:
         many = _desk.BOOK[name].shape
         found[name] = starts[:, np.newaxis] + at + np.arange(3) if many else starts + at
     return found
+
+
+def works_in_x(system: Any) -> NDArray[np.int_]:
+    """Return where in x works of drives and forces stand, and their gross works, (n, 2)."""
+    drives = np.column_stack([system.work_x, system.gross_work_x])
+    forces = np.column_stack([system.force_x["work"], system.force_x["gross_work"]])
+    return np.concatenate([drives[(drives >= 0).all(axis=1)], forces]).astype(np.int64)
 
 
 def place_on_links(system: Any, blocks: Blocks) -> int:

@@ -259,9 +259,9 @@ class GonthierFriction(BristleFriction):
     direction_rate: float = parameter("rad/s", sliding="m/s", rule="zero or more", default=0.0)
 
     @property
-    def has_kinks(self) -> bool:
-        """Whether it has some: nothing in it goes by the sign of the rate alone."""
-        return False
+    def kinks(self) -> int:
+        """Where its dwell begins to grow or to fade, and where its friction is cut; turning back is none."""
+        return 2
 
     @property
     def law(self) -> Any:

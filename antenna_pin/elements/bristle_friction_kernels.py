@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from antenna_pin._compile import inlined, record
-from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER, bristle
+from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER, bristle, gonthier_kink
 from antenna_pin.records import layout, words_of
 
 #: By how much bristles are bent at Coulomb friction, their stiffness, viscous friction, how bent they start,
@@ -78,9 +78,15 @@ def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
-    """Its rate: where the joint turns back, bristles go another way."""
-    return rate
+def kink_of(words: Any, at: int, k: int, motion: Any, own: Any) -> float:
+    """Its rate, for where the joint turns back bristles go another way; of Gonthier's law its functions."""
+    law = words[at + SIZE : at + SIZE + FRICTION_SIZE]
+    _, _, rate = motion
+    if law[0] != GONTHIER:
+        return float(rate)
+    numbers = record(words[at : at + SIZE], LAYOUT)
+    y, i = own
+    return gonthier_kink(law, k, rate, numbers.reach * (numbers.start + y[i + BEND]), y[i + DWELL])
 
 
 @inlined

@@ -13,6 +13,7 @@ from antenna_pin._compile import inlined, kernel, released
 from antenna_pin.dynamics.inspect_kernels import inspect_step
 from antenna_pin.dynamics.outside_kernels import has_failed
 from antenna_pin.engine.change_kernels import FAILED, GOES_ON, HOPELESS, change, graze, make_again, take_up
+from antenna_pin.engine.gross_kernels import turn_back
 from antenna_pin.engine.pace_kernels import cut, following, hopeless, note_size, shortened
 from antenna_pin.engine.stretch_kernels import (
     AGAIN,
@@ -153,6 +154,8 @@ def _try(loop: Loop) -> int:
     if events > 0:  # what is watched is evaluated
         s.ended = 0
     if loop.search.ignore.shape[0] > 0 or events > 0 or samples_in(loop, tried) > 0:
+        prepare(loop)
+    elif turn_back(loop.works, loop.tableau, loop.space, loop.work):
         prepare(loop)
     if events > 0 and may_happen(
         s.t,

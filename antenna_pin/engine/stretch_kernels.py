@@ -11,6 +11,7 @@ from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_fai
 from antenna_pin.dynamics.trial_kernels import contacts_in
 from antenna_pin.dynamics.turn_kernels import turn_on
 from antenna_pin.engine.episode_kernels import keep_peaks
+from antenna_pin.engine.gross_kernels import settle
 from antenna_pin.engine.hold_kernels import close
 from antenna_pin.engine.step_kernels import attempt, prepare_dense
 from antenna_pin.integrate.kernels import START, STATE, STATE_ROW, begin, dense_state
@@ -145,6 +146,7 @@ class Loop(NamedTuple):
         book: Of the contacts.
         sizes: Of steps, by pattern of contacts.
         watched: What is looked at from afar.
+        works: Where works and their gross works stand in x, (n, 2).
     """
 
     stretch: Any
@@ -164,6 +166,7 @@ class Loop(NamedTuple):
     book: Any
     sizes: Any
     watched: Any
+    works: Any
 
 
 @inlined
@@ -255,6 +258,12 @@ def keep(loop: Loop) -> None:
 
 
 @inlined
+def _settle(loop: Loop, theta: float, y: Any) -> None:
+    """Write the gross works of a state at a fraction of the trial step."""
+    settle(theta, loop.works, loop.tableau, loop.space, loop.work, loop.dense, y)
+
+
+@inlined
 def accept(loop: Loop) -> None:
     """Sample the trial step and make its end the state."""
     s, work, buffers = loop.stretch[0], loop.work, loop.buffers
@@ -265,6 +274,7 @@ def accept(loop: Loop) -> None:
     # A chosen time that is one at the rate but for round-off counts once, as it was chosen.
     same = 1e-9 / s.rate
     before = s.samples
+    _settle(loop, 1.0, work[stages + STATE])
     if s.t < s.begin <= s.t + tried:
         sample(loop, s.begin, tried)
     while True:
@@ -318,6 +328,7 @@ def sample(loop: Loop, moment: float, tried: float) -> None:
         dense_state(theta, loop.space, loop.dense, work, stages + START, buffers.out)
         for i in range(size):
             row[i] = buffers.out[STATE_ROW, i]
+        _settle(loop, theta, row)
     if loop.numbers.plan.shape[0] > 0:
         close(moment, buffers.states, s.samples, loop.space, loop.numbers)
     remember(loop, loop.book.memory)

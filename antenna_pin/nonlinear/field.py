@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.differences import WEIGHTS, roughness
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import System, works_in_x
 from antenna_pin.engine import Carrying, Slopes, Tangents
 from antenna_pin.nonlinear.depths import Depths
 from antenna_pin.nonlinear.frames import CLOCK, Frame, Lift, Rates, Units, frame_at
@@ -63,6 +63,7 @@ class Field:
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._tangents = near.tangents(self.units)
         self.displacement = self.parts[-1].stop  #: Size of a displacement.
+        self.works = works_in_x(near.system)  #: Where works and gross works stand in x, (n, 2).
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
         self._follow()
         self._opened: dict[int, Array] = {}

@@ -12,10 +12,11 @@ Non-Smooth Mechanical Systems, section 7.4).
 Where contacts begin and end the derivative of a force over the depth may have no bounds. So from an onset on
 displacements are those at equal times since the neighbours' own, ``w + f dt``, with time as one more
 coordinate: they go by the same equation, their depth begins at zero, and what there is without bounds is
-multiplied by that. What is remembered of the onset is of the same instant. Deep in the contact, or behind it,
-they are brought back to equal times. To a release the flow is carried beside them, which goes by their
-equation too: the two, put together so that the depth vanishes there, are free of what carrying is off by on
-the way (:meth:`antenna_pin.nonlinear.saltation.Saltation.release`).
+multiplied by that. What is remembered of the onset is of the same instant. Behind the contact they are
+brought back to equal times, and not before: where the flow is fast beside them, as in a blow, little is known
+of them at equal times. To a release the flow is carried beside them, which goes by their equation too: the
+two, put together so that the depth vanishes there, are free of what carrying is off by on the way
+(:meth:`antenna_pin.nonlinear.saltation.Saltation.release`).
 
 Where a force has a kink, A jumps: displacements go on as they are, but the step must be cut there. Where one
 is told of, the run's own steps end; others are found (:mod:`antenna_pin.nonlinear.breaks`), and what the run
@@ -40,6 +41,7 @@ from antenna_pin.nonlinear.missed import Missed, StepAnew
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.pieces import Piece
 from antenna_pin.nonlinear.saltation import Passed, Saltation
+from antenna_pin.nonlinear.turns import cut_at_turns
 from antenna_pin.nonlinear.within import Within
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.tape import Taped
@@ -54,8 +56,6 @@ _GOOD = 1e2
 _BY_STAGES = 10.0
 # In parts of a step, what counts as the same instant.
 _AT_ONCE = 1e-12
-# From which depth on a contact is deep, over what its onset is located to.
-_DEEP = 1e6
 # How many steps wait at most to be carried along together.
 _TOGETHER = 64
 
@@ -95,8 +95,7 @@ class Carrier:
         carrying, moving = self.field.carrying(), slice(self.field.parts[2].stop)
         #: What carries displacements by the run's own stages; None where nothing does.
         self.stages = None if carrying is None else AlongStages(carrying, moving)
-        self._deep = _DEEP * np.array(run.search.tolerances)
-        self._young: set[int] = set()
+        self._begun: set[int] = set()
         self._take_over(run)
         self._begins = False, False
         self._waiting: list[Step] = []
@@ -152,7 +151,7 @@ class Carrier:
             self._change(run.workspace.memory, flipped, bool(steps))
         self._take_over(run)
         if flipped or happened:
-            self._young = {c for c in {*self._young, *flipped} if touching[c] != 0.0}
+            self._begun = {c for c in {*self._begun, *flipped} if touching[c] != 0.0}
             self._settle()
 
     def _over(self, one: Taped, ends: tuple[bool, bool], parting: Sequence[int]) -> None:
@@ -163,18 +162,17 @@ class Carrier:
             ends: Whether anything changes where it ends, and whether rates break there.
             parting: Contacts that end there.
         """
-        step = Step(*one, (self._begins[0], ends[0]), (any(self._begins), any(ends)))
-        along = self._goes_along(step)
-        if along:
-            self._waiting.append(step)
-        if not along or len(self._waiting) >= _TOGETHER:
-            self._go_along(one.until if parting else np.inf)
-        if not along:
-            self._step(step, parting)
+        whole = Step(*one, (self._begins[0], ends[0]), (any(self._begins), any(ends)))
+        for step in cut_at_turns(whole, one.end, self.within, self.field):
+            own, along = parting if step.until == one.until else (), self._goes_along(step)
+            if along:
+                self._waiting.append(step)
+            if not along or len(self._waiting) >= _TOGETHER:
+                self._go_along(step.until if own else np.inf)
+            if not along:
+                self._step(step, own)
         self._time, self._y = self._here = one.until, one.end
         self._begin(ends)
-        if not ends[0]:
-            self._settle()
 
     def _begin(self, begins: tuple[bool, bool]) -> None:
         """Begin the next step: whether anything has changed there, and whether rates break."""
@@ -207,10 +205,8 @@ class Carrier:
             self._all = self._saltation.onset(c, memory[c], with_time(self._all), *here)
 
     def _settle(self) -> None:
-        """Bring displacements back to equal times, where no contact has just begun any more."""
-        places = self.field.workspace.along_normal
-        self._young = {c for c in self._young if places(self._y, c)[1] > -float(self._deep[c])}
-        if not self._young and self._all.frame.clock:
+        """Bring displacements back to equal times, where no contact lasts any more."""
+        if not self._begun and self._all.frame.clock:
             self._go_along()
             self._all = at_equal_times(self.field, self._all, *self._here)
 
@@ -248,7 +244,7 @@ class Carrier:
             lift = self.field.lift(self._all.frame, steps[0].time, steps[0].y)
             done, self._all = self.stages.over_steps(steps, lift, self._all, _BY_STAGES * self._good, until)
             for one in steps[:done]:
-                self._matrices.begin(one.time, one.y, one.changes[0] or bool(self._young))
+                self._matrices.begin(one.time, one.y, one.changes[0] or bool(self._begun))
             if done < len(steps):
                 self._step(steps[done], ())
             steps = steps[done + 1 :]
@@ -265,7 +261,7 @@ class Carrier:
         self.within.begin(step.time, step.y, step.size, step.end)
         self._again.begin(step.time, step.y)
         (begins, ends), known, end = step.changes, step.known, step.until
-        self._matrices.begin(step.time, step.y, begins or bool(self._young))
+        self._matrices.begin(step.time, step.y, begins or bool(self._begun))
         rest = step.piece
         if begins and ends:
             self._part(Piece(0.0, 0.5, True, False, (known[0], False)))

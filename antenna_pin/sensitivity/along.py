@@ -25,8 +25,9 @@ from antenna_pin.records import CONTACT
 from antenna_pin.sensitivity.deepest import Deepest
 from antenna_pin.sensitivity.happened import Happened, Happenings
 from antenna_pin.sensitivity.parameters import GrazeError
+from antenna_pin.sensitivity.taken import Taken
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.passages import Blow, Passage
+from antenna_pin.simulation.passages import Blow, Passage, Turned
 from antenna_pin.simulation.samples import Chunk
 
 __all__ = ["Along", "Change", "Displaced", "Lasting"]
@@ -137,7 +138,7 @@ class Along:
         self._marks: dict[float, _Mark] = {}
         self.changes: list[Change] = []
         self.happened: list[Happened] = []
-        self._happenings = Happenings(self._field, self._replay)
+        self._happenings, self._taken = Happenings(self._field, self._replay), Taken(system)
         self.lasting: list[Lasting] = []
         self._open: dict[int, int] = {}
         carrier.seen, carrier.before = self._see, self._mark
@@ -273,7 +274,7 @@ class Along:
         words: Array | None,
     ) -> None:
         """Note how elements meet their joints at an instant."""
-        time, y, ways, _ = mark
+        time, y, ways, books = mark
         late = next((one.late for one in new), np.zeros(self._count))
         field = self._field
         field.workspace.memory[:], field.workspace.program[:] = self._memory, self._program
@@ -284,9 +285,9 @@ class Along:
             own = (p.late for p in new if p.what == "event" and p.name == one.event.name)
             self.happened.append(self._happenings.of(one, time, y, ways, next(own, late)))
             if one.acts and one.done:
-                self._meet(one, time, y, there, late)
+                self._meet(one, time, y, there, late, books)
 
-    def _meet(self, one: Passage, time: float, y: Array, there: Array, late: Array) -> None:
+    def _meet(self, one: Passage, time: float, y: Array, there: Array, late: Array, books: Array) -> None:
         """Note how elements meet their joints, and book what blows take."""
         field = self._field
         kept = field.kept.words
@@ -296,16 +297,19 @@ class Along:
             return np.array([found[1:] for found in self._replay.met]).reshape(-1)
 
         met(time, y)
-        elements = [(found.place, found.angle) for found in self._replay.met]
+        elements = list(self._replay.met)
         if not elements:
             return
+        turned = [step for step in one.done if isinstance(step, Turned)]
+        own = books + np.outer(field.booked(time, y), late)
         slopes = field.along(met, time, y, there).reshape(len(elements), 6, -1)
         # A passage of rigid parts takes no time: rates before it do not jump at a neighbour's own instant.
         struck = sum(isinstance(step, Blow) for step in one.done)
-        for (place, angle), slope in zip(elements, slopes, strict=True):
-            self.changes.append(Change(place, time, angle, late.copy(), slope))
-            if struck and place in self._losses:
-                self.carrier.book(self._losses[place], slope[3])
+        for found, step, slope in zip(elements, turned, slopes, strict=True):
+            self.changes.append(Change(found.place, time, found.angle, late.copy(), slope))
+            if struck and found.place in self._losses:
+                self.carrier.book(self._losses[found.place], slope[3])
+            slope[3:5] += self._taken.of(step, found, time, y[-len(own) :], own)
 
 
 def _losses(system: System) -> dict[str, int]:

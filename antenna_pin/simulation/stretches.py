@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Workspace
+from antenna_pin.dynamics import Workspace, works_in_x
 from antenna_pin.engine import Compiled, CompiledStepper, loop_kernels
 from antenna_pin.engine import stretch_kernels as kernels
 from antenna_pin.integrate import Method
@@ -146,6 +146,7 @@ class Stretches:
             book=parts.episodes.book,
             sizes=parts.control.sizes.table,
             watched=self._watched.numbers,
+            works=works_in_x(parts.episodes.system),
         )
 
     def _buffers(self, capacity: int, ends: int) -> kernels.Buffers:

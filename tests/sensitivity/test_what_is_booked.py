@@ -92,6 +92,66 @@ def test_what_a_damper_takes(tmp_path):
         assert np.abs(ours - exact).max() * abs(value) < 2e-9
 
 
+SOFT, CUSHION = 2e3, 20.0  # [N/m], [N s/m]
+
+
+def cushioned(stiffness, damping, mass, speed):
+    """Return loss and impulse of the ball on a floor that gives way: ``K d + D d'``, never pulling.
+
+    It presses up to t, where that is zero at a depth d; from there on the ball flies.
+    """
+    arrives = np.sqrt(speed**2 + 2.0 * PULL * PLACE)
+    rest, half = mass * PULL / stiffness, 0.5 * damping / mass
+    omega = np.sqrt(stiffness / mass - half**2)
+    a, b = -rest, (arrives - half * rest) / omega
+
+    def inside(t):
+        wave, turned = np.cos(omega * t), np.sin(omega * t)
+        slope = omega * (b * wave - a * turned) - half * (a * wave + b * turned)
+        return rest + np.exp(-half * t) * (a * wave + b * turned), np.exp(-half * t) * slope
+
+    t = (0.9 * np.pi / omega).real + 0j
+    for _ in range(8):  # Newton's, of which the last two make the imaginary part: by m d'' = m g there
+        depth, rate = inside(t)
+        t -= (stiffness * depth + damping * rate) / (stiffness * rate + damping * PULL)
+    depth, rate = inside(t)
+    return 0.5 * mass * (arrives**2 - rate**2 + 2.0 * PULL * depth), mass * (arrives - rate + PULL * t)
+
+
+def test_what_a_stop_that_gives_way_takes(tmp_path):
+    """From touch to release, with a force that jumps where it is touched; and that as a total."""
+    floor = f"""
+[stops.floor]
+joint = "way"
+lower = "0 m"
+upper = "9 m"
+stiffness = "{SOFT} N/m"
+law = "kelvin-voigt"
+damping = "{CUSHION} N*s/m"
+"""
+    keys = {
+        "stops.floor.stiffness": SOFT,
+        "stops.floor.damping": CUSHION,
+        "mechanism.links.mass.mass": MASS,
+        "initial.joints.way.velocity": SPEED,
+    }
+    found = sensitivities(mass(tmp_path, floor), list(keys), [0.7], method="equation")
+    data, values = found.run.data, list(keys.values())
+    off = data["change"].values.tolist().index("stop floor: lower: off")
+    names = ("change_loss", "change_impulse")
+    for name, exact in zip(names, cushioned(*values), strict=True):
+        assert data[name].values[off] == pytest.approx(exact.real, rel=1e-10)
+    for k, value in enumerate(values):
+        exact = cushioned(*(one + 1e-30j * (i == k) for i, one in enumerate(values)))
+        for name, place, one in zip(
+            (*names, "total_element_loss"), (off, off, 0), (*exact, exact[0]), strict=True
+        ):
+            ours, doubt = (each(name)[place, k] for each in (found.derivative, found.doubt))
+            # Some 10 J and 10 N s per scale; the run goes over the kink where the force is cut.
+            assert abs(ours - one.imag / 1e-30) * value < 1e-7
+            assert abs(ours - one.imag / 1e-30) <= doubt
+
+
 @pytest.mark.parametrize("method", ["runs", "equation"])
 def test_pointing_indices(tmp_path, method):
     """The largest error of an oscillator and its mean over a window, by the closed form at the same times."""

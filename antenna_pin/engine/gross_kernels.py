@@ -1,0 +1,104 @@
+"""Gross works of a step, compiled: the integral of |P| of what puts in the power P.
+
+|P| has a kink where P changes its sign, and a step goes over it. The work W, whose rate is P, has none: it is
+integrated as all is, turns back there, and what it has gone one way and the other is the gross work. Where it
+turns matters to second order only.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from antenna_pin._compile import inlined, kernel
+from antenna_pin.integrate.kernels import START
+from antenna_pin.integrate.manifold_kernels import space_of
+
+# In how many parts of a step it is looked at whether a work turns back, and how often these are halved.
+_PARTS, _HALVINGS = 16, 50
+
+
+@inlined
+def _turns(i: int, last: int, work: Any) -> bool:
+    """Whether component i of a step's rates has either sign at its stages."""
+    least, most = 0.0, 0.0
+    for j in range(last + 1):
+        least = min(least, work[j, i])
+        most = max(most, work[j, i])
+    return bool(least < 0.0 < most)
+
+
+@kernel
+def turn_back(works: Any, tableau: Any, space: Any, work: Any) -> bool:
+    """Whether a work turns back in the step in the work rows.
+
+    Args:
+        works: Where works and their gross works stand in x, (n, 2).
+        tableau: The method's.
+        space: Layout of the manifold.
+        work: The rows of the stepper.
+    """
+    found = False
+    first = 2 * space_of(space).nv
+    for n in range(works.shape[0]):
+        found = found or _turns(first + works[n, 0], tableau.last, work)
+    return found
+
+
+@inlined
+def _gone(i: int, theta: float, dense: Any) -> tuple[float, float]:
+    """How far component i has gone at a fraction of the step, and how fast it goes there, over the step."""
+    value, slope = 0.0, 0.0
+    for p in range(dense.shape[0] - 1, -1, -1):
+        value = value * theta + dense[p, i]
+        slope = slope * theta + (p + 1) * dense[p, i]
+    return value * theta, slope
+
+
+@inlined
+def _turning(i: int, low: float, high: float, rises: bool, dense: Any) -> float:
+    """Return at which fraction of the step component i turns back, between two of them."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if (_gone(i, middle, dense)[1] > 0.0) == rises:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@inlined
+def _way(i: int, theta: float, dense: Any) -> float:
+    """Return how far component i has gone up to a fraction of the step, either way."""
+    total, since = 0.0, 0.0
+    low, (_, slope) = 0.0, _gone(i, 0.0, dense)
+    rises = slope > 0.0
+    for part in range(1, _PARTS + 1):
+        high = theta * part / _PARTS
+        rises_there = _gone(i, high, dense)[1] > 0.0
+        if rises_there != rises:
+            here = _gone(i, _turning(i, low, high, rises, dense), dense)[0]
+            total += abs(here - since)
+            since = here
+        low, rises = high, rises_there
+    return total + abs(_gone(i, theta, dense)[0] - since)
+
+
+@kernel
+def settle(theta: float, works: Any, tableau: Any, space: Any, work: Any, dense: Any, y: Any) -> None:
+    """Write the gross works of those that turn back in a step to a state within it.
+
+    Args:
+        theta: Fraction of the step at which the state is.
+        works: As for :func:`turn_back`.
+        tableau: The method's.
+        space: Layout of the manifold.
+        work: The rows of the stepper.
+        dense: Coefficients of the dense output.
+        y: The state.
+    """
+    sizes, start = space_of(space), tableau.weights.shape[0] + START
+    for n in range(works.shape[0]):
+        i = 2 * sizes.nv + works[n, 0]
+        if _turns(i, tableau.last, work):
+            gross = sizes.nq + sizes.nv + works[n, 1]
+            y[gross] = work[start, gross] + _way(i, theta, dense)
