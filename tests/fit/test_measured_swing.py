@@ -78,3 +78,12 @@ def test_its_friction_is_what_its_half_swings_lose(counts):
     unlike = 2.0 * np.std((lost - over @ told) / lost) / np.sqrt(len(lost))
     assert np.sum(over @ [coulomb / inertia, viscous / inertia]) == pytest.approx(lost.sum(), rel=unlike)
     assert found.bands.low[1] > 0.0 and found.bands.low[2] > 0.0  # it takes both
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("other", ["coulomb", "viscous"])
+def test_one_friction_alone_is_not_enough(other):
+    """The sum of squares is eight and eleven times as large; what hangs together is no more than that."""
+    small = [f"parameters.{other}.start=0", f"parameters.{other}.between=[0, 1e-12]"]
+    both, alone = (run_fit(load_fit(SWING / "swing.fit.toml", asked)) for asked in ([], small))
+    assert alone.bands.chi2 > 5.0 * both.bands.chi2
