@@ -34,6 +34,7 @@ def _sure(found: Fit) -> tuple[Searched, Sure]:
         noise=plan.noise,
         loss=plan.loss,
         loss_scale=plan.loss_scale,
+        curves=found.problem.rows.curve_numbers(),
         doubt=DOUBT,
     )
     return searched, known
@@ -179,5 +180,5 @@ def values_in(table: xr.Dataset, problem: Problem, label: str) -> tuple[Array, f
             raise UnknownNameError(label, "parameter", name, there)
     values = table["value"].sel(parameter=list(problem.names)).values.astype(float)
     freedoms = float(table.attrs["freedoms"])
-    estimated = problem.plan.noise == "estimated" and freedoms > 0.0
-    return values, float(table.attrs["chi2"]) / freedoms if estimated else 1.0
+    found = problem.plan.noise != "given" and freedoms > 0.0
+    return values, float(table.attrs["chi2"]) / freedoms if found else 1.0

@@ -6,6 +6,7 @@ logarithms are those of logarithms, so not even about the value.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.searched import DOUBT, names_of, natural
-from antenna_pin.fit.sureness import sure
+from antenna_pin.fit.sureness import Noise, Sure, sure
 from antenna_pin.fit.unknowns import Unknowns
 
 __all__ = ["Bands", "bands_of"]
@@ -35,6 +36,8 @@ class Bands(NamedTuple):
         chi2: Sum of the squares of the residuals [-].
         freedoms: Residuals less directions of the unknowns that they tell [-].
         without: Why there are no bands, in words; "" if there are.
+        wider: How many times as wide they would be at most if what hangs together in time of the residuals
+            counted [-].
     """
 
     covariance: Array
@@ -44,6 +47,7 @@ class Bands(NamedTuple):
     chi2: float
     freedoms: int
     without: str = ""
+    wider: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +69,14 @@ class _End:
         return self.slopes
 
 
-def bands_of(plan: FitPlan, unknowns: Unknowns, whole: Array, residuals: Array, slopes: Array) -> Bands:
+def bands_of(
+    plan: FitPlan,
+    unknowns: Unknowns,
+    whole: Array,
+    residuals: Array,
+    slopes: Array,
+    curves: NDArray[np.intp],
+) -> Bands:
     """Return what is known of the parameters at 95 %.
 
     A parameter at one of its bounds has the others' bands, and none itself: it is where it was kept.
@@ -76,19 +87,25 @@ def bands_of(plan: FitPlan, unknowns: Unknowns, whole: Array, residuals: Array, 
         whole: Values with states, (p + h,) [SI].
         residuals: There, (m,).
         slopes: Their derivatives by what is searched for, (m, p + h).
+        curves: The number of the curve that each residual is of, (m,).
     """
     at = unknowns.searched(whole)
     end = _End(names_of(unknowns), at, *unknowns.bounds(), np.ones(len(at)), residuals, slopes)
     p, chi2 = unknowns.count, float(residuals @ residuals)
-    try:
-        found = sure(
+
+    def known_of(noise: Noise) -> Sure:
+        return sure(
             end,
             at,
-            noise=plan.noise,
+            noise=noise,
             loss=plan.loss,
             loss_scale=plan.loss_scale,
+            curves=curves,
             doubt=DOUBT,
         )
+
+    try:
+        found = known_of(plan.noise)
     except InvalidParameterError as error:  # what was found stays, whatever can be said of it
         none = np.full(p, np.nan)
         return Bands(np.full((p, p), np.nan), none, none, none, chi2, len(residuals) - len(whole), str(error))
@@ -97,4 +114,14 @@ def bands_of(plan: FitPlan, unknowns: Unknowns, whole: Array, residuals: Array, 
     covariance, low, high = known.covariance.copy(), known.low.copy(), known.high.copy()
     covariance[held, :] = covariance[:, held] = np.nan
     low[held] = high[held] = np.nan
-    return Bands(covariance, np.sqrt(np.diag(covariance)), low, high, chi2, found.freedom)
+    sd = np.sqrt(np.diag(covariance))
+    return Bands(covariance, sd, low, high, chi2, found.freedom, wider=_wider(found, known_of, p))
+
+
+def _wider(found: Sure, known_of: Callable[[Noise], Sure], count: int) -> float:
+    """Return by how much intervals of the first values would be wider at most, as :class:`Bands` has it."""
+    if found.noise == "correlated" or found.freedom < 1:
+        return 1.0
+    told = found.error[:count]
+    there = np.isfinite(told) & (told > 0.0)
+    return float(np.max(known_of("correlated").error[:count][there] / told[there], initial=1.0))

@@ -14,6 +14,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.fit.columns import AnyQuantity, ColumnSpec
 from antenna_pin.fit.layout import LayoutSpec
 from antenna_pin.fit.losses import Loss
+from antenna_pin.fit.sureness import Noise
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.runs_file import RunsFile, laid_over, nested
 from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse, refuse_name
@@ -189,8 +190,9 @@ class FitPlan(RunsFile):
     Attributes:
         parameters: What is unknown, by name.
         records: What was measured, by name.
-        noise: ``given``, the columns' ``sd`` are what they say; or ``estimated``, only their ratios are, and
-            what the residuals come to says how large the noise is.
+        noise: ``given``, the columns' ``sd`` are what they say; ``estimated``, only their ratios are, and
+            what the residuals come to says how large the noise is; or ``correlated``, and they hang together
+            in time.
         loss: How a residual counts, as SciPy's ``least_squares`` has it: ``linear`` by its square, the others
             less where it is large.
         loss_scale: Where it begins to be large, in standard deviations [-].
@@ -209,7 +211,7 @@ class FitPlan(RunsFile):
 
     parameters: dict[str, FitParameterSpec]
     records: dict[str, RecordSpec]
-    noise: Literal["given", "estimated"] = "given"
+    noise: Noise = "given"
     loss: Loss = "linear"
     loss_scale: Annotated[float, Quantity("1", "positive")] = 1.0
     jacobian: Jacobian = "differences"

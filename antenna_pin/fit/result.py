@@ -93,9 +93,7 @@ class Fit:
         def residuals(given: Any) -> Array:
             return self.problem.residuals([given[one].value for one in _plain(self.names)])
 
-        return lmfit.Minimizer(
-            residuals, self._parameters(), scale_covar=self.problem.plan.noise == "estimated"
-        )
+        return lmfit.Minimizer(residuals, self._parameters(), scale_covar=self.problem.plan.noise != "given")
 
     def result(self) -> MinimizerResult:
         """Return what was found as lmfit has it: ``lmfit.fit_report(fit.result())`` is its report."""
@@ -235,6 +233,7 @@ class Fit:
             "chi2": bands.chi2,
             "freedoms": bands.freedoms,
             "noise": plan.noise,
+            "wider": bands.wider,
             "loss": plan.loss,
             "message": self.message,
             "converged": int(self.converged),

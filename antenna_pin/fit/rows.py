@@ -117,6 +117,17 @@ class Rows:
                 parts.append(self.weight(rig) * (one.end - other.lead))
         return np.concatenate(parts)
 
+    def by_curve(self, residuals: Array) -> dict[str, Array]:
+        """Return the residuals of each column, by its place in the plan."""
+        ends = np.cumsum([len(target.data) for target in self._prepared.targets.values()])
+        return dict(zip(self._prepared.targets, np.split(residuals[: ends[-1]], ends[:-1]), strict=True))
+
+    def curve_numbers(self) -> NDArray[np.intp]:
+        """Return the number of the curve that each residual is of, (m,); each of joints has its own."""
+        rows = [len(target.data) for target in self._prepared.targets.values()]
+        joints = sum(self._prepared.sizes_of_joints())
+        return np.repeat(np.arange(len(rows) + joints), [*rows, *[1] * joints])
+
     def curves(self, whole: Array, found: Sequence[Readings]) -> dict[str, tuple[Array, Array]]:
         """Return times, (rows,), and curves over their noise, (columns, rows), of records that are one run.
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from antenna_pin.arguments import takes
 from antenna_pin.errors import MissingToolError
 from antenna_pin.files import check_writable
-from antenna_pin.fit.covariance import bands_of
+from antenna_pin.fit.covariance import Bands, bands_of
 from antenna_pin.fit.growth import Growth, growth_of
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.losses import cost
@@ -24,6 +24,8 @@ from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.result import Fit, Search
 from antenna_pin.fit.runs import NoRunError
+from antenna_pin.fit.sureness import hang_together
+from antenna_pin.readable import number
 from antenna_pin.sweep import Executor
 
 __all__ = ["run_fit"]
@@ -38,6 +40,9 @@ _TIGHTER, _ROUGHLY = 100.0, 1e-2
 # Sum of squares over degrees of freedom from which on an end is a bad one; and how many steps of differences
 # a start may be off by, then.
 _BAD, _REACH = 4.0, 100.0
+
+# By what bands are too narrow from which on that is said.
+_NARROW = 1.5
 
 # How SciPy's search has ended, by its status.
 _ENDS = {
@@ -123,7 +128,7 @@ def _found(problem: Problem) -> Fit:
         start, end = ends[k]
         values = np.full(p, math.nan) if end is None else unknowns.natural(end.x)[:p]
         searches.append(Search(start[:p], values, math.nan if end is None else float(end.cost)))
-    bands = bands_of(problem.plan, unknowns, whole, residuals, slopes)
+    bands = bands_of(problem.plan, unknowns, whole, residuals, slopes, problem.rows.curve_numbers())
     bad = best.status <= 0 or bands.chi2 > _BAD * bands.freedoms
     grown = _grown(problem, first, whole, bad)
     return Fit(
@@ -137,7 +142,7 @@ def _found(problem: Problem) -> Fit:
         message=_ENDS.get(int(best.status), str(best.message)),
         evaluations=int(sum(end.nfev for _, end in ends if end is not None)),
         searches=tuple(searches),
-        notes=(*problem.notes, *grown, *_of_derivatives(problem)),
+        notes=(*problem.notes, *grown, *_together(problem, bands, residuals), *_of_derivatives(problem)),
     )
 
 
@@ -145,6 +150,18 @@ def _of_derivatives(problem: Problem) -> list[str]:
     """Return by what derivatives were found, where that was asked for."""
     asked = problem.plan.jacobian == "equation"
     return [f"derivatives by {problem.derived.words()}"] if asked else []
+
+
+def _together(problem: Problem, bands: Bands, residuals: Array) -> list[str]:
+    """Return a line where residuals are no white noise, so that bands are too narrow."""
+    curves = [name for name, one in problem.rows.by_curve(residuals).items() if hang_together(one)]
+    if not curves or bands.wider < _NARROW:
+        return []
+    return [
+        f"note: residuals of {', '.join(curves)} hang together in time: bands are up to "
+        f'{number(bands.wider, 2)} times too narrow (noise = "correlated" counts it); the model lacks '
+        "something, or the noise is not white"
+    ]
 
 
 def _grown(problem: Problem, first: Array, last: Array, bad: bool) -> list[str]:

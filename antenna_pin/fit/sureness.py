@@ -26,7 +26,7 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.losses import Loss, curvature, influence
 from antenna_pin.fit.rank import DOUBT, Rank, rank_of
 
-__all__ = ["NOISES", "Noise", "Residuals", "Sure", "persistence", "sure", "variance_factor"]
+__all__ = ["NOISES", "Noise", "Residuals", "Sure", "hang_together", "persistence", "sure", "variance_factor"]
 
 Array = NDArray[np.float64]
 
@@ -281,6 +281,11 @@ def persistence(residuals: Array) -> float:
     apart = residuals - residuals.mean()
     total = float(apart @ apart)
     return float(apart[1:] @ apart[:-1]) / total if total > 0.0 else 0.0
+
+
+def hang_together(residuals: Array) -> bool:
+    """Return whether residuals know the next ones, by more than three standard errors of what noise does."""
+    return len(residuals) > 10 and persistence(residuals) > 3.0 / math.sqrt(len(residuals))
 
 
 def _lags(rho: float, count: int) -> int:

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from antenna_pin.fit.profile_words import from_to, profile_interval
-from antenna_pin.fit.sureness import persistence
+from antenna_pin.fit.sureness import hang_together, persistence
 from antenna_pin.plot import correlations, table_figures
 from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
@@ -21,6 +22,11 @@ __all__ = ["experiments", "fit", "identifiability"]
 _NO_BREAK = "\N{NO-BREAK SPACE}"
 # Correlations from which on two parameters are hardly told apart, as the figure marks them.
 _STRONG = 0.95
+_NOISE = {
+    "given": "as stated",
+    "estimated": "found from the residuals",
+    "correlated": "found from the residuals, with what hangs together in time",
+}
 # Chances below which the stated noise does not explain the residuals, or explains them too well.
 _RARE = 0.001
 
@@ -69,7 +75,7 @@ def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         caption="Records",
         key=f"{key}-records",
     )
-    noise = "as stated" if table.attrs["noise"] == "given" else "found from the residuals"
+    noise = _NOISE[table.attrs["noise"]]
     statements = [
         _said("noise", noise),
         _said("chi squared", f"{number(chi2)} for {freedoms:g} degrees of freedom"),
@@ -120,11 +126,15 @@ def _values(table: xr.Dataset) -> Iterator[Row]:
         yield Row(str(one["title"].item()), (*cells, _quantity(start, unit)))
 
 
-def _curves(table: xr.Dataset) -> Iterator[Row]:
+def _residuals(table: xr.Dataset) -> Iterator[tuple[str, NDArray[np.float64]]]:
     names = [f"{a}: {b}" for a, b in zip(table["record"].values, table["column"].values, strict=True)]
     residuals = (table["model"].values - table["data"].values) / table["noise"].values
     for name in dict.fromkeys(names):
-        mine = residuals[[one == name for one in names]]
+        yield name, residuals[[one == name for one in names]]
+
+
+def _curves(table: xr.Dataset) -> Iterator[Row]:
+    for name, mine in _residuals(table):
         rms, again = float(np.sqrt(np.mean(mine**2))), persistence(mine)
         cells = (
             Cell(str(len(mine)), float(len(mine))),
@@ -142,13 +152,15 @@ def _notes(table: xr.Dataset, names: list[str]) -> Iterator[str]:
                 f"{names[i]} and {names[j]} are hardly told apart: their correlation is "
                 f"{number(float(found[i, j]), 5)}."
             )
-    for row in _curves(table):
-        count, again = row.cells[0].value or 0.0, row.cells[2].value or 0.0
-        if count > 10 and again > 3.0 / math.sqrt(count):
-            wider = math.sqrt((1.0 + min(again, 0.99)) / (1.0 - min(again, 0.99)))
+    counted = "intervals count it"
+    if table.attrs["noise"] != "correlated":
+        wider = number(float(table.attrs["wider"]), 2)
+        counted = f"intervals by standard errors are up to {wider} times too narrow"
+    for name, mine in _residuals(table):
+        if hang_together(mine):
             yield (
-                f"Residuals of {row.name} hang together in time: intervals by standard errors are up to "
-                f"{number(wider, 2)} times too narrow. The model lacks something, or the noise is not white."
+                f"Residuals of {name} hang together in time: {counted}. "
+                "The model lacks something, or the noise is not white."
             )
     if table.attrs["noise"] == "given" and float(table.attrs["freedoms"]) > 0.0:
         from scipy.stats import chi2

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from planar_joint import record
+from scipy.signal import lfilter
 
 from antenna_pin import load_scenario
 from antenna_pin.errors import OutputError
@@ -222,3 +223,32 @@ def test_lmfit_reports_what_was_found(write):
     )
     residuals = found.minimizer().userfcn(parameters)
     np.testing.assert_array_equal(residuals, found.residuals)
+
+
+def test_noise_that_hangs_together_is_told_of_and_counts_where_asked(write):
+    """Of an offset in noise of AR(1) the variance is (1 + rho) / (1 - rho) that in white noise.
+
+    Andrews' 62 lags of 8001 rows lose 7 % of it (Bartlett's weights) and are known to 10 %: three of that.
+    """
+    rho, time = 0.8, np.linspace(0.0, 1.0, 8001)
+    white = 1e-4 * np.random.default_rng(11).standard_normal(time.size)
+    noise = lfilter([np.sqrt(1.0 - rho**2)], [1.0, -rho], white)
+    offset = '[parameters.zero]\nkey = "records.swing.columns.angle.offset"\nstart = "0 rad"'
+
+    def fitted(noise, kind):
+        columns = {"angle": closed_form(time) + noise}
+        return run_fit(write(time, columns, parameters=offset, more=f'noise = "{kind}"'))
+
+    plain, kept = fitted(noise, "given"), fitted(noise, "correlated")
+    assert (kept.bands.sd[1] / plain.bands.sd[1]) ** 2 == pytest.approx((1.0 + rho) / (1.0 - rho), rel=0.37)
+    np.testing.assert_array_equal(kept.values, plain.values)
+    assert plain.bands.wider == pytest.approx(np.max(kept.bands.sd / plain.bands.sd))
+    assert plain.notes[-1].startswith("note: residuals of swing.angle hang together in time: bands are up ")
+    assert not kept.notes
+    assert not fitted(white, "given").notes
+
+
+def test_joints_of_pieces_are_no_part_of_what_hangs_together(write):
+    problem = Problem(write(record='pieces = { length = "0.25 s" }'))
+    joints = problem.count - 201
+    np.testing.assert_array_equal(problem.rows.curve_numbers(), [0] * 201 + list(range(1, joints + 1)))
