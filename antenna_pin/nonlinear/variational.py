@@ -61,7 +61,7 @@ _TOGETHER = 64
 
 
 class Carrier:
-    """Carries displacements along a run: what the run shows itself to between its steps.
+    """Carries displacements along a run: what the run shows itself to where something changes.
 
     Args:
         run: Before its first step; its steps are taped.

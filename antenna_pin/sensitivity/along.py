@@ -107,7 +107,7 @@ class _Mark(NamedTuple):
 
 
 class Along:
-    """Looks at a run as displacements are carried along it: what the run shows itself to between its steps.
+    """Looks at a run as displacements are carried along it: what it shows itself to where something changes.
 
     Args:
         run: The run.
@@ -242,13 +242,14 @@ class Along:
         carrier = self.carrier
         self._check(time, ways)
         self._remember(ways)
-        field, sizes = carrier.field, np.linalg.norm(carrier.carried.matrix, axis=0)
+        field, carried = carrier.field, carrier.carried
         assert field.numbers is not None
         here = y.copy(), field.workspace.memory.copy(), field.workspace.program.copy(), ways.copy()
         words = field.numbers.program.copy()
         field.workspace.locate(y, self._table)
         self._gaps.append(self._table["gap"].copy())
-        self._seen.append((time, *here, self.books, carrier.doubt / sizes, words))
+        doubts = carrier.doubt / np.linalg.norm(carried.matrix, axis=0)
+        self._seen.append((time, *here, carried.books.copy(), doubts, words))
 
     def _mark(self, time: float, y: Array, ways: Array) -> None:
         """Note displacements before a change."""
