@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics.program_parts import program_parts
+from antenna_pin.dynamics.program_parts import records_at
 from antenna_pin.dynamics.system import System
-from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS
+from antenna_pin.joints.layout_kernels import JOINT
 
 __all__ = ["journal_attitudes"]
 
@@ -43,10 +43,9 @@ def journal_attitudes(
             half = 0.5 * np.arctan2(q[:, 3], q[:, 2])
             found[:, 2], found[:, 3] = np.sin(half), np.cos(half)
         else:
-            place = system.clearance_blocks[joint.name]
-            for first, last in program_parts(programs):
-                axes = programs[first][place : place + JOINT_WORDS].view(JOINT)["axes"][0]
-                found[first:last, :3] = q[first:last, 3:6] @ axes
+            axes = records_at(programs, system.clearance_blocks[joint.name], JOINT)["axes"]
+            # Number by number, so that a sample's are the same among whatever others it is.
+            found[:, :3] = sum(q[:, 3 + i, np.newaxis] * axes[:, i] for i in range(3))
             found[:, 3] = q[:, 6]
         if joint.bearing_on == "child":
             found[:, :3] *= -1.0

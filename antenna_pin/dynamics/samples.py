@@ -298,8 +298,8 @@ def sliding_motion(
             # from the parent, or from the child where the bearing is.
             if system.clearances[k].bearing_on == "child":
                 sign, bearing = -1.0, axes[:, :, 2]
-                centre = centre + np.einsum("nij,nj->ni", axes, pose["centre"])
-                velocity = np.einsum("nij,nj->ni", axes, pose["velocity"])
+                centre = centre + _turned(axes, pose["centre"])
+                velocity = _turned(axes, pose["velocity"])
             else:
                 sign, bearing = 1.0, pose["rotation"][:, 2, :]
                 velocity = v[:, :3] + np.cross(v[:, 3:], centre)
@@ -313,3 +313,8 @@ def sliding_motion(
         names.append(slot.name)
         motions.append(motion)
     return names, np.array(motions).reshape(len(names), len(states), 3)
+
+
+def _turned(axes: Array, vectors: Array) -> Array:
+    """Return vectors in the axes that others are in: number by number, the same among whatever others."""
+    return np.asarray(sum(axes[:, :, i] * vectors[:, i, np.newaxis] for i in range(3)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,8 @@ SIDES = np.array([1, 2, 3, -1, -2, -3])
 # Steps of differences over parameters, in their scales, the largest first; how well their two orders agree at
 # least, over the derivative; round-off of a series, over its size.
 _STEPS, _GOOD, _ROUND_OFF = (1e-3, 1e-4, 1e-5, 1e-6), 1e-9, 1e-14
+# How many states are told of at once, about.
+_AT_ONCE = 4096
 # Series that are zero but for round-off where they must be; they are small beside others of their unit.
 _KEPT = ("linear_momentum", "angular_momentum", "energy_error")
 
@@ -120,7 +123,7 @@ class OfStates:
 
     def neighbours(
         self, displaced: Displaced, wanted: Sequence[Row]
-    ) -> Iterator[tuple[list[int], Near, list[Chunk]]]:
+    ) -> Iterator[tuple[Sequence[int], Near, list[Chunk]]]:
         """Yield states displaced to neighbours, as many together as one system can be asked of.
 
         Args:
@@ -131,7 +134,7 @@ class OfStates:
             Numbers of neighbours, what evaluates them, and the states of each.
         """
         together = [i for i, one in enumerate(wanted) if self.beside.by_program[one.parameter]]
-        for part in [together] if together else []:
+        for part in _parts(together, _AT_ONCE // len(displaced.chunk.times)):
             with self.beside.at(0, 0.0) as near:
                 yield part, near, [self._moved(displaced, wanted[i], near.system) for i in part]
         for i in sorted({*range(len(wanted))}.difference(together)):
@@ -150,8 +153,10 @@ class OfStates:
         best, rest = np.zeros((count, *values.shape)), np.full((count, *size.shape), np.nan)
         left = list(range(count))
         for step in _STEPS:
-            found = self._differences(displaced, table, left, step)
-            for k, odd in zip(tuple(left), found, strict=True):
+            parts = list(_parts(left, _AT_ONCE // (len(SIDES) * len(values))))
+            for k, odd in chain.from_iterable(
+                zip(part, self._differences(displaced, table, part, step), strict=True) for part in parts
+            ):
                 sixth, fourth = np.tensordot(WEIGHTS, odd, 1) / step
                 off = table.largest(np.abs(sixth - fourth) + _ROUND_OFF * np.abs(values) / step)
                 poor = ~(rest[k] <= _GOOD * np.maximum(table.largest(np.abs(best[k])), size))
@@ -192,6 +197,12 @@ class OfStates:
         every = displaced.ways[..., k], displaced.words[:, k], displaced.books[..., k]
         moves, words, books = (far * one for one in every)
         return self._displacer.states(displaced.chunk, moves, words, there, books)
+
+
+def _parts(numbers: Sequence[int], count: int) -> Iterator[Sequence[int]]:
+    """Yield numbers so many at once, one at least."""
+    count = max(count, 1)
+    return (numbers[first : first + count] for first in range(0, len(numbers), count))
 
 
 def beside_one_another(chunks: Sequence[Chunk]) -> Chunk:
