@@ -56,8 +56,9 @@ def test_steps_in_which_a_force_breaks(monkeypatch):
     assert by_stages.matrices < by_stages.stages.made
     monkeypatch.setattr(Field, "carrying", lambda _: None)
     one, other = by_stages.carried.matrix, carried(flow, start, 1.9e-3).carried.matrix
+    sizes = np.linalg.norm(other, axis=0)
     # Found: half of the doubt; by the method's own estimate alone six times as much.
-    assert (np.linalg.norm(one - other, axis=0) <= by_stages.doubt).all()
+    assert (np.linalg.norm(one - other, axis=0) / sizes).max() < (by_stages.doubt / sizes).max()
 
 
 def test_a_spinning_body_by_stages(monkeypatch):

@@ -102,6 +102,13 @@ def test_an_impact_that_begins_with_infinite_slope(law):
         least = 2e-9 if key.endswith("radial_clearance") else 1e-11
         assert ours == pytest.approx(exact, abs=least)
         assert velocity.real == pytest.approx(found.run.data["v"].values[-1, 0], abs=1e-11)
+        # Momentum and energy that the contact takes; how well these are booked no step is judged by.
+        given, lost = mass * (SPEED - velocity), 0.5 * mass * (SPEED**2 - velocity**2)
+        for name, one in (("impulse", given), ("dissipated", lost), ("total_normal_loss", lost)):
+            sign = np.sign(found.run.data[name].values[0] * one.real)
+            wanted = sign * one.imag / 1e-30
+            booked = found.derivative(name)[0, k] * value
+            assert booked == pytest.approx(wanted, abs=1e-9 * one.real + 2.0 * MASS * least)
 
 
 @pytest.mark.slow
