@@ -81,6 +81,9 @@ def certain(
         progress: Is told the parameter and the signed root of each point of a profile.
     """
     table, said = found.data(), []
+    if found.problem.plan.surface is not None:
+        rule = "has no profiles and no drawn bands: single runs scatter; its bands are by their scatter"
+        return table, ((f"a fit by a surface {rule}",) if profile or draws else ())
     try:
         searched, known = _sure(found)
     except InvalidParameterError as error:

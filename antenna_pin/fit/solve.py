@@ -24,6 +24,7 @@ from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.result import Fit, Search
 from antenna_pin.fit.runs import NoRunError
+from antenna_pin.fit.surface import on_surface
 from antenna_pin.sweep import Executor
 
 __all__ = ["run_fit"]
@@ -100,8 +101,10 @@ def run_fit(
 
 def _found(problem: Problem) -> Fit:
     """Search from all starts, and tell of the best end."""
+    if problem.plan.surface is not None:
+        return on_surface(problem, problem.plan.surface)
     unknowns = problem.unknowns
-    first = np.concatenate([unknowns.start, problem.states])
+    first = np.concatenate([problem.first, problem.states])
     problem.residuals_at([first])  # there must be a run to begin with
     ends = []
     for start in _starts(problem, first):
