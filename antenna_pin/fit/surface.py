@@ -98,7 +98,7 @@ class Surface(NamedTuple):
             return np.asarray(root @ self.at(u))
 
         made = [
-            least_squares(off, start, bounds=(lower, upper))
+            least_squares(off, start, jac=lambda u: root @ self.slopes(u), bounds=(lower, upper))
             for start in (middle, *(middle + 0.25 * sign * (upper - lower) for sign in (-1.0, 1.0)))
         ]
         return np.asarray(min(made, key=lambda one: float(one.cost)).x)
