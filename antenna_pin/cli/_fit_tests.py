@@ -39,7 +39,7 @@ def _begun(
     known = None if at is None else open_fit(at)
     problem = Problem(plan, Laboratory(executor, progress=tell))
     if known is None:
-        return problem, problem.start, 1.0
+        return problem, problem.first, 1.0
     values, factor = values_in(known, problem, str(at))
     return problem, values, factor
 

@@ -98,6 +98,10 @@ def fit(
         refuse(f"fit: --seed must be zero or more, got {seed}")
     if tests and out is not None:
         writable_file(out, ".nc")
+    if plan.surface is not None and (tests or profile or draws):
+        refuse(
+            "fit: --identify, --next, --profile and --draws must be left out beside a surface: runs scatter"
+        )
     target = writable_file(Path(f"{plan.name}.nc") if out is None else out, ".nc")
     scenario = None if write_scenario is None else writable_file(write_scenario, ".toml")
     if record is not None and scenario is None:

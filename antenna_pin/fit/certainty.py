@@ -82,6 +82,11 @@ def certain(
         progress: Is told the parameter and the signed root of each point of a profile.
     """
     table, said = found.data(), []
+    if found.problem.plan.surface is not None:
+        if profile or draws:
+            rule = "left out beside a surface, whose single runs scatter"
+            raise InvalidParameterError("fit", "profile" if profile else "draws", rule, profile or draws)
+        return table, ()
     try:
         searched, known = _sure(found)
     except InvalidParameterError as error:
@@ -155,10 +160,10 @@ def tells(problem: Problem, values: Array | None = None, factor: float = 1.0) ->
 
     Args:
         problem: The fit's problem.
-        values: Where, (p,) [SI]; those to start from if left out.
+        values: Where, (p,) [SI]; where the search begins if left out.
         factor: Variance of a weighted residual, of a fit whose noise is estimated [-].
     """
-    at = problem.start if values is None else np.asarray(values, dtype=float)
+    at = problem.first if values is None else np.asarray(values, dtype=float)
     over = _Parameters(problem, at, factor)
     return identifiable(over, at, doubt=DOUBT)
 

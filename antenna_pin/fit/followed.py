@@ -1,117 +1,154 @@
 """Where the pieces of a record start, before anything is fitted: along the record, not along one run.
 
-With start values for its numbers a run loses the record, where the motion is chaotic soon. So a piece's start
-is sought about where the piece before has come to, for a run that is near to the piece's own rows.
+With start values for its numbers a run loses the record: where the motion is chaotic, and where it comes to
+a stop before or behind the record. So numbers and state go along the record together, as one knows them from
+the rows so far: from where a piece has come to, both are moved as the next one's rows want it, each as far as
+it is not known yet (an extended Kalman filter whose state has the numbers in it: Jazwinski 1970, Stochastic
+Processes and Filtering Theory, chapter 8).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.errors import AntennaPinError, ScenarioError
-from antenna_pin.fit.bench import Bench, Ran
-from antenna_pin.fit.pieces import touching
-from antenna_pin.fit.runs import Rig, rows_of, sensed
-from antenna_pin.nonlinear import Chart
+from antenna_pin.errors import ScenarioError
+from antenna_pin.fit.one_piece import Curve, Piece
+from antenna_pin.fit.runs import Rig
+from antenna_pin.fit.unknowns import Unknowns
 from antenna_pin.state import State
 
-__all__ = ["followed"]
+__all__ = ["Along", "Known", "followed"]
 
 Array = NDArray[np.float64]
 
-# Step of differences, in error scales; steps of a search, and the change of its sum below which it ends: it
-# is a beginning, no more.
-_STEP, _ROUNDS, _ROUGHLY = 1e-4, 10, 0.1
+# Standard deviations: of a number before any row is seen, in its size; of a state that nothing is known of,
+# in error scales; and what straight lines leave out of a state that is known from the piece before.
+_NUMBER, _STATE, _BENT = 1.0, 1.0, 1e-2
+# How often a record is followed at most, and the standard deviation of a number before another time.
+_PASSES, _AGAIN = 2, 0.1
+
+
+class Known(NamedTuple):
+    """What is known of a fit's numbers so far, as a search has them.
+
+    Attributes:
+        at: Their values, (p,).
+        covariance: (p, p).
+    """
+
+    at: Array
+    covariance: Array
+
+    @classmethod
+    def before(cls, unknowns: Unknowns) -> Known:
+        """Return what is known before any row is seen."""
+        return cls(unknowns.searched(unknowns.start), _NUMBER**2 * np.eye(unknowns.count))
+
+
+class Along(NamedTuple):
+    """Where following a record has come to.
+
+    Attributes:
+        origins: State in which each piece starts but the first, as text.
+        known: What is known of the numbers behind it.
+    """
+
+    origins: tuple[str, ...]
+    known: Known
 
 
 def followed(
-    rig: Rig, bench: Bench, shift: float, curves: Sequence[tuple[float, float, Array, Array]], place: str
-) -> tuple[str, ...]:
-    """Return the state in which each piece starts but the first, as text.
+    rig: Rig,
+    unknowns: Unknowns,
+    own: Sequence[int],
+    known: Known,
+    curves: Sequence[Curve],
+    shift: float,
+    place: str,
+) -> Along:
+    """Follow a record in pieces.
 
     Args:
         rig: The record's test, its pieces known.
-        bench: With the start values.
+        unknowns: Parameters of the fit.
+        own: Which of them are the rig's values.
+        known: What is known of them.
+        curves: Of the columns.
         shift: Of its clock [s].
-        curves: Of each column gain, offset, data and noise, (rows,) each of the latter.
         place: Of the record, for messages.
 
     Raises:
         ScenarioError: A piece's run does not come to its end.
     """
+    best: _Pass | None = None
+    for _ in range(_PASSES):
+        made = _once(rig, unknowns, own, known, curves, shift)
+        if isinstance(made, str):
+            if best is None:
+                raise ScenarioError(f"{place}: {made}")
+            break
+        if best is None or made.lost < best.lost:
+            best = made
+        if best.lost == 0 or best is not made:
+            break
+        known = Known(made.known.at, _AGAIN**2 * np.eye(unknowns.count))
+    assert best is not None
+    return Along(best.origins, best.known)
+
+
+class _Pass(NamedTuple):
+    """A record followed once.
+
+    Attributes:
+        origins: As of :class:`Along`.
+        known: Likewise.
+        lost: How many of its pieces were not found.
+    """
+
+    origins: tuple[str, ...]
+    known: Known
+    lost: int
+
+
+def _once(
+    rig: Rig, unknowns: Unknowns, own: Sequence[int], known: Known, curves: Sequence[Curve], shift: float
+) -> _Pass | str:
+    """Follow a record once, or return why there is no run."""
     origins: list[str] = []
     state: State | None = None
-    for piece, until in enumerate(rig.pieces[1:]):
-        rows = rows_of(rig, shift, piece)
+    spread, lost, p = np.zeros((0, 0)), 0, unknowns.count
+    for piece in range(len(rig.pieces) - 1):
+        one = Piece(rig, unknowns, own, curves, shift, piece, known.at, state)
+        n = one.size
+        whole = np.zeros((p + n, p + n))
+        whole[:p, :p] = known.covariance
         if state is not None:
-            first = int(np.searchsorted(rig.time + shift, rows[0])) if len(rows) else 0
-            here = slice(first, first + len(rows))
-            own = [(gain, offset, data[here], noise[here]) for gain, offset, data, noise in curves]
-            state = _nearer(rig, bench, state, rows, until, own)
-            origins.append(state.to_json())
-        ran = bench.run(np.zeros(0), until, state and touching(state, bench.system))
-        if ran.failed:
-            raise ScenarioError(f"{place}: with the start values: {ran.failed}")
-        state = ran.end
-    return tuple(origins)
+            whole[: len(spread), : len(spread)] = spread
+            whole[p:, p:] += _BENT**2 * np.eye(n)
+        found = one.found(whole)
+        if found.lost and n:
+            again = one.found(_apart(known, n))
+            found = again if again.cost < found.cost else found
+        if found.failed:
+            return found.failed
+        if state is not None:
+            origins.append(found.first.to_json())
+        lost, state = lost + found.lost, found.end
+        if found.lost:  # it says from where to go on, and nothing for sure
+            known = known._replace(at=found.at[:p])
+            spread = _apart(known, len(found.ahead) - p)
+        else:
+            known, spread = Known(found.at[:p], found.covariance[:p, :p]), found.ahead
+    return _Pass(tuple(origins), known, lost)
 
 
-def _nearer(
-    rig: Rig,
-    bench: Bench,
-    origin: State,
-    rows: Array,
-    until: float,
-    curves: Sequence[tuple[float, float, Array, Array]],
-) -> State:
-    """Return a state next to one from which a run is near to rows of a record."""
-    from scipy.optimize import least_squares
-
-    chart = Chart(bench.system, origin)
-    size = 2 * chart.ways
-
-    def state(z: Array) -> State:
-        whole = np.zeros(chart.size)
-        whole[:size] = z
-        return chart.state(whole)
-
-    def run(z: Array) -> Ran | None:
-        try:
-            ran = bench.run(rows, until, touching(state(z), bench.system))
-        except AntennaPinError:
-            return None
-        return None if ran.failed else ran
-
-    def residuals(zs: Sequence[Array]) -> list[Array]:
-        made = [run(z) for z in zs]
-        good = [one.chunk for one in made if one is not None]
-        read = iter(sensed(rig, bench, [rows] * len(good), good))
-        found = []
-        for z, one in zip(zs, made, strict=True):
-            if one is None:
-                found.append(np.full(len(curves) * len(rows) + size, np.nan))
-                continue
-            off = [
-                (gain * values + offset - data) / noise
-                for values, (gain, offset, data, noise) in zip(next(read), curves, strict=True)
-            ]
-            # What the rows do not tell stays: an error scale counts as a row's noise.
-            found.append(np.concatenate([*off, z]))
-        return found
-
-    def slopes(z: Array) -> Array:
-        found = residuals([z + sign * _STEP * one for one in np.eye(size) for sign in (1.0, -1.0)])
-        table = np.column_stack(found)
-        return np.nan_to_num((table[:, ::2] - table[:, 1::2]) / (2.0 * _STEP))
-
-    here = residuals([np.zeros(size)])[0] if len(rows) and size else np.array([np.nan])
-    if not np.isfinite(here).all():
-        return origin
-
-    def one(z: Array) -> Array:
-        return residuals([z])[0]
-
-    return state(least_squares(one, np.zeros(size), jac=slopes, ftol=_ROUGHLY, max_nfev=_ROUNDS).x)
+def _apart(known: Known, n: int) -> Array:
+    """Return the covariance of numbers, with that of a state of n coordinates of which nothing is known."""
+    p = len(known.at)
+    whole = _STATE**2 * np.eye(p + n)
+    whole[:p, :p] = known.covariance
+    return whole

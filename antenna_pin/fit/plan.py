@@ -26,6 +26,7 @@ __all__ = [
     "PiecesSpec",
     "RecordSpec",
     "StartsSpec",
+    "SurfaceSpec",
     "load_fit",
     "place_in_record",
 ]
@@ -184,6 +185,28 @@ class StartsSpec(Spec):
         return self
 
 
+class SurfaceSpec(Spec):
+    """Of statistics of chaotic motions: surfaces through what many runs come to, in place of derivatives.
+
+    Attributes:
+        runs: At points of a box, each time, a power of two [-].
+        width: Half of the first box, in sizes of the parameters [-].
+        rounds: Boxes at most [-].
+        seed: Of the points [-].
+    """
+
+    runs: Annotated[int, BeforeValidator(Count(16, 1_000_000).read)] = 64
+    width: Annotated[float, Quantity("1", "positive")] = 0.3
+    rounds: Annotated[int, BeforeValidator(Count(1, 1000).read)] = 8
+    seed: Annotated[int, BeforeValidator(Count(0, 2**62).read)] = 0
+
+    @model_validator(mode="after")
+    def _check_runs(self) -> Self:
+        if self.runs & (self.runs - 1):
+            refuse(f"must be a power of two, got {self.runs}", "runs")
+        return self
+
+
 class FitPlan(RunsFile):
     """A fit that can be asked for by a file.
 
@@ -202,6 +225,7 @@ class FitPlan(RunsFile):
         tolerance: Relative change of the sum, and of parameters, below which the search has ended [-].
         most: Evaluations by steps of a search after which it is given up [-].
         starts: Of a search from many points; from ``start`` alone if left out.
+        surface: Of a search among statistics that scatter from run to run; by derivatives if left out.
         name: Of the fit: that of its file.
         folder: Of the file.
     """
@@ -219,6 +243,7 @@ class FitPlan(RunsFile):
     tolerance: Annotated[float, Quantity("1", "between 0 and 1")] = 1e-8
     most: Annotated[int, BeforeValidator(Count(1, 100_000).read)] = 100
     starts: StartsSpec | None = None
+    surface: SurfaceSpec | None = None
     name: str = "fit"
     folder: Path = Path()
 
@@ -229,6 +254,25 @@ class FitPlan(RunsFile):
             if spec.compare == "blows":
                 rule = 'must be "differences" where blows are compared, which are found anew in each run'
                 refuse(f"{rule}, as records.{name}.columns.{column} does", "jacobian")
+        return self
+
+    @model_validator(mode="after")
+    def _check_surface(self) -> Self:
+        if self.surface is None:
+            return self
+        for name, record in self.records.items():
+            for column, spec in record.columns.items():
+                if spec.compare == "curve":
+                    rule = "must be a statistic beside a surface: rms, spectrum or blows"
+                    refuse(rule, "records", name, "columns", column, "compare")
+        for name, wanted in (
+            ("starts", None),
+            ("jacobian", "differences"),
+            ("loss", "linear"),
+            ("noise", "given"),
+        ):
+            if getattr(self, name) != wanted:
+                refuse("must be left out beside a surface, which has its own", name)
         return self
 
     @model_validator(mode="after")

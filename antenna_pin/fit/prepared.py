@@ -12,14 +12,15 @@ import xarray as xr
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench
 from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.followed import followed
+from antenna_pin.fit.followed import Known, followed
 from antenna_pin.fit.measured import measured
+from antenna_pin.fit.one_piece import Curve
 from antenna_pin.fit.pieces import instants_of, ways_of
 from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
-from antenna_pin.fit.runs import Rig
+from antenna_pin.fit.runs import Rig, scenario_with
 from antenna_pin.fit.sensors import amount, check_sensor, reading, unit_of
 from antenna_pin.fit.statistics import Target, target_of
-from antenna_pin.fit.unknowns import size_of
+from antenna_pin.fit.unknowns import Unknowns, size_of
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.from_scenario import check_without_controllers
 from antenna_pin.sweep.design import put_value
@@ -43,6 +44,8 @@ class Prepared:
         offsets: Of the readings [SI], likewise.
         ways: Of each record, in how many coordinates each piece's start is told, but the first's.
         joints: Of each record, how many numbers tell how far a piece is from the next, all joints together.
+        first: Values of the parameters that a search begins with, (p,) [SI]: where following records in
+            pieces has come to.
         notes: What is odd about the records, a line each.
     """
 
@@ -53,6 +56,7 @@ class Prepared:
     offsets: dict[str, float]
     ways: tuple[tuple[int, ...], ...]
     joints: tuple[int, ...]
+    first: np.ndarray
     notes: tuple[str, ...]
 
     def sizes_of_states(self) -> list[int]:
@@ -107,6 +111,8 @@ def prepared(plan: FitPlan) -> Prepared:
     ways: list[tuple[int, ...]] = []
     joints: list[int] = []
     notes: list[str] = []
+    unknowns = Unknowns.of(plan, 0)
+    known = Known.before(unknowns)
     for name, spec in plan.records.items():
         where = f"{place}: records.{name}"
         base = plan.scenario_of(name)
@@ -140,15 +146,25 @@ def prepared(plan: FitPlan) -> Prepared:
             time=found.time,
         )
         if spec.pieces is not None:
+            check_without_controllers(where, begun)
             curves = [
-                (one.gain, offsets[f"{name}.{column}"], *targets[f"{name}.{column}"][2:4])
+                Curve(
+                    (one.gain, _number(plan, f"records.{name}.columns.{column}.gain")),
+                    (offsets[full], _number(plan, f"records.{name}.columns.{column}.offset")),
+                    *targets[full][2:4],
+                )
                 for column, one in spec.columns.items()
+                for full in (f"{name}.{column}",)
             ]
-            rig = _in_pieces(rig, spec, begun, curves, where)
+            numbers = [k for k, one in enumerate(plan.parameters.values()) if one in fitted]
+            rig, known = _in_pieces(rig, spec, unknowns, numbers, known, curves, where)
         rigs.append(rig)
         ways.append(tuple(ways_of(rig.begun, origin) for origin in rig.origins))
         joints.append(2 * data.sizes["coordinate"] * len(rig.origins))
-    return Prepared(place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints), tuple(notes))
+    first = unknowns.natural(known.at) if any(rig.pieces for rig in rigs) else unknowns.start
+    return Prepared(
+        place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints), first, tuple(notes)
+    )
 
 
 def _check_pace(column: ColumnSpec, time: np.ndarray, place: str) -> None:
@@ -161,18 +177,32 @@ def _check_pace(column: ColumnSpec, time: np.ndarray, place: str) -> None:
         )
 
 
-def _in_pieces(rig: Rig, spec: RecordSpec, begun: Scenario, curves: list[Any], place: str) -> Rig:
-    """Return a record's test in pieces, each beginning where its record is about."""
+def _number(plan: FitPlan, key: str) -> int:
+    """Return which parameter a number of a record is; -1 if it is none."""
+    every = list(plan.parameters.values())
+    return next((k for k, one in enumerate(every) if key in one.keys_set), -1)
+
+
+def _in_pieces(
+    rig: Rig,
+    spec: RecordSpec,
+    unknowns: Unknowns,
+    numbers: list[int],
+    known: Known,
+    curves: list[Curve],
+    place: str,
+) -> tuple[Rig, Known]:
+    """Return a record's test in pieces, each beginning where its record is about, and what is known then."""
     assert spec.pieces is not None
     length, last = spec.pieces.length, float(rig.time[-1])
     if not length < last:
         rule = f"must be shorter than the record, whose last row is at {last:g} s"
         raise ScenarioError(f"{place}.pieces.length {rule}, got {length:g} s")
-    check_without_controllers(place, begun)
-    cut = dataclasses.replace(
-        rig, pieces=instants_of(length, last + spec.clock_shift), begun=begun.model_dump_json()
-    )
-    return dataclasses.replace(cut, origins=followed(cut, Bench(begun), spec.clock_shift, curves, place))
+    cut = dataclasses.replace(rig, pieces=instants_of(length, last + spec.clock_shift))
+    along = followed(cut, unknowns, numbers, known, curves, spec.clock_shift, place)
+    values = unknowns.natural(along.known.at)[numbers]
+    begun = scenario_with(cut, tuple(values.tolist())).model_dump_json()
+    return dataclasses.replace(cut, origins=along.origins, begun=begun), along.known
 
 
 def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:

@@ -95,8 +95,13 @@ class Problem:
 
     @property
     def start(self) -> Array:
-        """Where the search begins, (p,) [SI]."""
+        """Values that the fit file begins with, (p,) [SI]."""
         return self.unknowns.start
+
+    @property
+    def first(self) -> Array:
+        """Where the search begins, (p,) [SI]: at these, or where following pieces has come to from them."""
+        return self._prepared.first
 
     @property
     def lower(self) -> Array:

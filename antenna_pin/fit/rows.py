@@ -128,6 +128,16 @@ class Rows:
         joints = sum(self._prepared.sizes_of_joints())
         return np.repeat(np.arange(len(rows) + joints), [*rows, *[1] * joints])
 
+    def noise_of_statistics(self) -> Array:
+        """Return what sensors' noise adds to the variance of each residual, (m,): of columns with an sd."""
+        return np.concatenate(
+            [
+                np.full(len(self._prepared.targets[f"{rig.name}.{name}"].data), float(spec.sd is not None))
+                for rig in self._prepared.rigs
+                for name, spec in rig.columns.items()
+            ]
+        )
+
     def curves(self, whole: Array, found: Sequence[Readings]) -> dict[str, tuple[Array, Array]]:
         """Return times, (rows,), and curves over their noise, (columns, rows), of records that are one run.
 

@@ -25,6 +25,7 @@ from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.result import Fit, Search
 from antenna_pin.fit.runs import NoRunError
 from antenna_pin.fit.sureness import hang_together
+from antenna_pin.fit.surface import on_surface
 from antenna_pin.readable import number
 from antenna_pin.sweep import Executor
 
@@ -105,8 +106,10 @@ def run_fit(
 
 def _found(problem: Problem) -> Fit:
     """Search from all starts, and tell of the best end."""
+    if problem.plan.surface is not None:
+        return on_surface(problem, problem.plan.surface)
     unknowns = problem.unknowns
-    first = np.concatenate([unknowns.start, problem.states])
+    first = np.concatenate([problem.first, problem.states])
     problem.residuals_at([first])  # there must be a run to begin with
     ends = []
     for start in _starts(problem, first):

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import deployed_panel
 import numpy as np
+import played_panel
 import pytest
 from deployed_panel import CLOCK, NOISE, TRUTH
 
@@ -51,3 +52,28 @@ def test_the_bands_hold_the_true_numbers(plan):
     assert np.all((found.bands.low <= truth) & (truth <= found.bands.high))
     # Chi squared: 684 give or take the root of twice that, three times.
     assert abs(found.bands.chi2 - found.bands.freedoms) < 3.0 * np.sqrt(2.0 * found.bands.freedoms)
+
+
+def test_a_panel_on_a_hinge_with_play_is_that_of_the_other_code():
+    problem = Problem(load_fit(EXAMPLES / "bounces.fit.toml"))
+    clean = played_panel.record(*played_panel.TRUTH.values(), played_panel.TIMES)
+    seen = problem.predictions([*played_panel.TRUTH.values()])
+    # Both are integrated to 1e-8 and better, over five blows on the stop with the play's between them.
+    assert np.abs(seen["model"].values - clean).max() < 1e-7
+    noise = (seen["data"].values - clean) / played_panel.NOISE
+    # 500 numbers of a normal distribution, written to a hundredth of their spread: three sigmas.
+    assert abs(noise @ noise - 500) < 3.0 * np.sqrt(2.0 * 500)
+
+
+@pytest.mark.slow
+def test_numbers_that_go_along_the_record_in_pieces_come_to_the_true_ones():
+    """From half the spring's stiffness, with which a run comes to the stop 0.3 s too late."""
+    half = ["parameters.spring.start=1 N*m/rad", "records.panel.pieces.length=500 ms"]
+    problem = Problem(load_fit(EXAMPLES / "bounces.fit.toml", half))
+    truth = np.array([*played_panel.TRUTH.values()])
+    assert np.all(np.abs(problem.start / truth - 1.0) > 0.19)
+    # To what ten pieces tell that are joined to a hundredth of an error scale only: some hundredths.
+    np.testing.assert_allclose(problem.first, truth, rtol=0.03)
+    off = problem.residuals(np.concatenate([problem.first, problem.states]))[:500]
+    # Pieces that start as they want to leave no more than the noise, of which they explain a part.
+    assert off @ off < 500 + 3.0 * np.sqrt(2.0 * 500)

@@ -6,8 +6,16 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
+
+from antenna_pin.fit import open_fit, run_fit
+from antenna_pin.fit.certainty import certain
+from antenna_pin.sweep import Cluster
+from antenna_pin.trajectory import save_table
+
+from .conftest import closed_form
 
 FILE = Path(__file__).parents[2] / "scripts" / "examples" / "hinge.fit.toml"
 
@@ -46,3 +54,46 @@ def test_a_fit_killed_at_three_places_is_the_fit_bit_for_bit(tmp_path):
     for one in (whole, killed):
         one.attrs.pop("command")
     xr.testing.assert_identical(whole, killed)
+
+
+DAMPER = '[parameters.damping]\nkey = "springs.hinge.damping"\nstart = "0.25 N*m*s/rad"\n'
+
+
+@pytest.mark.slow
+def test_profiles_are_the_same_to_the_bit_by_two_workers_and_after_two_interruptions(write, tmp_path):
+    """Which runs are asked for hangs on what the last ones came to: one bit elsewhere, and others are."""
+    time = np.linspace(0.0, 1.0, 201)
+    noise = 1e-3 * np.random.default_rng(5).standard_normal(201)
+    plan = write(columns={"angle": closed_form(time) + noise}, parameters=DAMPER)
+    plan = plan.model_copy(update={"noise": "estimated"})
+    made = []  # runs, one after the other, of a fit with its profiles
+
+    def profiled(out, executor=None, until=None):
+        def told(runs):
+            made.append(runs)
+            if until is not None and runs >= until:
+                raise KeyboardInterrupt
+
+        def judged(found):
+            table, _ = certain(found, profile=True)
+            save_table(table, tmp_path / out)
+
+        run_fit(plan, tmp_path / out, executor=executor, progress=told, then=judged)
+        return open_fit(tmp_path / out)
+
+    here = profiled("here.nc")
+    of_fit, whole = int(here.attrs["runs"]), made[-1]
+    assert whole > of_fit + 100 and np.isfinite(here["profile_end"]).all()
+    cluster = Cluster(2)
+    try:
+        xr.testing.assert_identical(profiled("workers.nc", cluster), here)
+        for share in (0.3, 0.6):  # of the profiles' runs
+            with pytest.raises(KeyboardInterrupt):
+                profiled("cut.nc", cluster, of_fit + int(share * (whole - of_fit)))
+    finally:
+        cluster.close()
+    assert (tmp_path / "cut.nc.parts").exists()
+    made.clear()
+    xr.testing.assert_identical(profiled("cut.nc"), here)
+    assert len(made) < 0.45 * whole  # what was kept was not run again
+    assert not (tmp_path / "cut.nc.parts").exists()

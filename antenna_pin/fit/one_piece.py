@@ -1,0 +1,246 @@
+"""One piece of a record: numbers and a start for which its run is near to its rows, where not known yet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.fit.bench import Bench, Ran
+from antenna_pin.fit.pieces import touching
+from antenna_pin.fit.runs import Rig, bench_of, rows_of, sensed
+from antenna_pin.fit.unknowns import Unknowns
+from antenna_pin.nonlinear import Chart
+from antenna_pin.nonlinear.frames import way_between
+from antenna_pin.state import State
+
+__all__ = ["Curve", "Found", "Piece"]
+
+Array = NDArray[np.float64]
+
+# Step of differences, in sizes of numbers and error scales; steps of a search, and the change of its sum
+# below which it ends: it is a beginning, no more.
+_STEP, _ROUNDS, _ROUGHLY = 1e-4, 10, 0.01
+# Sum of squares over rows from which on a piece has not been found from what was known.
+_LOST = 4.0
+
+
+class Curve(NamedTuple):
+    """A column of a record.
+
+    Attributes:
+        gain: Of its readings [-], and by the number of which unknown; -1 if it is none.
+        offset: Likewise [SI].
+        data: Of its rows.
+        noise: Of a row.
+    """
+
+    gain: tuple[float, int]
+    offset: tuple[float, int]
+    data: Array
+    noise: Array
+
+
+class _Made(NamedTuple):
+    """A run of a piece: how far it is from its rows, over their noise, and where it ends."""
+
+    off: Array
+    end: State
+
+
+class Found(NamedTuple):
+    """Where numbers and a piece's start have come to.
+
+    Attributes:
+        at: Both, as a search has them, (p + n,).
+        first: The piece's first state.
+        end: Its last.
+        covariance: Of both, (p + n, p + n).
+        ahead: Of numbers and the piece's end, (p + ways, p + ways).
+        cost: Sum of the squares of its rows.
+        lost: Whether that is not what noise makes.
+        failed: Why there is no run, in words.
+    """
+
+    at: Array
+    first: Any
+    end: Any
+    covariance: Array
+    ahead: Array
+    cost: float
+    lost: bool
+    failed: str = ""
+
+
+class Piece:
+    """One piece of a record, from about where the piece before has come to.
+
+    Args:
+        rig: The record's test, its pieces known.
+        unknowns: Parameters of the fit.
+        own: Which of them are the rig's values.
+        curves: Of the record's columns.
+        shift: Of its clock [s].
+        piece: Number of the piece.
+        at: Numbers that are known so far, as a search has them, (p,).
+        origin: State about which it starts; None of the first, which starts as the scenario does.
+
+    Attributes:
+        size: In how many coordinates its start is told.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        unknowns: Unknowns,
+        own: Sequence[int],
+        curves: Sequence[Curve],
+        shift: float,
+        piece: int,
+        at: Array,
+        origin: State | None,
+    ) -> None:
+        """Take its rows."""
+        self._rig, self._unknowns, self._own = rig, unknowns, list(own)
+        self._rows, self._until = rows_of(rig, shift, piece), rig.pieces[piece + 1]
+        first = int(np.searchsorted(rig.time + shift, self._rows[0])) if len(self._rows) else 0
+        here = slice(first, first + len(self._rows))
+        self._curves = [one._replace(data=one.data[here], noise=one.noise[here]) for one in curves]
+        self._calibrated = [k for one in curves for _, k in (one.gain, one.offset) if k >= 0]
+        self._at, self._origin = at, origin
+        self._chart = None if origin is None else Chart(self._bench(at).system, origin)
+        self.size = 0 if self._chart is None else 2 * self._chart.ways
+
+    def found(self, covariance: Array) -> Found:
+        """Return numbers and start for which a run is near to the rows, as far as they are not known yet.
+
+        Args:
+            covariance: Of what is known of them, (p + n, p + n).
+        """
+        from scipy.optimize import least_squares
+
+        p, n = self._unknowns.count, self.size
+        before = np.concatenate([self._at, np.zeros(n)])
+        values, axes = np.linalg.eigh(covariance)
+        held = (axes / np.sqrt(np.maximum(values, 1e-12 * values[-1]))).T
+        made = self._made([before])[0]
+        if isinstance(made, str):
+            return Found(before, None, None, covariance, covariance, np.inf, True, made)
+        latest: dict[str, Any] = {}
+
+        def residuals(x: Array) -> Array:
+            one = self._made([x])[0]
+            off = np.full(len(made.off), np.nan) if isinstance(one, str) else one.off
+            return np.concatenate([off, held @ (x - before)])
+
+        def slopes(x: Array) -> Array:
+            latest["x"], latest["off"], latest["ends"] = x, *self._slopes(x)
+            return np.concatenate([latest["off"], held])
+
+        free = np.full(n, np.inf)
+        lower, upper = (one[:p] for one in self._unknowns.bounds())
+        x = least_squares(
+            residuals,
+            before,
+            jac=slopes,
+            bounds=(np.concatenate([lower, -free]), np.concatenate([upper, free])),
+            ftol=_ROUGHLY,
+            max_nfev=_ROUNDS,
+        ).x
+        if not np.array_equal(latest["x"], x):
+            slopes(x)
+        (one,) = self._made([x])
+        assert not isinstance(one, str)
+        cost, count = float(one.off @ one.off), max(len(one.off), 1)
+        factor = max(1.0, cost / count)
+        after = np.linalg.inv(latest["off"].T @ latest["off"] / factor + held.T @ held)
+        ahead = np.zeros((p + len(latest["ends"]), p + n))
+        ahead[:p, :p] = np.eye(p)
+        ahead[p:] = latest["ends"]
+        return Found(x, self._first(x), one.end, after, ahead @ after @ ahead.T, cost, cost > _LOST * count)
+
+    def _bench(self, at: Array) -> Bench:
+        values = self._unknowns.natural(np.concatenate([at, np.zeros(self._unknowns.states)]))
+        return bench_of(self._rig, tuple(values[self._own].tolist()))
+
+    def _first(self, x: Array) -> State | None:
+        """Return the piece's first state; None of the scenario's own."""
+        if self._chart is None:
+            return None
+        whole = np.zeros(self._chart.size)
+        whole[: self.size] = x[self._unknowns.count :]
+        return self._chart.state(whole, self._bench(x[: self._unknowns.count]).system)
+
+    def _made(self, every: Sequence[Array]) -> list[_Made | str]:
+        """Return a run from each of several starts, all of the same numbers, or why there is none.
+
+        Their sensors are read at once, which takes longer than a short run does.
+        """
+        numbers = every[0][: self._unknowns.count]
+        try:
+            bench = self._bench(numbers)
+        except AntennaPinError as error:
+            return [str(error)] * len(every)
+        ran = [self._ran(bench, x) for x in every]
+        good = [one.chunk for one in ran if isinstance(one, Ran)]
+        read = iter(sensed(self._rig, bench, [self._rows] * len(good), good) if len(self._rows) else ())
+        values = self._unknowns.natural(np.concatenate([numbers, np.zeros(self._unknowns.states)]))
+        found: list[_Made | str] = []
+        for one in ran:
+            if isinstance(one, str):
+                found.append(one)
+                continue
+            off = [np.zeros(0)]
+            for reading, (gain, offset, data, noise) in zip(next(read, ()), self._curves, strict=False):
+                by, and_by = (values[k] if k >= 0 else value for value, k in (gain, offset))
+                off.append((by * reading + and_by - data) / noise)
+            found.append(_Made(np.concatenate(off), one.end))
+        return found
+
+    def _ran(self, bench: Bench, x: Array) -> Ran | str:
+        try:
+            first = self._first(x)
+            ran = bench.run(self._rows, self._until, first and touching(first, bench.system))
+        except AntennaPinError as error:
+            return str(error)
+        return ran.failed or ran
+
+    def _slopes(self, x: Array) -> tuple[Array, Array]:
+        """Return the derivatives of rows and of the piece's end, in its own coordinates."""
+        (here,) = self._made([x])
+        assert not isinstance(here, str)
+        p = self._unknowns.count
+        lower, upper = (one[:p] for one in self._unknowns.bounds())
+        chart = Chart(self._bench(x[:p]).system, here.end)
+        rows, ends = np.zeros((len(here.off), len(x))), np.zeros((2 * chart.ways, len(x)))
+        numbers, places = list(dict.fromkeys([*self._own, *self._calibrated])), list(range(p, len(x)))
+        there = {(k, sign): x.copy() for k in (*numbers, *places) for sign in (-1.0, 1.0)}
+        for (k, sign), one in there.items():
+            one[k] += sign * _STEP
+            if k < p:
+                one[k] = min(max(one[k], lower[k]), upper[k])
+        made: dict[tuple[int, float], _Made | str] = {}
+        together = [[one] for one in there if one[0] < p] + [[one for one in there if one[0] >= p]]
+        for keys in filter(None, together):
+            made.update(zip(keys, self._made([there[one] for one in keys]), strict=True))
+        for k in (*numbers, *places):
+            sides = []
+            for sign in (-1.0, 1.0):
+                ran = made[k, sign]
+                sides.append((x[k], here) if isinstance(ran, str) else (there[k, sign][k], ran))
+            (left, below), (right, above) = sides
+            if right > left:
+                rows[:, k] = (above.off - below.off) / (right - left)
+                ends[:, k] = (_ways(chart, above.end) - _ways(chart, below.end)) / (right - left)
+        return rows, ends
+
+
+def _ways(chart: Chart, there: State) -> Array:
+    """Return how far a state is from a chart's origin along its freedoms, ways and rates, in error scales."""
+    origin, units, free = chart.origin, chart.units, chart.frame.free
+    way = way_between(chart.system, origin.q, there.q) / units.way
+    rate = (there.v - origin.v) / units.rate
+    return np.concatenate([np.linalg.lstsq(free, one, rcond=None)[0] for one in (way, rate)])
