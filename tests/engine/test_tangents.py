@@ -234,3 +234,26 @@ def test_rates_change_over_numbers_of_the_system_as_the_whole_does():
         # What differences of the whole are good to is 1e-9 of the column, and round-off of the largest.
         off = np.abs(field._weighed(found)[:, k] - right).max()
         assert off < 1e-8 * np.abs(right).max(), NUMBERS[k]
+
+
+def test_the_arm_of_what_acts_along_a_slider_goes_with_where_its_bearing_is():
+    """A number that no element has, but the joint's frames, of which its arm is made."""
+    drive = {"kind": "sine", "amplitude": 3.0, "frequency": 50.0, "phase": 0.3}
+    overrides = {
+        "clearance.slide.geometry": "closed-form",
+        "clearance.slide.offset": 0.01,
+        "drives.slide": drive,
+    }
+    system, numbers = with_numbers(
+        load_scenario("slider", case="rest", overrides=overrides), ["clearance.slide.offset"]
+    )
+    field, rng = Field(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
+    y = system.state(system.neutral(), 0.3 * rng.normal(size=system.model.nv))
+    field.workspace.retract(y, 1e-5 * rng.normal(size=system.model.nv))
+    system.turn_on(y)
+    ways = np.eye(field.displacement)[:, field.parts[-3]]
+    found = field._tangents.rates(TIME, y, ways, np.full(1, 1e-4))[0, :, 0]
+    tried = [field._near.over_numbers(TIME, y, np.ones(1), step) for step in STEPS]
+    right, _ = min(tried, key=lambda two: np.abs(two[0] - two[1]).max())
+    # As above.
+    assert np.abs(found - right).max() < 1e-8 * np.abs(right).max() and right.any()
