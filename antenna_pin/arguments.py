@@ -107,7 +107,7 @@ def _read(place: str, name: str, value: Any, hint: Any, unit: str | None) -> Any
     if not fits(value, hint):
         rule = rule_of(hint) + ("" if unit is None else f", in {unit} or with a unit")
         raise InvalidParameterError(place, name, rule, said=unknown_type(value))
-    if isinstance(value, Iterator) and get_origin(hint) is Iterable:
+    if get_origin(hint) is Iterable and isinstance(value, Iterator):
         return _each(place, name, value, hint)
     return value
 
@@ -123,26 +123,20 @@ def _each(place: str, name: str, values: Iterator[Any], hint: Any) -> Iterator[A
 
 def _check_count(place: str, name: str, value: Any, hint: Any) -> None:
     """Refuse a function that cannot be called with as many arguments as its annotation has."""
-    asked = _asked_of(hint) if callable(value) else None
-    if asked is None:
+    kinds = (hint, *(get_args(hint) if get_origin(hint) in _UNIONS else ()))
+    known = [get_args(kind)[0] for kind in kinds if get_origin(kind) is Callable and get_args(kind)]
+    if not callable(value) or len(known) != 1 or known[0] is ...:
         return
     try:
         signature = inspect.signature(value)
     except (TypeError, ValueError):  # some of those in C do not say
         return
     try:
-        signature.bind(*asked)
+        signature.bind(*known[0])
     except TypeError:
-        count = len(asked)
+        count = len(known[0])
         rule = f"a function of {count} argument{'s' if count > 1 else ''}"
         raise InvalidParameterError(place, name, rule, said=f"one of {signature}") from None
-
-
-def _asked_of(hint: Any) -> tuple[Any, ...] | None:
-    """Return what a function is asked with, of an annotation that says it of one; else None."""
-    kinds = (hint, *(get_args(hint) if get_origin(hint) in _UNIONS else ()))
-    known = [get_args(kind)[0] for kind in kinds if get_origin(kind) is Callable and get_args(kind)]
-    return tuple(known[0]) if len(known) == 1 and known[0] is not ... else None
 
 
 def _in_si(place: str, value: Any, unit: str) -> Any:
@@ -196,9 +190,9 @@ def fits(value: Any, hint: Any) -> bool:
         return True
     if hint is None or hint is type(None):
         return value is None
-    origin, inner, arrays_of = _parts(hint)
-    if arrays_of is not None:
-        return _is_array(value, arrays_of)
+    if hint == ArrayLike or get_origin(hint) in _ARRAYS or hint is np.ndarray:
+        return _is_array(value, "c" if hint != ArrayLike and "complex" in str(hint) else "")
+    origin, inner = get_origin(hint), get_args(hint)
     if origin in _UNIONS:
         arrays, others = _without_arrays(inner)
         return (arrays and _is_array(value, "")) or any(fits(value, one) for one in others)
@@ -217,15 +211,6 @@ def fits(value: Any, hint: Any) -> bool:
     if getattr(hint, "_is_protocol", False):
         return not inspect.isclass(value) and all(hasattr(value, name) for name in _members(hint))
     return isinstance(value, hint) if isinstance(hint, type) else True
-
-
-@functools.cache
-def _parts(hint: Any) -> tuple[Any, tuple[Any, ...], str | None]:
-    """Return origin and arguments of an annotation, and of arrays NumPy's kinds that they may be of, too."""
-    origin = get_origin(hint)
-    if hint == ArrayLike or origin in _ARRAYS or hint is np.ndarray:
-        return origin, get_args(hint), "c" if hint != ArrayLike and "complex" in str(hint) else ""
-    return origin, get_args(hint), None
 
 
 def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
