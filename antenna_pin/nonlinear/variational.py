@@ -54,8 +54,8 @@ _GOOD, _BY_STAGES = 1e2, 10.0
 _TRIES = 48
 # In parts of a step, what counts as the same instant.
 _AT_ONCE = 1e-12
-# From which depth on a contact is deep, over what its onset is located to: derivatives over a clearance are off
-# by 3e-5 (Tsuji's law) if it is at once, by 7e-12 from 1 on, by 1e-13 from 1e4 on; a hundred times that.
+# From which depth on a contact is deep, over what its onset is located to: derivatives over a clearance are
+# off by 3e-5 (Tsuji's law) if it is at once, by 7e-12 from 1 on, by 1e-13 from 1e4 on; a hundred times that.
 _DEEP = 1e6
 # How many steps wait at most to be carried along together.
 _TOGETHER = 64
