@@ -57,13 +57,13 @@ def cut_at_turns(step: Step, behind: Array, within: Within, field: Field) -> lis
 def _turns(works: NDArray[np.int_], step: Step, within: Within, field: Field) -> list[float]:
     """Return at which fractions of a step some works turn back."""
 
-    def power(theta: float) -> Array:
-        return field.booked(step.time + theta * step.size, within.at(theta))[works]
+    def power(theta: float, x: int) -> float:
+        return float(field.booked(step.time + theta * step.size, within.at(theta))[x])
 
     found = []
-    values = np.array([power(k / _PARTS) for k in range(_PARTS + 1)])
-    for n, own in enumerate(values.T):
-        for k in np.flatnonzero(own[1:] * own[:-1] < 0.0).tolist():
+    for x in works.tolist():
+        values = np.array([power(k / _PARTS, x) for k in range(_PARTS + 1)])
+        for k in np.flatnonzero(values[1:] * values[:-1] < 0.0).tolist():
             low, high = k / _PARTS, (k + 1) / _PARTS
-            found.append(float(brentq(lambda theta, n=n: power(theta)[n], low, high, xtol=1e-15)))
+            found.append(float(brentq(power, low, high, args=(x,), xtol=1e-15)))
     return found

@@ -49,16 +49,10 @@ def test_matrices_see_that_a_force_begins_with_a_root_in_a_shallow_contact(monke
     assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()
 
 
-def test_steps_in_which_a_force_breaks(monkeypatch):
-    """A law that would pull is cut at zero: what stages leave of that is in their doubt, as matrices say."""
-    flow, start = pair("law = 'tsuji', restitution = 0.7")
-    by_stages = carried(flow, start, 1.9e-3)
-    assert by_stages.matrices < by_stages.stages.made
-    monkeypatch.setattr(Field, "carrying", lambda _: None)
-    one, other = by_stages.carried.matrix, carried(flow, start, 1.9e-3).carried.matrix
-    sizes = np.linalg.norm(other, axis=0)
-    # Found: half of the doubt; by the method's own estimate alone six times as much.
-    assert (np.linalg.norm(one - other, axis=0) / sizes).max() < (by_stages.doubt / sizes).max()
+def test_steps_in_which_a_force_breaks_are_left_to_matrices():
+    """A law that would pull is cut at zero: near there the two orders of differences part."""
+    carrier = carried(*pair("law = 'tsuji', restitution = 0.7"), 1.9e-3)
+    assert 0 < carrier.matrices < carrier.stages.made
 
 
 def test_a_spinning_body_by_stages(monkeypatch):
