@@ -32,6 +32,7 @@ from typing import ClassVar
 import numpy as np
 
 from antenna_pin.contact import friction_kernels as kernels
+from antenna_pin.contact.bristle_kernels import steady_coefficient
 from antenna_pin.contact.friction import (
     CompiledFrictionLaw,
     check_at_least,
@@ -61,7 +62,7 @@ class BristleLaw(CompiledFrictionLaw):
             speed: Slip speed [m/s], zero or more; at zero it is what is needed to break away.
             normal_force: Without influence [N].
         """
-        return float(kernels.steady_coefficient(self.code(), speed))
+        return float(steady_coefficient(self.code(), speed))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from antenna_pin._compile import inlined, record
-from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER, bristle, gonthier_kink
+from antenna_pin.contact.bristle_kernels import bristle, gonthier_kink
+from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER
 from antenna_pin.records import layout, words_of
 
 #: By how much bristles are bent at Coulomb friction, their stiffness, viscous friction, how bent they start,

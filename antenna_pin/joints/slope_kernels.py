@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 from antenna_pin._by_address import by_address
 from antenna_pin._compile import inlined, kernel
-from antenna_pin.contact.friction_kernels import FRICTION_SIZE, bristle_force
+from antenna_pin.contact.bristle_kernels import bristle_force
+from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE
 from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor

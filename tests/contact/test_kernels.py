@@ -19,6 +19,7 @@ from antenna_pin.contact import (
     KelvinVoigt,
     LiuPinJoint,
     Persson,
+    bristle_kernels,
     friction_kernels,
     kernels,
 )
@@ -120,7 +121,7 @@ def test_every_kind_that_is_declared_is_known_to_the_kernels_and_no_other():
             return friction_kernels.friction_ratio(code, 0.1, 1.0)
         state = np.full(4, 0.1)
         slip, normal = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-        return friction_kernels.bristle_force(code, 1.0, slip, normal, state, rates)[0]
+        return bristle_kernels.bristle_force(code, 1.0, slip, normal, state, rates)[0]
 
     # One past all of them is none.
     for kind in (*kernels.ELASTIC_RECORDS, 7.0):
@@ -163,7 +164,7 @@ def test_friction_kernels_equal_their_python(friction_law):
 def test_bristle_kernels_equal_their_python(bristle_law):
     code, rng = bristle_law.code(), np.random.default_rng(3)
     assert code.shape == (friction_kernels.FRICTION_SIZE,)
-    kernel = friction_kernels.bristle_force
+    kernel = bristle_kernels.bristle_force
     scales = np.array(bristle_law.state_scales)
     for _ in range(100):
         normal = rng.normal(size=3)
