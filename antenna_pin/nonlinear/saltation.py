@@ -224,7 +224,7 @@ class Saltation:
         # Masses do not go with velocities, rates do by the normal: neither need be differentiated over them.
         rate_of, placed = field.parts[1], lift.up.copy()
         placed[rate_of.start : field.parts[4].stop] = 0.0
-        slopes = {k: field.depths.along(one, time, y, placed)[0] / size for k, (one, size) in kept.items()}
+        slopes = {k: field.depths.both(one, time, y, placed)[:, 0] / size for k, (one, size) in kept.items()}
         if 1 in slopes:
             normal, _ = field.workspace.along_normal(y, c)
             slopes[1] -= normal @ lift.up[rate_of] / kept[1][1]
@@ -235,7 +235,8 @@ class Saltation:
         found = Carried(turn @ ways[0], turn @ ways[1], frame, books)
         for k, (contact, column) in enumerate(frame.remembered, len(turn) - len(frame.remembered)):
             if contact == c and column in slopes:
-                found.matrix[k], found.other[k] = (slopes[column] @ one for one in ways)
+                for each, slope, one in zip(found[:2], slopes[column], ways, strict=True):
+                    each[k] = slope @ one
         return found
 
     def release(self, c: int, flow: int, carried: Carried, time: float, y: Array) -> Carried:
