@@ -36,7 +36,7 @@ from antenna_pin.nonlinear.frames import Frame, Lift
 from antenna_pin.nonlinear.instants import Carried, at_equal_times, with_time
 from antenna_pin.nonlinear.missed import Missed, StepAnew
 from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.nonlinear.pieces import Piece
+from antenna_pin.nonlinear.pieces import Piece, at_once
 from antenna_pin.nonlinear.saltation import Passed, Saltation
 from antenna_pin.nonlinear.within import Within
 from antenna_pin.simulation.loop import Run
@@ -52,8 +52,6 @@ _GOOD = 1e2
 _TRIES = 48
 # What stages may be wrong by, over that: their estimate is that of a lower order.
 _BY_STAGES = 10.0
-# In parts of a step, and in units of the last place of its time, what counts as the same instant.
-_AT_ONCE, _ULPS = 1e-12, 4.0
 # From which depth on a contact is deep, over what its onset is located to.
 _DEEP = 1e6
 # How many steps wait at most to be carried along together.
@@ -227,7 +225,7 @@ class Carrier:
         """
         if self.stages is None or self.field.workspace.constraints is not None:
             return False
-        seen = self._looks and self._looks[0] < step.time + (1.0 + _as_one(step.time, step.size)) * step.size
+        seen = self._looks and self._looks[0] < step.time + (1.0 + at_once(step.time, step.size)) * step.size
         return not (step.changes[1] or step.known[1] or seen)
 
     def _go_along(self) -> None:
@@ -286,14 +284,14 @@ class Carrier:
     def _part(self, piece: Piece) -> None:
         """Carry the displacements over a part of a step, and show them where they are to be looked at."""
         size = self._within.size
-        at_once = _as_one(self._time, size)
-        while self._looks and (theta := (self._looks[0] - self._time) / size) < piece.b - at_once:
-            if theta > piece.a + at_once:
+        near = at_once(self._time, size)
+        while self._looks and (theta := (self._looks[0] - self._time) / size) < piece.b - near:
+            if theta > piece.a + near:
                 before, piece = piece.cut(theta, False)
                 self._piece(before)
             self._show(piece.a)
         self._piece(piece)
-        while self._looks and (self._looks[0] - self._time) / size < piece.b + at_once:
+        while self._looks and (self._looks[0] - self._time) / size < piece.b + near:
             self._show(piece.b)
 
     def _show(self, theta: float) -> None:
@@ -348,8 +346,3 @@ class Carrier:
         missed = self._missed.sizes(at_equal_times(self.field, self._all, *self._here))
         left_over = self._matrices.left_over * np.linalg.norm(matrix, axis=0)
         return np.asarray(np.linalg.norm(matrix - other, axis=0) + left_over + missed)
-
-
-def _as_one(time: float, size: float) -> float:
-    """Return what part of a step is one instant, of a step that begins at a time [s] and is so long [s]."""
-    return max(_AT_ONCE, _ULPS * float(np.spacing(time)) / size)
