@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SCATTER", "STEPS", "WEIGHTS", "Slope", "gradient", "roughness", "slope"]
+__all__ = ["STEPS", "WEIGHTS", "Slope", "gradient", "roughness", "slope"]
 
 Array = NDArray[np.float64]
 
@@ -18,8 +18,6 @@ STEPS = (1e-2, 1e-3, 1e-4, 1e-6)
 #: Of central differences at 1, 2 and 3 steps: of sixth order, and of fourth; their difference tells a kink.
 WEIGHTS = np.array([[45.0, -9.0, 1.0], [8.0, -1.0, 0.0]]) / np.array([[60.0], [12.0]])
 _SIXTH, _FOURTH = WEIGHTS
-#: Round-off of a difference of sixth order over that of what is between both: seven times.
-SCATTER = float(np.linalg.norm(_SIXTH) / np.linalg.norm(_SIXTH - _FOURTH))
 # A kink on the spot, J |s| / 2, is only in even differences e_k = f(kh) + f(-kh) - 2 f(0), by J k h, where a
 # smooth function has f2 (kh)^2 + f4 (kh)^4 / 12 + f6 (kh)^6 / 360, by its derivatives. Weights w with w.k = 6
 # and w.k^2 = w.k^4 = 0 leave J / 2 of w.e / 12 h, and f6 h^5 / 12 of a smooth function: where steps are good

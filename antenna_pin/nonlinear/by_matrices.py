@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.differences import SCATTER
 from antenna_pin.integrate import NODES, Propagator
 from antenna_pin.nonlinear.breaks import BETWEEN, left_over
 from antenna_pin.nonlinear.field import Field
@@ -119,7 +118,7 @@ class ByMatrices:
                 carried = self._pass(*found_break, carried)
             return self.over(behind, carried)
         self.left_over += off
-        other = step.other + self._propagator.change(length, SCATTER * (fourth - sixth))
+        other = step.other + self._propagator.change(length, fourth - sixth)
         booked = carried.books + self._propagator.integral(length, books) @ carried.matrix
         return Carried(step.matrix @ carried.matrix, other @ carried.other, frame, booked)
 

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 # Steps of differences of what is smooth on the scale of a play, over it, and over a parameter's; and how much
 # finer they are tried, as often at most, where the scale is another, as that of a tilt that is next to none.
 _STEP, _OF_NUMBERS = 1e-3, 1e-2
-_FINER, _OFTEN = 10.0, 3
+_FINER, _OFTEN, _PART = 10.0, 3, 1e-8  # the last: what parts two orders then, over the largest derivative
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Part of a row's largest number that must be left of it beside those before: else it says nothing new.
 _NEW = 1e-3
@@ -49,28 +49,31 @@ class Depths:
         """Return the derivatives of a function along displacements of any size, (values, k).
 
         Args:
-            function: ``(time, y) -> values``, smooth on the scale of a play, or where two orders of
-                differences part on a finer one.
+            function: ``(time, y) -> values``, smooth on the scale of a play.
             time: [s].
             y: State.
             ways: By columns, (displacement, k).
         """
-        return np.asarray(self.both(function, time, y, ways)[0])
+        return np.asarray(self.of_orders(function, time, y, ways, self.steps(ways))[0])
 
     def both(self, function: Function, time: float, y: Array, ways: Array) -> Array:
-        """Return derivatives as :meth:`along`, and others that tell what they are off by, (2, values, k)."""
+        """Return derivatives of what may be smooth on a finer scale only, and others that tell their doubt.
+
+        As :meth:`along`; (2, values, k).
+        """
         steps, noise = self.steps(ways), _ROUND_OFF * np.abs(function(time, y))[:, None]
         found = self.of_orders(function, time, y, ways, steps)
         off, rough = np.abs(found[0] - found[1]), np.arange(len(steps))
+        good = _PART * np.abs(found[0]).max(axis=1, keepdims=True, initial=0.0)
         for _ in range(_OFTEN):
             # Finer ones serve where what parts two orders is more than round-off is by these.
-            rough = rough[(off > noise * _FINER / steps)[:, rough].any(axis=0)]
+            rough = rough[(off > np.maximum(good, noise * _FINER / steps))[:, rough].any(axis=0)]
             if not len(rough):
                 break
             steps[rough] /= _FINER
             again = self.of_orders(function, time, y, ways[:, rough], steps[rough])
             rest = np.abs(again[0] - again[1])
-            better = rest < off[:, rough]
+            better = rest < off[:, rough] / _FINER**2  # which round-off that is there by chance is hardly
             found[:, :, rough] = np.where(better, again, found[:, :, rough])
             off[:, rough] = np.minimum(rest, off[:, rough])
         return found

@@ -1,10 +1,9 @@
-"""Derivatives of what goes with where joints are in their play, and what round-off leaves of differences."""
+"""Derivatives of what goes with where joints are in their play."""
 
 import numpy as np
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.differences import SCATTER, WEIGHTS
 from antenna_pin.nonlinear import flow_of
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.simulation.from_scenario import settings_of
@@ -30,14 +29,3 @@ def test_what_changes_on_a_finer_scale_than_the_play(scale):
     # Round-off of velocities of 0.1 m/s over steps of a thousandth of the scale, or of 1e-5 m/s at most.
     assert sixth[0] == pytest.approx([0.6, 0.8], rel=0.0, abs=2e-9)
     assert np.abs(sixth - other).max() < 1e-8
-
-
-def test_what_round_off_leaves_of_differences_is_so_many_times_what_parts_their_orders():
-    """Of a straight line both orders are right but for that."""
-    places = 1.0 + np.linspace(0.0, 1.0, 400)
-    step = 1e-9
-    values = [(places + k * step) * np.pi - (places - k * step) * np.pi for k in (1, 2, 3)]
-    sixth, fourth = WEIGHTS @ np.array(values) / step
-    off, told = (np.sqrt(np.mean(one**2)) for one in (sixth - np.pi, sixth - fourth))
-    # Of 400 that scatter the mean square is known to a tenth.
-    assert off == pytest.approx(SCATTER * told, rel=0.2)
