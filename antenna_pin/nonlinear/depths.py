@@ -23,8 +23,11 @@ __all__ = ["Depths"]
 
 Array = NDArray[np.float64]
 
-# Steps of differences of what is smooth on the scale of a play, over it, and over a parameter's.
+# Steps of differences of what is smooth on the scale of a play, over it, and over a parameter's; and how much
+# finer they are tried, as often at most, where the scale is another, as that of a tilt that is next to none.
 _STEP, _OF_NUMBERS = 1e-3, 1e-2
+_FINER, _OFTEN, _PART = 10.0, 3, 1e-8  # the last: what parts two orders then, over the largest derivative
+_ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Part of a row's largest number that must be left of it beside those before: else it says nothing new.
 _NEW = 1e-3
 
@@ -60,6 +63,28 @@ class Depths:
             ways: By columns, (displacement, k).
         """
         return np.asarray(self.of_orders(function, time, y, ways, self.steps(ways))[0])
+
+    def both(self, function: Function, time: float, y: Array, ways: Array) -> Array:
+        """Return derivatives of what may be smooth on a finer scale only, and others that tell their doubt.
+
+        As :meth:`along`; (2, values, k).
+        """
+        steps, noise = self.steps(ways), _ROUND_OFF * np.abs(function(time, y))[:, None]
+        found = self.of_orders(function, time, y, ways, steps)
+        off, rough = np.abs(found[0] - found[1]), np.arange(len(steps))
+        good = _PART * np.abs(found[0]).max(axis=1, keepdims=True, initial=0.0)
+        for _ in range(_OFTEN):
+            # Finer ones serve where what parts two orders is more than round-off is by these.
+            rough = rough[(off > np.maximum(good, noise * _FINER / steps))[:, rough].any(axis=0)]
+            if not len(rough):
+                break
+            steps[rough] /= _FINER
+            again = self.of_orders(function, time, y, ways[:, rough], steps[rough])
+            rest = np.abs(again[0] - again[1])
+            better = rest < off[:, rough] / _FINER**2  # which round-off that is there by chance is hardly
+            found[:, :, rough] = np.where(better, again, found[:, :, rough])
+            off[:, rough] = np.minimum(rest, off[:, rough])
+        return found
 
     def steps(self, ways: Array) -> Array:
         """Return the steps of such differences, (k,)."""
@@ -115,9 +140,10 @@ class Depths:
         return own, float(normal @ y[nq : nq + near.system.model.nv])
 
     def impact(self, time: float, y: Array, c: int, ways: Array) -> tuple[Array, Array]:
-        """Return how what is remembered of an onset changes along displacements, (k,) each.
+        """Return how what is remembered of an onset changes along displacements, (2, k) each.
 
-        That is the approach speed [m/s], and the logarithm of the effective mass.
+        That is the approach speed [m/s], and the logarithm of the effective mass; by what parts the two rows
+        of each it is in doubt.
 
         Args:
             time: [s].
@@ -126,7 +152,8 @@ class Depths:
             ways: Displacements, (displacement, k).
         """
         if self.tangents is not None:
-            return self.tangents.impact(y, c, ways)
+            faster, heavier = self.tangents.impact(y, c, ways)
+            return np.array([faster, faster]), np.array([heavier, heavier])
         workspace, (_, rate, *_) = self._near.workspace, self._near.parts
         own = slice(rate.start, self._near.parts[4].stop)
         # Masses do not go with velocities, rates do by the normal: neither need be differentiated over them.
@@ -137,7 +164,7 @@ class Depths:
             workspace.locate(state, self._table)
             return np.array([self._table["rate"][c], np.log(workspace.effective_mass(state, c))])
 
-        faster, heavier = self.along(met, time, y, placed)
+        faster, heavier = self.both(met, time, y, placed).transpose(1, 0, 2)
         return faster - workspace.along_normal(y, c)[0] @ ways[rate], heavier
 
     def level(self, frame: Frame, y: Array, up: Array) -> Array | None:

@@ -243,17 +243,14 @@ class Field:
             y: State.
             way: (displacement,).
         """
-        first = self._steps(y, way[:, None], True)
-        sixth, _, steps = self.slopes(time, y, way[:, None], first)
-        return self._weighed(sixth)[:, 0], self._noise(y, way[:, None], steps, first)
+        sixth, _, steps = self.slopes(time, y, way[:, None])
+        return self._weighed(sixth)[:, 0], self._noise(way[:, None], steps)
 
-    def _noise(self, y: Array, ways: Array, steps: Array, first: Array) -> float:
-        """Return the round-off of derivatives along a displacement; of the whole none is sure in contacts."""
+    def _noise(self, ways: Array, steps: Array) -> float:
+        """Return the round-off of derivatives along a displacement; where gaps are measured none is sure."""
         parts = self._tangents is not None and not self._goes_by_more(ways).any()
-        # Steps of the whole that a kink has made finer are not those of a shallow contact.
-        touch = not parts and self.workspace.memory["touching"].any()
-        shallow = touch and self._shallow(y, ways, first)[0]
-        return math.inf if shallow else self.round_off / float(steps[0])
+        unsure = not parts and self._measured and self.workspace.memory["touching"].any()
+        return math.inf if unsure else self.round_off / float(steps[0])
 
     def across_kinks(self, time: float, y: Array, way: Array) -> tuple[Array, float]:
         """Return what :meth:`along_way` does with a step that kinks may lie within, and that step."""
@@ -331,8 +328,7 @@ class Field:
         v, count = y[nq : nq + nv], lift.up.shape[1]
         basis = self.depths.level(frame, y, lift.up)
         ways = np.column_stack([lift.up if basis is None else lift.up @ basis, way])
-        first = self._steps(y, ways, True)
-        sixth, fourth, steps = self.slopes(time, y, ways, first)
+        sixth, fourth, steps = self.slopes(time, y, ways)
         both, over = [], [sixth[:, :count], fourth[:, :count]]
         if basis is not None:
             over = [one @ np.linalg.inv(basis) for one in over]
@@ -345,6 +341,6 @@ class Field:
             both[0],
             both[1],
             self._weighed(sixth[:, count:])[:, 0],
-            self._noise(y, way[:, None], steps[count:], first[count:]),
+            self._noise(way[:, None], steps[count:]),
             over[0][nv:],
         )

@@ -24,10 +24,10 @@ Array = NDArray[np.float64]
 Function = Callable[[float, Array], Array]
 
 #: Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
-#: are finer, to be small beside the kinks of laws; less so in loops, where a clearance turns links by a
-#: thousandth of a unit, which must be large beside round-off.
+#: are finer, to be small beside the kinks of laws, but large beside the round-off of places: where a kink is
+#: nearer, or a contact is shallow, they are made finer yet.
 STEP = 1e-4
-_IN_PLAY, _IN_LOOPS = 1e-6, 1e-5
+_IN_PLAY = 1e-5
 
 
 class Near:
@@ -123,8 +123,7 @@ class Near:
         out = np.zeros(self.parts[-1].stop)
         out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
         out[kept] = 1.0 / (STEP * self.kept.units(units.way, units.rate))
-        of_forces = _IN_LOOPS if self.system.plan else _IN_PLAY
-        steps, finer = np.full(self.system.model.nv, STEP), of_forces if in_play is None else in_play
+        steps, finer = np.full(self.system.model.nv, STEP), _IN_PLAY if in_play is None else in_play
         for joint in self.system.clearances:
             steps[self.system.mechanism.joint(joint.name).v] = finer
         out[way] /= steps

@@ -7,13 +7,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["HALVINGS", "Piece"]
+__all__ = ["HALVINGS", "Piece", "at_once"]
 
 Array = NDArray[np.float64]
 
 # How often a step is halved; and the power of what is integrated over that time goes with next to where a
 # contact begins or ends.
 HALVINGS, _GRADE = 30, 4
+# In parts of a step, and in units of the last place of its time, what counts as the same instant.
+_AT_ONCE, _ULPS = 1e-12, 4.0
 
 
 class Piece(NamedTuple):
@@ -57,3 +59,13 @@ class Piece(NamedTuple):
             self._replace(b=at, falling=False, known=(first, known), halvings=less),
             self._replace(a=at, graded=False, known=(known, last), halvings=less),
         )
+
+
+def at_once(time: float, size: float) -> float:
+    """Return what part of a step counts as one instant.
+
+    Args:
+        time: When it begins [s].
+        size: How long it is [s].
+    """
+    return max(_AT_ONCE, _ULPS * float(np.spacing(time)) / size)

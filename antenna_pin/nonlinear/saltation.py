@@ -225,7 +225,8 @@ class Saltation:
         found = Carried(turn @ ways[0], turn @ ways[1], frame, books)
         for k, (contact, column) in enumerate(frame.remembered, len(turn) - len(frame.remembered)):
             if contact == c and column in slopes:
-                found.matrix[k], found.other[k] = (slopes[column] @ one for one in ways)
+                for each, slope, one in zip(found[:2], slopes[column], ways, strict=True):
+                    each[k] = slope @ one
         return found
 
     def release(self, c: int, flow: int, carried: Carried, time: float, y: Array) -> Carried:

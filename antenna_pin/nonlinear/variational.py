@@ -38,7 +38,7 @@ from antenna_pin.nonlinear.frames import Frame, Lift
 from antenna_pin.nonlinear.instants import Carried, at_equal_times, with_time
 from antenna_pin.nonlinear.missed import Missed, StepAnew
 from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.nonlinear.pieces import Piece
+from antenna_pin.nonlinear.pieces import Piece, at_once
 from antenna_pin.nonlinear.saltation import Passed, Saltation
 from antenna_pin.nonlinear.turns import cut_at_turns
 from antenna_pin.nonlinear.within import Within
@@ -52,8 +52,6 @@ Array = NDArray[np.float64]
 # What a piece of a step may be wrong by, over the displacements and over the run's tolerance; what stages may
 # be, over that: their estimate is that of a lower order.
 _GOOD, _BY_STAGES = 1e2, 10.0
-# In parts of a step, what counts as the same instant.
-_AT_ONCE = 1e-12
 # From which depth on a contact is deep, over what its onset is located to: derivatives over a clearance are
 # off by 3e-5 (Tsuji's law) if it is at once, by 7e-12 from 1 on, by 1e-13 from 1e4 on; a hundred times that.
 _DEEP = 1e6
@@ -239,7 +237,7 @@ class Carrier:
         """
         if self.stages is None or self.field.workspace.constraints is not None:
             return False
-        seen = self._looks and self._looks[0] < step.time + (1.0 + _AT_ONCE) * step.size
+        seen = self._looks and self._looks[0] < step.time + (1.0 + at_once(step.time, step.size)) * step.size
         return not (step.changes[1] or step.known[1] or seen)
 
     def _go_along(self, until: float = np.inf) -> None:
@@ -299,14 +297,14 @@ class Carrier:
 
     def _part(self, piece: Piece) -> None:
         """Carry the displacements over a part of a step, and show them where they are to be looked at."""
-        size = self.within.size
-        while self._looks and (theta := (self._looks[0] - self._time) / size) < piece.b - _AT_ONCE:
-            if theta > piece.a + _AT_ONCE:
+        near = at_once(self._time, size := self.within.size)
+        while self._looks and (theta := (self._looks[0] - self._time) / size) < piece.b - near:
+            if theta > piece.a + near:
                 before, piece = piece.cut(theta, False)
                 self._piece(before)
             self._show(piece.a)
         self._piece(piece)
-        while self._looks and (self._looks[0] - self._time) / size < piece.b + _AT_ONCE:
+        while self._looks and (self._looks[0] - self._time) / size < piece.b + near:
             self._show(piece.b)
 
     def _show(self, theta: float) -> None:

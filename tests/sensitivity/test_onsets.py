@@ -112,16 +112,17 @@ def test_an_impact_that_begins_with_infinite_slope(law):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [2, 3, 4, 7])
-def test_random_mechanisms_with_bristles_and_laws_of_infinite_slope(number, monkeypatch):
-    """Those that the equation was off by 1e-5 in or refused, while a contact counted from some depth on.
+@pytest.mark.parametrize("number", [2, 3, 4, 7, 16, 68])
+def test_random_mechanisms_that_the_equation_was_off_in(number, monkeypatch):
+    """What is off says so, by its own doubt or because runs move.
 
-    One has a joint of Kuwabara's and Kono's law under Gonthier's bristles, the others two and three joints of
-    nine laws. What runs say of their own doubt is what their tolerances leave of it.
+    The first were off by 1e-5 while a contact counted from some depth on: one has a joint of Kuwabara's and
+    Kono's law under Gonthier's bristles, the others two and three joints of nine laws. In 16 a flange touches
+    that is hardly tilted, in 68 velocities change 300 times as much in a distributed contact as behind it.
     """
     monkeypatch.syspath_prepend(str(ROOT / "scripts"))
     campaign = importlib.import_module("random_sensitivities")
     scenario, keys, _ = campaign.drawn(1, number)
-    found = campaign.compared(scenario, keys, contacts=3)
+    found = campaign.compared(scenario, keys, contacts=3, limit=1e-7)
     assert found.contacts >= 2
-    assert found.apart < 1e-7 + 2.0 * found.runs and found.runs < 5e-7 and found.equation < 5e-7
+    assert found.word(1e-7) != "APART" and found.equation < 5e-7
