@@ -103,9 +103,8 @@ def test_a_piece_that_starts_in_the_wall_touches_it(in_pieces):
     assert any(deep) and not all(deep)
     for one, origin, touches in zip(starts, rig.origins, deep, strict=True):
         assert (one.memory[0, 0] == 1.0) == touches == (len(one.contacts) == 1)
-        if (
-            touches and State.from_json(origin).memory[0, 0] == 0.0
-        ):  # of no contact that has begun; in the plane the depth grows by the velocity along the eccentricity
+        if touches and State.from_json(origin).memory[0, 0] == 0.0:
+            # No contact has begun; in the plane the depth grows by the velocity along the eccentricity.
             approach = one.v[:2] @ turned(one.q[2:]).T @ one.q[:2] / np.hypot(*one.q[:2])
             # Of a difference of velocities by way of poses.
             assert one.memory[0, 1] == pytest.approx(approach, rel=1e-12)
