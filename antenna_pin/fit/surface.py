@@ -97,8 +97,11 @@ class Surface(NamedTuple):
         def off(u: Array) -> Array:
             return np.asarray(root @ self.at(u))
 
+        def slopes(u: Array) -> Array:
+            return np.asarray(root @ self.slopes(u))
+
         made = [
-            least_squares(off, start, jac=lambda u: root @ self.slopes(u), bounds=(lower, upper))
+            least_squares(off, start, jac=slopes, bounds=(lower, upper))
             for start in (middle, *(middle + 0.25 * sign * (upper - lower) for sign in (-1.0, 1.0)))
         ]
         return np.asarray(min(made, key=lambda one: float(one.cost)).x)

@@ -10,6 +10,7 @@ from antenna_pin.fit import Problem, load_fit
 from antenna_pin.fit.jacobian import by_differences
 from antenna_pin.fit.pieces import piece_start
 from antenna_pin.fit.runs import bench_of
+from antenna_pin.state import State
 
 from .joint import FIT, TIMES, TRUTH, write_record
 
@@ -96,13 +97,14 @@ def in_pieces():
 
 def test_a_piece_that_starts_in_the_wall_touches_it(in_pieces):
     (rig,) = in_pieces._prepared.rigs
-    system = bench_of(rig, tuple(in_pieces.start.tolist())).system
+    system = bench_of(rig, tuple(in_pieces.first.tolist())).system
     starts = [piece_start(rig.begun, one, np.zeros(6), system) for one in rig.origins]
-    deep = [np.hypot(*one.q[:2]) > in_pieces.start[0] for one in starts]
+    deep = [np.hypot(*one.q[:2]) > in_pieces.first[0] for one in starts]
     assert any(deep) and not all(deep)
-    for one, touches in zip(starts, deep, strict=True):
+    for one, origin, touches in zip(starts, rig.origins, deep, strict=True):
         assert (one.memory[0, 0] == 1.0) == touches == (len(one.contacts) == 1)
-        if touches:  # in the plane the depth grows by the velocity along the eccentricity
+        if touches and State.from_json(origin).memory[0, 0] == 0.0:
+            # No contact has begun; in the plane the depth grows by the velocity along the eccentricity.
             approach = one.v[:2] @ turned(one.q[2:]).T @ one.q[:2] / np.hypot(*one.q[:2])
             # Of a difference of velocities by way of poses.
             assert one.memory[0, 1] == pytest.approx(approach, rel=1e-12)
@@ -116,9 +118,9 @@ def turned(turn):
 
 @pytest.mark.slow
 def test_how_deep_and_fast_a_piece_starts_in_the_wall_moves_all_behind_it(in_pieces):
-    found, why = in_pieces._by_equation(np.concatenate([in_pieces.start, in_pieces.states]))
+    found, why = in_pieces._by_equation(np.concatenate([in_pieces.first, in_pieces.states]))
     assert not why
-    whole = in_pieces.unknowns.searched(np.concatenate([in_pieces.start, in_pieces.states]))
+    whole = in_pieces.unknowns.searched(np.concatenate([in_pieces.first, in_pieces.states]))
     runs = in_pieces._by_runs(whole)
     off = np.linalg.norm(found - runs, axis=0) / np.linalg.norm(runs, axis=0)
     # The error of differences: of the square of their step by parameters, of 1e-5 error scales by starts.
