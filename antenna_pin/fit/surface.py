@@ -163,7 +163,8 @@ def on_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
             if done:
                 half = np.clip(_ERRORS * error, _SHRINKS * half, half)
     whole = unknowns.natural(x)
-    bands = bands_of(plan, unknowns, whole, residuals, slopes)
+    # Statistics are no curves: none goes on from another.
+    bands = bands_of(plan, unknowns, whole, residuals, slopes, np.arange(m))
     cost = 0.5 * float(residuals @ residuals)
     words = "the least of its surface is within its box" if done else "given up: the least is at a box's edge"
     return Fit(
