@@ -32,7 +32,9 @@ _WINDOW = 400  # trial steps from one look to the next
 _SOON = 50  # and where steps are dear, if they have taken
 _PATIENCE = 0.05  # that much wall time [s]
 _FEW = 10_000  # steps to the end that are not worth an advice
-_BETWEEN = 1.4  # from a look that finds nothing to the next, in trial steps made
+# From a look that finds nothing to the next, in trial steps made: if steps are not held, and if they are, but by
+# a mode that is not at rest, which a burst may have stirred just then.
+_BETWEEN, _AGAIN = 1.4, 1.1
 # Step times eigenvalue: explicit methods are stable up to 2.5 to 6, and control holds steps about there.
 _STABLE = 1.5
 # Amplitude of a mode, in tolerances, that nobody sees: where stability holds steps, it is kept at 0.3 to
@@ -94,9 +96,9 @@ class Stiffness:
         step = (t - mark.t) / (made - mark.made)
         if self._end - t < _FEW * step:
             return False
-        self._next = int(_BETWEEN * made)
         eigenvalue, share = self._fastest(here, step)
         if not share.any() or not self._fastest(mark, step)[1].any():
+            self._next = int((_AGAIN if eigenvalue else _BETWEEN) * made)
             return False
         self._over, rate = True, abs(eigenvalue)
         self.words = (
@@ -115,8 +117,8 @@ class Stiffness:
         """Return the largest eigenvalue of the Jacobian [1/s], and the velocities' shares in its mode, (nv,).
 
         A mode's energy of motion is shared out by v_j (M v)_j, which leaves nothing to a base that only
-        reacts. The shares are zero where it is not this mode, and others like it, that hold steps of a size
-        [s] by being unstable.
+        reacts. The eigenvalue is zero where no mode holds steps of a size [s] by being unstable; the shares are
+        where those that do are not at rest.
         """
         workspace = self._work(place)
         manifold, nv = workspace.manifold, workspace.model.nv
@@ -152,7 +154,7 @@ class Stiffness:
         tolerances = self._settings.rtol * (scales[columns] + np.abs(sizes))
         apart = np.abs(vectors[:, fast] * amplitudes) / tolerances[:, None]
         if not apart.max() < _AT_REST:
-            return nothing
+            return complex(values[largest]), nothing[1]
         mode = vectors[nv : 2 * nv, largest]
         mass = np.array(pin.crba(workspace.model, workspace.data, y[:nq]))
         mass = np.triu(mass) + np.triu(mass, 1).T
