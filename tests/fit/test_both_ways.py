@@ -8,7 +8,7 @@ from planar_joint import record
 
 from antenna_pin.fit import Problem, load_fit
 from antenna_pin.fit.jacobian import by_differences
-from antenna_pin.fit.pieces import piece_start
+from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.runs import bench_of
 from antenna_pin.state import State
 
@@ -97,17 +97,22 @@ def in_pieces():
 
 def test_a_piece_that_starts_in_the_wall_touches_it(in_pieces):
     (rig,) = in_pieces._prepared.rigs
+    play = float(in_pieces.first[0])
     system = bench_of(rig, tuple(in_pieces.first.tolist())).system
-    starts = [piece_start(rig.begun, one, np.zeros(6), system) for one in rig.origins]
-    deep = [np.hypot(*one.q[:2]) > in_pieces.first[0] for one in starts]
-    assert any(deep) and not all(deep)
-    for one, origin, touches in zip(starts, rig.origins, deep, strict=True):
-        assert (one.memory[0, 0] == 1.0) == touches == (len(one.contacts) == 1)
-        if touches and State.from_json(origin).memory[0, 0] == 0.0:
-            # No contact has begun; in the plane the depth grows by the velocity along the eccentricity.
-            approach = one.v[:2] @ turned(one.q[2:]).T @ one.q[:2] / np.hypot(*one.q[:2])
-            # Of a difference of velocities by way of poses.
-            assert one.memory[0, 1] == pytest.approx(approach, rel=1e-12)
+    for origin in rig.origins:
+        begun = piece_start(rig.begun, origin, np.zeros(6), system)
+        away, touches = np.hypot(*begun.q[:2]), State.from_json(origin).memory[0, 0] == 1.0
+        assert touches == (away > play) == (begun.memory[0, 0] == 1.0) == (len(begun.contacts) == 1)
+        if touches:
+            continue
+        q = np.array([*(1.001 * play / away * begun.q[:2]), *begun.q[2:]])
+        pushed = piece_start(rig.begun, origin, from_origin(rig.begun, origin, q, begun.v), system)
+        assert pushed.memory[0, 0] == 1.0 and len(pushed.contacts) == 1
+        # In the plane the depth grows by the velocity along the eccentricity; who leaves has the least speed.
+        approach = pushed.v[:2] @ turned(pushed.q[2:]).T @ pushed.q[:2] / np.hypot(*pushed.q[:2])
+        least = float(system.approach_speed_floors[0])
+        # Of a difference of velocities by way of poses.
+        assert pushed.memory[0, 1] == pytest.approx(max(approach, least), rel=1e-12)
 
 
 def turned(turn):
