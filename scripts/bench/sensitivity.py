@@ -79,14 +79,12 @@ class Made:
     def __init__(self, run: Run) -> None:
         """Begin at the run's start."""
         self.steps: list[tuple[float, float, NDArray[np.float64], NDArray[np.void]]] = []
-        self._begin = run.stepper.t, run.here.copy(), run.workspace.memory.copy()
+        self._memory = run.workspace.memory.copy()
 
     def look(self, run: Run) -> None:
-        """Look at a step that the run has made."""
-        begin, y, memory = self._begin
-        if run.stepper.t > begin:
-            self.steps.append((begin, run.stepper.t - begin, y, memory))
-        self._begin = run.stepper.t, run.here.copy(), run.workspace.memory.copy()
+        """Look at the steps that the run has made since it was shown last."""
+        self.steps += [(one.time, one.size, one.y, self._memory) for one in run.steps.tape.steps]
+        self._memory = run.workspace.memory.copy()
 
     end = look
 
