@@ -267,9 +267,9 @@ class Carrier:
         (begins, ends), known, end = step.changes, step.known, step.until
         self._matrices.begin(step.time, step.y, begins or bool(self._young))
         rest = step.piece
-        if begins and ends:
-            self._part(Piece(0.0, 0.5, True, False, (known[0], False)))
-            rest = Piece(0.5, 1.0, False, True, (False, known[1]))
+        if all(known):
+            self._part(Piece(0.0, 0.5, begins, False, (True, False)))
+            rest = Piece(0.5, 1.0, False, ends, (False, True))
         whole = self.within.at(1.0)
         if parting:
             self._set_flow(self._time + rest.a * self.within.size, self.within.at(rest.a))
