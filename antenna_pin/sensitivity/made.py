@@ -143,7 +143,9 @@ def _by_equation(
     """Return the derivatives over each parameter by the variational equation."""
     data = runs.run.data
     along = equation.carried(at, span, moments_of(data))
-    return by_names(equation, along, runs.here, data, parameters)
+    # Where something is displaced by next to infinitely much, neighbours are no states, and it is not told.
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return by_names(equation, along, runs.here, data, parameters)
 
 
 def _held_against(
@@ -157,11 +159,12 @@ def _held_against(
     """
     held = []
     for one, ours, theirs in zip(parameters, found, runs, strict=True):
-        values, doubts = dict(ours.values), {}
+        values, doubts, share = dict(ours.values), {}, _share_in_doubt(theirs)
         for name, value in ours.values.items():
             size = made.sizes[name] / one.scale
             size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
-            off = np.abs(value - theirs.values[name]) - 2.0 * theirs.doubts[name] - ours.doubts[name]
+            noise = np.fmax(theirs.doubts[name], share * np.abs(theirs.values[name]))
+            off = np.abs(value - theirs.values[name]) - 2.0 * noise - ours.doubts[name]
             contradict = float(np.nanmax(off, initial=-math.inf)) > _APART * size
             if contradict and name in _MOTION:
                 raise SensitivityError(
@@ -174,6 +177,21 @@ def _held_against(
             doubts[name] = np.fmax(ours.doubts[name], np.abs(values[name] - theirs.values[name]))
         held.append(Slopes(values, doubts))
     return held
+
+
+def _share_in_doubt(found: Slopes) -> float:
+    """Return what share of the largest displacement of the motion is in doubt, at most all of it.
+
+    What is displaced behind goes with that one, and its share in doubt with it, whatever a difference says of
+    each instant by itself.
+    """
+    shares = [0.0]
+    for name in _MOTION:
+        if name in found.values and np.isfinite(sizes := np.abs(found.values[name]).reshape(-1)).any():
+            most = int(np.nanargmax(sizes))
+            if sizes[most] > 0.0:
+                shares.append(float(found.doubts[name].reshape(-1)[most]) / float(sizes[most]))
+    return min(max(shares), 1.0)
 
 
 def _sampled(

@@ -32,8 +32,8 @@ _WINDOW = 400  # trial steps from one look to the next
 _SOON = 50  # and where steps are dear, if they have taken
 _PATIENCE = 0.05  # that much wall time [s]
 _FEW = 10_000  # steps to the end that are not worth an advice
-# From a look that finds nothing to the next, in trial steps made: if steps are not held, and if they are, but by
-# a mode that is not at rest, which a burst may have stirred just then.
+# From a look that finds nothing to the next, in trial steps made: if steps are not held, and if they are, but
+# by a mode that is not at rest, which a burst may have stirred just then.
 _BETWEEN, _AGAIN = 1.4, 1.1
 # Step times eigenvalue: explicit methods are stable up to 2.5 to 6, and control holds steps about there.
 _STABLE = 1.5
@@ -117,8 +117,8 @@ class Stiffness:
         """Return the largest eigenvalue of the Jacobian [1/s], and the velocities' shares in its mode, (nv,).
 
         A mode's energy of motion is shared out by v_j (M v)_j, which leaves nothing to a base that only
-        reacts. The eigenvalue is zero where no mode holds steps of a size [s] by being unstable; the shares are
-        where those that do are not at rest.
+        reacts. The eigenvalue is zero where no mode holds steps of a size [s] by being unstable; the shares
+        are where those that do are not at rest.
         """
         workspace = self._work(place)
         manifold, nv = workspace.manifold, workspace.model.nv
