@@ -3,8 +3,8 @@
 
 By two runs a number (``quick-runs``) over 1 s, and by the variational equation, which is held against them,
 up to before its first contact, 10 ms, over its first twelve, 50 ms, and over 1 s. Compiled, gaps in closed
-form, order 8(5,3) at 1e-12. At 71 ms the journal comes to rest in its bearing by ever smaller blows, of which a
-change of a number by a millionth makes more or fewer: differences are of steps as small as 1e-8 there.
+form, order 8(5,3) at 1e-12. At 71 ms the journal comes to rest in its bearing by ever smaller blows, of which
+a change of a number by a millionth makes more or fewer: differences are of steps as small as 1e-8 there.
 
 Then what carrying takes without builds; and what of that nobody can go without: at each stage of the run's
 own steps the rates and one derivative along each displacement, nothing halved, judged or looked at.
