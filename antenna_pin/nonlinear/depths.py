@@ -51,7 +51,13 @@ class Depths:
         self._coarse[clock] = 1.0 / (STEP * CLOCK)
         self._table = np.zeros(len(near.workspace.table), CONTACT)
         self.tangents: Tangents | None = None
+        joints = near.system.clearances
+        self._of_points = [joint.load == "point" for joint in joints for _ in joint.contact_names]
         self._over_numbers = np.eye(len(self._coarse))[:, near.parts[-3]]
+
+    def _knows(self, c: int) -> bool:
+        """Whether what is met at a contact is known in closed form: not where a load is distributed."""
+        return self.tangents is not None and self._of_points[c]
 
     def along(self, function: Function, time: float, y: Array, ways: Array) -> Array:
         """Return the derivatives of a function along displacements of any size, (values, k).
@@ -103,7 +109,8 @@ class Depths:
         """Return how far a contact's gap opens with each parameter, (parameters,) [m]."""
         near, numbers = self._near, self._near.numbers
         assert numbers is not None
-        if self.tangents is not None:
+        if self._knows(c):
+            assert self.tangents is not None
             return self.tangents.opening(y, c, self._over_numbers)
 
         def gap(displaced: Array) -> float:
@@ -151,7 +158,8 @@ class Depths:
             c: Which contact begins.
             ways: Displacements, (displacement, k).
         """
-        if self.tangents is not None:
+        if self._knows(c):
+            assert self.tangents is not None
             faster, heavier = self.tangents.impact(y, c, ways)
             return np.array([faster, faster]), np.array([heavier, heavier])
         workspace, (_, rate, *_) = self._near.workspace, self._near.parts

@@ -62,6 +62,7 @@ class Field:
         self.units = Units.of(near.system)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
         self._tangents = near.tangents(self.units)
+        self._met = self._tangents or near.tangents(self.units, of_rates=False)
         self.displacement = self.parts[-1].stop  #: Size of a displacement.
         self.works = works_in_x(near.system)  #: Where works and gross works stand in x, (n, 2).
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
@@ -87,7 +88,9 @@ class Field:
     def _follow(self) -> None:
         """Let derivatives put together from parts know the system's numbers, if they can."""
         self._by_parts = self._near.follows(self._tangents, self.units)
-        self.depths.tangents = self._tangents if self._by_parts else None
+        own = self._met is self._tangents
+        known = self._by_parts if own else self._near.follows(self._met, self.units)
+        self.depths.tangents = self._met if known else None
 
     def rates(self, time: float, y: Array) -> Array:
         """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""

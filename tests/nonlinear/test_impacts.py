@@ -63,6 +63,21 @@ def test_impacts_in_random_trees_change_as_differences_say(number, monkeypatch):
     assert judge(system, anywhere(system, number)[1]) < 1.0
 
 
+def test_impacts_of_point_loads_are_known_beside_a_distributed_one(monkeypatch):
+    """The closed form is taken for a contact of a point load, whatever other joints carry."""
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    scenario = importlib.import_module("scenario_generator").draw_scenario(1, 70)
+    scenario = scenario.with_overrides(
+        {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}
+    )
+    loads = [scenario.clearance[name].load for name in ("joint2", "joint3")]
+    assert loads == ["distributed", "point"]
+    system = build_system(scenario)
+    depths = Field(system, RunSettings(engine="compiled")).depths
+    assert [depths._knows(c) for c in range(8)] == [False] * 4 + [True] * 4
+    assert judge(system, anywhere(system, 70)[1]) < 1.0
+
+
 CLOSED = "closed-form"
 TWIST = {"replace": True, "kind": "motion", "joint": "elevation", "amplitude": 0.3, "frequency": 2.0}
 HELD = {
