@@ -39,7 +39,7 @@ class Step(NamedTuple):
         size: Of it [s].
         y: State where it begins.
         until: When it ends [s].
-        end: State there; None if that is not known but from the step.
+        end: State there, before what changes then.
         changes: Whether contacts or drives have changed where it begins, and whether they do where it ends.
         known: Whether there is a break that is known at the one and at the other end.
     """
@@ -48,7 +48,7 @@ class Step(NamedTuple):
     size: float
     y: Array
     until: float
-    end: Array | None
+    end: Array
     changes: tuple[bool, bool]
     known: tuple[bool, bool]
 

@@ -55,9 +55,9 @@ class Depths:
         self._of_points = [joint.load == "point" for joint in joints for _ in joint.contact_names]
         self._over_numbers = np.eye(len(self._coarse))[:, near.parts[-3]]
 
-    def _knows(self, c: int) -> bool:
-        """Whether what is met at a contact is known in closed form: not where a load is distributed."""
-        return self.tangents is not None and self._of_points[c]
+    def known_at(self, c: int) -> Tangents | None:
+        """Return what knows what is met at a contact; None where it is not known, as of distributed load."""
+        return self.tangents if self._of_points[c] else None
 
     def along(self, function: Function, time: float, y: Array, ways: Array) -> Array:
         """Return the derivatives of a function along displacements of any size, (values, k).
@@ -109,9 +109,8 @@ class Depths:
         """Return how far a contact's gap opens with each parameter, (parameters,) [m]."""
         near, numbers = self._near, self._near.numbers
         assert numbers is not None
-        if self._knows(c):
-            assert self.tangents is not None
-            return self.tangents.opening(y, c, self._over_numbers)
+        if (known := self.known_at(c)) is not None:
+            return known.opening(y, c, self._over_numbers)
 
         def gap(displaced: Array) -> float:
             back = numbers.displace(displaced)
@@ -158,9 +157,8 @@ class Depths:
             c: Which contact begins.
             ways: Displacements, (displacement, k).
         """
-        if self._knows(c):
-            assert self.tangents is not None
-            faster, heavier = self.tangents.impact(y, c, ways)
+        if (known := self.known_at(c)) is not None:
+            faster, heavier = known.impact(y, c, ways)
             return np.array([faster, faster]), np.array([heavier, heavier])
         workspace, (_, rate, *_) = self._near.workspace, self._near.parts
         own = slice(rate.start, self._near.parts[4].stop)

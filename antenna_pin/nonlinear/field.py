@@ -61,8 +61,8 @@ class Field:
         self.bristles, self.parts = near.bristles, near.parts
         self.units = Units.of(near.system)
         self._slopes = Slopes(self._stepper, self.bristles, WEIGHTS)
-        self._tangents = near.tangents(self.units)
-        self._met = self._tangents or near.tangents(self.units, of_rates=False)
+        self._met = near.tangents(self.units)
+        self._tangents = self._met if Tangents.takes(near.system) else None
         self.displacement = self.parts[-1].stop  #: Size of a displacement.
         self.works = works_in_x(near.system)  #: Where works and gross works stand in x, (n, 2).
         self._coarse, self.depths = near.coarseness(self.units), Depths(near, self.units)
@@ -87,9 +87,8 @@ class Field:
 
     def _follow(self) -> None:
         """Let derivatives put together from parts know the system's numbers, if they can."""
-        self._by_parts = self._near.follows(self._tangents, self.units)
-        own = self._met is self._tangents
-        known = self._by_parts if own else self._near.follows(self._met, self.units)
+        known = self._near.follows(self._met, self.units)
+        self._by_parts = known and self._tangents is not None
         self.depths.tangents = self._met if known else None
 
     def rates(self, time: float, y: Array) -> Array:

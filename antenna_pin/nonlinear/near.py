@@ -78,9 +78,9 @@ class Near:
         out[clock] = 1.0
         return out
 
-    def tangents(self, units: Units, *, of_rates: bool = True) -> Tangents | None:
-        """Return derivatives put together from parts, of rates or of what is met at onsets; or None."""
-        if not (Tangents.takes(self.system) if of_rates else Tangents.knows_contacts(self.system)):
+    def tangents(self, units: Units) -> Tangents | None:
+        """Return derivatives put together from parts, of what is met at onsets at least; or None."""
+        if not Tangents.knows_contacts(self.system):
             return None
         return Tangents(self.system, self.stepper, np.concatenate(units), WEIGHTS)
 

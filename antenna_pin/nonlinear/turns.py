@@ -16,19 +16,16 @@ from antenna_pin.nonlinear.within import Within
 
 __all__ = ["cut_at_turns"]
 
-Array = NDArray[np.float64]
-
 # What gross works and works differ by in a step that no work turns back in, over their sizes; in how many
 # parts of a step the sign of a power is looked at.
 _ROUND_OFF, _PARTS = 16.0 * float(np.finfo(float).eps), 16
 
 
-def cut_at_turns(step: Step, behind: Array, within: Within, field: Field) -> list[Step]:
+def cut_at_turns(step: Step, within: Within, field: Field) -> list[Step]:
     """Return the parts of a step in which works go one way each, where numbers displace what is booked.
 
     Args:
         step: The step.
-        behind: State that it has led to, with what it has booked.
         within: States within it.
         field: The rates.
     """
@@ -36,21 +33,21 @@ def cut_at_turns(step: Step, behind: Array, within: Within, field: Field) -> lis
     if field.numbers is None or not len(works):
         return [step]
     places = works + field.system.model.nq + field.system.model.nv
-    gone = np.abs(behind[places] - step.y[places])
-    turn = gone[:, 1] - gone[:, 0] > _ROUND_OFF * np.abs(behind[places]).sum(axis=1)
+    gone = np.abs(step.end[places] - step.y[places])
+    turn = gone[:, 1] - gone[:, 0] > _ROUND_OFF * np.abs(step.end[places]).sum(axis=1)
     if not turn.any():
         return [step]
     within.begin(step.time, step.y, step.size, step.end)
     thetas = np.unique([0.0, *_turns(works[turn, 0], step, within, field), 1.0]).tolist()
     instants = [*(step.time + theta * step.size for theta in thetas[:-1]), step.until]
-    states = [step.y, *(within.at(theta) for theta in thetas[1:-1]), step.y]
+    states = [step.y, *(within.at(theta) for theta in thetas[1:-1]), step.end]
     last, parts = len(thetas) - 2, []
     for k in range(last + 1):
         ends = k == 0, k == last
         changes = ends[0] and step.changes[0], ends[1] and step.changes[1]
         known = not ends[0] or step.known[0], not ends[1] or step.known[1]
-        size, end = (thetas[k + 1] - thetas[k]) * step.size, step.end if ends[1] else states[k + 1]
-        parts.append(Step(instants[k], size, states[k], instants[k + 1], end, changes, known))
+        size = (thetas[k + 1] - thetas[k]) * step.size
+        parts.append(Step(instants[k], size, states[k], instants[k + 1], states[k + 1], changes, known))
     return parts
 
 

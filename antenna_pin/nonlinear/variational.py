@@ -163,7 +163,7 @@ class Carrier:
             parting: Contacts that end there.
         """
         whole = Step(*one, (self._begins[0], ends[0]), (any(self._begins), any(ends)))
-        for step in cut_at_turns(whole, one.end, self.within, self.field):
+        for step in cut_at_turns(whole, self.within, self.field):
             own, along = parting if step.until == one.until else (), self._goes_along(step)
             if along:
                 self._waiting.append(step)

@@ -74,7 +74,7 @@ def test_impacts_of_point_loads_are_known_beside_a_distributed_one(monkeypatch):
     assert loads == ["distributed", "point"]
     system = build_system(scenario)
     depths = Field(system, RunSettings(engine="compiled")).depths
-    assert [depths._knows(c) for c in range(8)] == [False] * 4 + [True] * 4
+    assert [depths.known_at(c) is not None for c in range(8)] == [False] * 4 + [True] * 4
     assert judge(system, anywhere(system, 70)[1]) < 1.0
 
 
