@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from antenna_pin.dynamics.deflection import Deflections, deflections
     from antenna_pin.dynamics.evaluate import acceleration, contact_memory
     from antenna_pin.dynamics.held import HeldKind
-    from antenna_pin.dynamics.impulse import impulse, reduced_inertia
+    from antenna_pin.dynamics.impulse import Push, apart, impulse, push_apart, reduced_inertia
     from antenna_pin.dynamics.links import acting_on_links, works_in_x
     from antenna_pin.dynamics.motion import JointMotion, motion_block
     from antenna_pin.dynamics.program_parts import records_at
@@ -56,7 +56,10 @@ __all__ = [
     "first_modes",
     "modes_in_another",
     "modes_kept",
+    "Push",
+    "apart",
     "impulse",
+    "push_apart",
     "reduced_inertia",
     "joints_held",
     "Audit",
@@ -114,7 +117,7 @@ loaded_when_used(
         "deflection": "Deflections deflections",
         "evaluate": "acceleration contact_memory",
         "held": "HeldKind",
-        "impulse": "impulse reduced_inertia",
+        "impulse": "Push apart impulse push_apart reduced_inertia",
         "links": "acting_on_links works_in_x",
         "motion": "JointMotion motion_block",
         "program_parts": "records_at",

@@ -6,13 +6,30 @@ Of rows J that hold, with their wanted rates s after the jump, the velocity afte
 
 the nearest to that before in kinetic energy. The impulses are inner ones of the mechanism, so all
 momentum stays.
+
+Stops that are struck at one instant, or that joints rest on, push only. With u their rates off the stops and
+p their impulses they obey Newton's law in Moreau's form,
+
+.. math:: 0 \le p_i \quad \perp \quad u_i^+ - b_i \ge 0, \qquad b_i = e_i\, |u_i^-|, \quad u_i^- \le 0
+
+a complementarity problem whose velocity is the nearest one that the inequalities admit: it is unique, and
+hangs on no order. Its impulses are found by the finite method of Lawson and Hanson for least distances. As
+no row that pushes was leaving its stop, stops take
+
+.. math:: -\tfrac12 \sum_i p_i (u_i^+ + u_i^-) = \tfrac12 \sum_i p_i (1 - e_i) |u_i^-| \ge 0
+
+whatever restitution each of them has: no combination gains energy.
+
+References:
+    Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics, CISM 302.
+    Lawson and Hanson (1974), Solving Least Squares Problems, chapter 23.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -21,10 +38,48 @@ from numpy.typing import NDArray
 from antenna_pin.constraints.factor_kernels import NOTHING
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.errors import MechanismError
 
-__all__ = ["impulse", "reduced_inertia"]
+__all__ = ["Push", "Pushed", "apart", "impulse", "push_apart", "reduced_inertia"]
 
 Array = NDArray[np.float64]
+
+# Of the length of a row, what is left of one that the others hold; of rates, what round-off leaves of them.
+_HELD, _ROUND_OFF = 1e-9, 1e-11
+
+
+class Push(NamedTuple):
+    """A stop that a joint strikes, or rests on.
+
+    Attributes:
+        at: Place of the joint in v.
+        way: +1 of a stop that pushes the joint up, -1 of one that pushes it down.
+        restitution: Of the blow; zero of a stop that the joint rests on, or comes to rest on.
+    """
+
+    at: int
+    way: float
+    restitution: float
+
+
+class Pushed(NamedTuple):
+    """The impulses of one instant, and what they do.
+
+    Attributes:
+        velocity: After them, (nv,).
+        pushes: Impulses of the stops, zero or more, (pushes,) [N m s] ([N s]).
+        rates: Of the joints off their stops after them, (pushes,) [rad/s] ([m/s]).
+        holds: Impulses on the child of the rows of elements that hold, (holds,) [N m s] ([N s]).
+        lost: Energy that these take, (holds,) [J].
+        works: Work of the prescribed motions, (motions,) [J].
+    """
+
+    velocity: Array
+    pushes: Array
+    rates: Array
+    holds: Array
+    lost: Array
+    works: Array
 
 
 def impulse(
@@ -45,15 +100,123 @@ def impulse(
     nq, nv = workspace.model.nq, workspace.model.nv
     v = y[nq : nq + nv]
     rows, lacks, held = _held_rows(workspace, t, y)
-    for at, rate in wanted.items():
-        row = np.zeros(nv)
-        row[at] = 1.0
-        rows.append(row)
-        lacks.append(rate - v[at])
-    change, forces = _nearest(workspace, y, rows, lacks)
+    rows += [_of_joint(at, 1.0, nv) for at in wanted]
+    lacks += [rate - v[at] for at, rate in wanted.items()]
+    change, forces = _nearest(_root(workspace, y), rows, lacks)
     end = len(rows) - len(wanted)
     own = forces[end - held : end] * _lengths(workspace, held)
     return v + change, own, forces[end:]
+
+
+def push_apart(
+    workspace: Workspace, t: float, y: Array, pushes: Sequence[Push], free: Collection[int] = ()
+) -> Pushed:
+    """Solve for the impulses of one instant: rows that hold, and stops that push only.
+
+    Args:
+        workspace: The system, with the modes that its elements have from now on.
+        t: Time [s].
+        y: State before [q, v, x].
+        pushes: Stops that are struck or rested on; none that its joint is leaving.
+        free: Numbers of elements' holds whose rows bear no impulse, or whose stops are among the pushes.
+
+    Raises:
+        MechanismError: What is held admits no velocity with which joints stay out of their stops.
+    """
+    nq, nv = workspace.model.nq, workspace.model.nv
+    v = y[nq : nq + nv]
+    rows, lacks, held = _held_rows(workspace, t, y, free)
+    root, end = _root(workspace, y), len(rows)
+    own = [_of_joint(one.at, one.way, nv) for one in pushes]
+    before = np.array([row @ v for row in own])
+    least = np.array([one.restitution for one in pushes]) * np.maximum(-before, 0.0)
+    some = _pushing(root, v, rows, lacks, own, least) if own else []
+    change, forces = _nearest(
+        root, rows + [own[k] for k, _ in some], lacks + [least[k] - before[k] for k, _ in some]
+    )
+    sizes = np.zeros(len(own))
+    for (k, found), force in zip(some, forces[end:], strict=True):
+        # Of stops that share a push not in one way only, the least one may pull: then theirs as found.
+        sizes[k] = force if np.all(forces[end:] >= 0.0) else found
+    velocity = v + change
+    work = np.array([0.5 * force * float(row @ (velocity + v)) for row, force in zip(rows, forces, strict=False)])
+    return Pushed(
+        velocity=velocity,
+        pushes=sizes,
+        rates=np.array([row @ velocity for row in own]),
+        holds=forces[end - held : end] * _lengths(workspace, held),
+        lost=-work[end - held : end],
+        works=work[: len(workspace.system.plan.motions) if workspace.system.plan else 0],
+    )
+
+
+def _pushing(
+    root: Array, v: Array, rows: list[Array], lacks: list[float], own: list[Array], least: Array
+) -> list[tuple[int, float]]:
+    """Return which stops push, by number, and how hard, where each joint has a least rate off its stop."""
+    from scipy.optimize import nnls
+
+    change, _ = _nearest(root, rows, lacks)
+    needed = least - np.array([row @ (v + change) for row in own])
+    reduced = np.linalg.solve(root, np.array(own).T).T
+    lengths = np.linalg.norm(reduced, axis=1)
+    unit, needed = reduced / lengths[:, None], needed / lengths
+    size = float(np.linalg.norm(root.T @ v))
+    unit = _left_of(unit, root, rows)
+    moves = np.linalg.norm(unit, axis=1) > _HELD
+    # A joint that others hold stays where it is, if that is no way into the stop.
+    if np.any(needed[~moves] - least[~moves] / lengths[~moves] > _ROUND_OFF * size):
+        raise MechanismError("impulse: what is held drives a joint into its rigid stop; take one of both away")
+    some = np.flatnonzero(moves)
+    most = float(needed[some].max(initial=0.0))
+    if most <= 0.0:
+        return []
+    # The least change of velocity with unit @ change >= needed, from non-negative least squares.
+    table = np.vstack([unit[some].T, needed[some] / most])
+    found, _ = nnls(table, np.append(np.zeros(len(v)), 1.0))
+    left = 1.0 - float(table[-1] @ found)
+    if left <= _ROUND_OFF:
+        raise MechanismError(
+            "impulse: what is held admits no velocity with which joints stay out of their rigid stops"
+        )
+    return [
+        (int(k), float(one) * most / left / lengths[k]) for k, one in zip(some, found, strict=True) if one > 0.0
+    ]
+
+
+def apart(workspace: Workspace, t: float, y: Array, joints: Sequence[int], free: Collection[int]) -> bool:
+    """Return whether impulses at some joints change none of the others' rates.
+
+    Args:
+        workspace: The system, with the modes that its elements have.
+        t: Time [s].
+        y: State [q, v, x].
+        joints: Their places in v.
+        free: Numbers of elements' holds whose rows do not count.
+    """
+    root = _root(workspace, y)
+    rows, _, _ = _held_rows(workspace, t, y, free)
+    own = np.linalg.solve(root, np.array([_of_joint(at, 1.0, len(root)) for at in joints]).T).T
+    left = _left_of(own / np.linalg.norm(own, axis=1)[:, None], root, rows)
+    among = left @ left.T
+    return bool(np.abs(among - np.diag(np.diag(among))).max() < _HELD)
+
+
+def _left_of(unit: Array, root: Array, rows: Sequence[Array]) -> Array:
+    """Return what of rows, over their lengths, moves where other rows hold."""
+    fixed = np.linalg.solve(root, np.array(rows).reshape(-1, len(root)).T).T
+    lengths = np.linalg.norm(fixed, axis=1)
+    if not lengths.any():
+        return unit
+    _, values, basis = np.linalg.svd(fixed[lengths > 0.0] / lengths[lengths > 0.0, None], full_matrices=False)
+    basis = basis[values > _ROUND_OFF]
+    return np.asarray(unit - (unit @ basis.T) @ basis)
+
+
+def _of_joint(at: int, way: float, nv: int) -> Array:
+    row = np.zeros(nv)
+    row[at] = way
+    return row
 
 
 def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> float:
@@ -81,30 +244,43 @@ def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> flo
         alone[nq + k] = 1.0
         row[k] = kernels.joint_motion(workspace.program, block, alone, nq)[1]
     rows, lacks, _ = _held_rows(workspace, t, y)
-    change, forces = _nearest(workspace, y, [*rows, row], [*(0.0 * np.array(lacks)), 1.0])
+    change, forces = _nearest(_root(workspace, y), [*rows, row], [*(0.0 * np.array(lacks)), 1.0])
     # What is held has no motion in common with the row: the nearest change has none of its rate.
     return float(forces[-1]) if float(row @ change) > 0.5 else math.inf
 
 
-def _held_rows(workspace: Workspace, t: float, y: Array) -> tuple[list[Array], list[float], int]:
-    """Return the rows that hold, what their rates lack, and how many of them are elements'."""
+def _held_rows(
+    workspace: Workspace, t: float, y: Array, free: Collection[int] = ()
+) -> tuple[list[Array], list[float], int]:
+    """Return the rows that hold, what their rates lack, and how many of them are elements'.
+
+    Those of ``free``, numbers of elements' holds, hold nothing.
+    """
     constraints = workspace.constraints
     if constraints is None:
         return [], [], 0
     workspace.prepare_motions(t, y)
     constraints.residuals(t, y, workspace.program)
+    held = len(constraints.loads())
     some = np.abs(constraints.every_row).max(axis=1) > NOTHING * constraints.plan.length
+    some[[len(some) - held + k for k in free]] = False
     rows = list(np.where(some[:, None], constraints.every_row, 0.0))
     lacks = list(np.where(some, -constraints.every_speed, 0.0))
-    return rows, lacks, len(constraints.loads())
+    return rows, lacks, held
 
 
-def _nearest(workspace: Workspace, y: Array, rows: list[Array], lacks: list[float]) -> tuple[Array, Array]:
-    """Return the change of velocity nearest in kinetic energy that rows lack, and their impulses."""
+def _root(workspace: Workspace, y: Array) -> Array:
+    """Return L of the mass matrix M = L L^T, (nv, nv)."""
     model = workspace.model
     mass: Any = pin.crba(model, workspace.data, y[: model.nq])
-    mass = np.triu(mass) + np.triu(mass, 1).T
-    root = np.linalg.cholesky(mass)
+    root: Array = np.linalg.cholesky(np.triu(mass) + np.triu(mass, 1).T)
+    return root
+
+
+def _nearest(root: Array, rows: list[Array], lacks: list[float]) -> tuple[Array, Array]:
+    """Return the change of velocity nearest in kinetic energy that rows lack, and their impulses."""
+    if not rows:
+        return np.zeros(len(root)), np.zeros(0)
     # In z = L^T v the kinetic energy is the sum of squares: the least change is the nearest velocity.
     reduced = np.linalg.solve(root, np.array(rows).T).T
     lengths = np.linalg.norm(reduced, axis=1)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
-from antenna_pin.elements.modal import Change, Met, ModalElement
+from antenna_pin.elements.modal import CAPTURE, Change, Met, ModalElement
 from antenna_pin.parameters import parameter
 
 __all__ = ["HELD", "INSIDE", "LET_GO", "OUTSIDE", "Capture"]
@@ -16,6 +16,10 @@ _WAYS: dict[Direction, float] = {"both": 0.0, "up": 1.0, "down": -1.0}
 
 # Modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
 OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
+# Its functions: the ends of the window, the rates that it captures at, the holding torque.
+_WINDOW, _RATES, _HOLDING = 0, 1, 2
+# An angle, or a rate, that is round-off of one.
+_STILL = 1e-11
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,18 +86,31 @@ class Capture(ModalElement):
         return self._held(met, "") if self.captures(met) else Change(INSIDE, memory=side)
 
     def passed(self, k: int, met: Met) -> Change | None:
-        """Come into the window or leave it, be captured or refused, let go."""
+        """Come into the window or leave it (k = 0), be captured inside it (1), let go (2)."""
         if self.mode == HELD:
-            return Change(LET_GO, "let go")
+            return self.lets_go_with(met) if k == _HOLDING else None
+        if k == _RATES:  # slow enough now, but for round-off
+            return self._held(met, "latched") if self.mode == INSIDE else None
+        if k != _WINDOW:
+            return None
         if self.mode == OUTSIDE:
             if self.captures(met):
                 return self._held(met, "latched")
             if self.width == 0.0:
-                return Change(OUTSIDE, "refused", {"side": -self.side})
-            return Change(INSIDE, "refused")
-        if k == 1:  # slow enough now, but for round-off
-            return self._held(met, "latched")
+                return Change(OUTSIDE, "refused", {"side": -self.side}, phase=CAPTURE)
+            return Change(INSIDE, "refused", phase=CAPTURE)
         return Change(OUTSIDE, memory=self._side(met))
+
+    def lets_go_with(self, met: Met) -> Change:
+        """Return the change by which a joint gets free: still inside, or of a window without width outside.
+
+        It is then on the side where it stands; at the angle itself on that to which it goes, or is drawn.
+        """
+        if self.width > 0.0:
+            return Change(LET_GO, "let go")
+        ways = (met.angle - self.angle, met.rate, -met.load)
+        way = next((one for one in ways[:2] if abs(one) > _STILL), ways[2])
+        return Change(OUTSIDE, "let go", {"side": math.copysign(1.0, way)})
 
     def armed(self, met: Met) -> Change | None:
         """Learn on which side the joint is."""
@@ -103,7 +120,7 @@ class Capture(ModalElement):
         return {"side": -1.0 if met.angle < self.angle else 1.0}
 
     def _held(self, met: Met, what: str) -> Change:
-        return Change(HELD, what, self._side(met), switches_off=self.switches_off)
+        return Change(HELD, what, self._side(met), switches_off=self.switches_off, phase=CAPTURE)
 
     def capture_values(self) -> dict[str, Any]:
         """Return the numbers that records of all latches have."""

@@ -58,6 +58,8 @@ class Latch(Capture):
         """Come to a flank or off it; all else as every latch."""
         if k != _FLANKS:
             return Capture.passed(self, k, met)
+        if self.mode != HELD:
+            return None
         beyond = 1.0 if met.angle > self.angle else -1.0
         return Change(HELD, memory={"flank": 0.0 if self.flank else beyond})
 

@@ -12,6 +12,7 @@ Beside the kernels of any element these have
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -19,10 +20,13 @@ from typing import ClassVar, Literal, NamedTuple
 
 from antenna_pin.elements.element import LOSS, Element, ForceElement, Integral
 
-__all__ = ["Change", "Met", "Modal", "ModalElement", "Remembered"]
+__all__ = ["AFTER", "BLOW", "CAPTURE", "Change", "Met", "Modal", "ModalElement", "Remembered"]
 
 Remembered = Literal["way", "rate"]
 """Of what of its joint an element remembers a number."""
+
+# In which order changes at one instant are made: what is captured, what is struck, and all else.
+CAPTURE, BLOW, AFTER = 0, 1, 2
 
 _NOTHING: Mapping[str, float] = MappingProxyType({})
 _NOTHING_KEPT: Mapping[str, Remembered] = MappingProxyType({})
@@ -66,6 +70,8 @@ class Change(NamedTuple):
         switches_off: Places of elements that are off from now on.
         loss: Energy that it has lost in the mode that ends, to be told [J]; without that of an impulse.
         impulse: On the child in the mode that ends, to be told [N m s] ([N s]); likewise.
+        phase: CAPTURE, BLOW or AFTER: of changes at one instant those of the earliest are made together, and
+            the others are looked at anew behind them.
     """
 
     mode: int
@@ -75,6 +81,7 @@ class Change(NamedTuple):
     switches_off: tuple[str, ...] = ()
     loss: float = 0.0
     impulse: float = 0.0
+    phase: int = AFTER
 
 
 class Modal(ForceElement):
@@ -151,8 +158,13 @@ class Modal(ForceElement):
         """Return what is recorded of a mode decided together, with that before; "" where nothing is."""
         return ""
 
-    def bears(self, impulse: float) -> Change | None:
-        """Return its change where holding took an impulse [N m s] on the child; None: it goes on."""
+    @property
+    def bears(self) -> tuple[float, float]:
+        """The least and the greatest impulse on the child that its row bears [N m s] ([N s])."""
+        return -math.inf, math.inf
+
+    def lets_go(self) -> Change | None:
+        """Return its change where its row no longer holds; None of one that has no such mode."""
         return None
 
     @classmethod

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
-from antenna_pin.elements.modal import Change, Met
+from antenna_pin.elements.modal import BLOW, Change, Met
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
 __all__ = ["RigidStop"]
 
-# Beyond a stop by no more than this a joint is on it: at the start, and where a hop is not told from rest
-# [rad] ([m]).
-_ROUND_OFF, _HOP = 1e-11, 1e-10
+# Beyond a stop by no more than this a joint is on it at the start [rad] ([m]).
+_ROUND_OFF = 1e-11
+# A rate that is round-off of one [rad/s] ([m/s]).
+STILL = 1e-11
 
 # Its function of the torque that holds it on a side.
 LOADED = 2
@@ -68,23 +70,35 @@ class RigidStop(Limits):
         return self.first(met) if self.mode == FREE else None
 
     def passed(self, k: int, met: Met) -> Change | None:
-        """Bounce off side k, come to rest on it, or leave it."""
+        """Bounce off side k, or come to rest on it; what leaves it, or stands there, is not struck."""
         if k == LOADED:
-            return Change(FREE, f"{self.modes[self.mode]}: left")
+            return self.lets_go()
         side, approach = (LOWER, -met.rate) if k == 0 else (UPPER, met.rate)
-        limit = self.lowest if side == LOWER else self.highest
-        # What leaves and is back already hops lower than angles are known, and rests.
-        if approach < 0.0 and abs(met.angle - limit) > _HOP:
+        if self.mode != FREE or approach <= STILL:
             return None
         restitution = self.of_side("restitution", side)
         if restitution == 0.0 or approach <= self.rest_rate:
-            return Change(side, f"{self.modes[side]}: rests")
-        return Change(FREE, f"{self.modes[side]}: bounces", restitution=restitution)
+            return Change(side, f"{self.modes[side]}: rests", restitution=0.0, phase=BLOW)
+        return Change(FREE, f"{self.modes[side]}: bounces", restitution=restitution, phase=BLOW)
 
-    def bears(self, impulse: float) -> Change | None:
-        """Let go of a joint that an impulse elsewhere takes off the stop."""
-        pulls = impulse < 0.0 if self.mode == LOWER else impulse > 0.0
-        return Change(FREE, f"{self.modes[self.mode]}: left") if pulls else None
+    def change_said(self, before: int) -> str:
+        """Return what is recorded of a joint that comes to rest on a side, or leaves it."""
+        if self.mode == before:
+            return ""
+        return f"{self.modes[before]}: left" if self.mode == FREE else f"{self.modes[self.mode]}: rests"
+
+    def rests(self, side: int) -> Change:
+        """Return the change by which a joint that stands at a side rests on it."""
+        return Change(side, f"{self.modes[side]}: rests")
+
+    def lets_go(self) -> Change:
+        """Return the change by which the joint that rests on it leaves it."""
+        return Change(FREE, f"{self.modes[self.mode]}: left")
+
+    @property
+    def bears(self) -> tuple[float, float]:
+        """A stop only pushes."""
+        return (0.0, math.inf) if self.mode == LOWER else (-math.inf, 0.0)
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""

@@ -148,9 +148,10 @@ class StickingFriction(ModalElement):
             return ""
         return f"slips {self.modes[self.mode]}" if moves else "sticks"
 
-    def bears(self, impulse: float) -> Change | None:
-        """Let go: friction that is finite holds nothing against an impulse."""
-        return self.slips(-impulse) if impulse != 0.0 else None
+    @property
+    def bears(self) -> tuple[float, float]:
+        """Friction is finite: it bears no impulse."""
+        return 0.0, 0.0
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""

@@ -159,7 +159,8 @@ class _Equation:
             field = carrier.field
             if not np.isfinite(ways).all():
                 when = max((one.time for one in carrier.passed if one.time <= time), default=time)
-                raise GrazeError(f"at {when:.9g} s a contact or an event comes with no speed", when)
+                said = "a contact or an event comes with no speed, or blows that feel each other come together"
+                raise GrazeError(f"at {when:.9g} s {said}", when)
             words = np.zeros((0, 0)) if field.numbers is None else field.numbers.program.copy()
             memory, program = field.workspace.memory.copy(), field.workspace.program.copy()
             seen.append((time, y.copy(), memory, program, ways.copy(), words))

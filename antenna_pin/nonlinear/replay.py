@@ -13,8 +13,7 @@ from antenna_pin.dynamics import Workspace, acting_in, impulse, kernels, reduced
 from antenna_pin.elements import Met
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.numbers import InPlace
-from antenna_pin.simulation.modes import kinetic
-from antenna_pin.simulation.passages import Blow, Turned
+from antenna_pin.simulation.passages import Blow, Struck, Turned
 
 __all__ = ["Meeting", "Replay"]
 
@@ -86,31 +85,40 @@ class Replay:
                     program[:] = one.program
                     if self._numbers is not None:
                         program += self._numbers.present @ self._numbers.program
-                    rate = kernels.joint_motion(program, one.block, state, nq)[1]
-                    wanted = {} if one.restitution is None else {one.place: -self._back(one) * float(rate)}
-                    after, held, own = impulse(self._workspace, time, state, wanted)
-                    before = kinetic(self._workspace, state)
-                    state[nq : nq + nv] = after
-                    self._struck(one, state, before, held, own)
+                    self._strike(one, time, state)
                 else:
                     self._turn(one, time, state, numbers)
         finally:
             program[:] = present
         return state[nq : nq + nv], numbers
 
-    def _struck(self, one: Blow, state: Array, before: float, held: Array, own: Array) -> None:
-        """Note what a blow has done to the element that turned last."""
-        last = self.met[-1]
-        rate = kernels.joint_motion(self._workspace.program, one.block, state, self._workspace.model.nq)[1]
-        blow = float(own[0] if len(own) else held[self._holds.index(last.place)])
-        loss = before - kinetic(self._workspace, state)
-        self.met[-1] = last._replace(rate_after=float(rate), loss=loss, impulse=blow)
+    def _strike(self, blow: Blow, time: float, state: Array) -> None:
+        """Make impulses, and note what they do to the elements that they are of."""
+        nq, nv = self._workspace.model.nq, self._workspace.model.nv
 
-    def _back(self, one: Blow) -> float:
+        def rates() -> list[float]:
+            program = self._workspace.program
+            return [float(kernels.joint_motion(program, one.block, state, nq)[1]) for one in blow.struck]
+
+        before = rates()
+        wanted = {
+            one.at: -self._back(one) * rate
+            for one, rate in zip(blow.struck, before, strict=True)
+            if one.restitution is not None
+        }
+        after, held, own = impulse(self._workspace, time, state, wanted)
+        state[nq : nq + nv] = after
+        bounced = dict(zip(wanted, own.tolist(), strict=True))
+        for one, rate, next_rate in zip(blow.struck, before, rates(), strict=True):
+            size = bounced[one.at] if one.at in bounced else float(held[self._holds.index(one.element)])
+            k = max(k for k, met in enumerate(self.met) if met.place == one.element)
+            loss = -0.5 * size * (rate + next_rate)
+            self.met[k] = self.met[k]._replace(rate_after=next_rate, loss=loss, impulse=size)
+
+    def _back(self, one: Struck) -> float:
         """Return the restitution of a blow, in a neighbour by its own number."""
         assert one.restitution is not None
-        place = next(place for place, block in self._blocks.items() if block == one.block)
-        return one.restitution + self._displaced(place).get("restitution", 0.0)
+        return one.restitution + self._displaced(one.element).get("restitution", 0.0)
 
     def _displaced(self, place: str) -> Mapping[str, float]:
         """Return by how much a neighbour's numbers of an element differ."""

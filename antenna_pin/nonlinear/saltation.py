@@ -119,7 +119,9 @@ class Saltation:
 
         clock = up[field.parts[-1].start]
         late = -clock
-        if not isinstance(event.when, Time):
+        if one.together:  # in neighbours one comes before the other: what comes of it is not smooth
+            late = np.full_like(clock, np.nan)
+        elif not isinstance(event.when, Time):
             late = self._late(function, time, y, up, of_forces=True)
         self._note("event", one.event.name, time, (clock + late) @ carried.matrix)
         passage = _Way(up, late, field.flow(time, y), field.booked(time, y))

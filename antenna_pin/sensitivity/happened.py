@@ -15,7 +15,6 @@ from antenna_pin.dynamics import Workspace, audit
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.simulation.events import Jump, Set, Time
-from antenna_pin.simulation.modes import kinetic
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.own_actions import Switch
 from antenna_pin.simulation.passages import Passage
@@ -113,4 +112,5 @@ class Happenings:
 def _stored(workspace: Workspace, y: Array) -> float:
     """Return what bodies have by moving and springs by being bent: all that an event may change [J]."""
     workspace.measure(y)
-    return kinetic(workspace, y) + audit(workspace, y).springs
+    found = audit(workspace, y)
+    return found.kinetic + found.springs

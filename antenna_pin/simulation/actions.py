@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,7 @@ from antenna_pin.simulation.events import Event, Jump, Set, Stop
 from antenna_pin.simulation.modes import ZERO, Modes
 from antenna_pin.simulation.now import Sight
 from antenna_pin.simulation.own_actions import Edge, Kink, Switch
-from antenna_pin.simulation.passages import Passage
+from antenna_pin.simulation.passages import Passage, passages_of
 from antenna_pin.simulation.samples import Samples
 from antenna_pin.simulation.watch import Crossing, Watch
 
@@ -79,48 +79,67 @@ class Actions:
         self.modes = Modes(workspace, self.adjustments)
         self.passages: list[Passage] | None = None
 
-    def take(self, crossing: Crossing) -> str | None:
-        """Count an event at the present state and do what it asks for; return its name if the run ends."""
-        event = self._watch.events[crossing.event]
-        action = event.action
-        count = self._watch.happen(crossing)
-        if isinstance(action, Kink):
-            return None
-        self.modes.done.clear()
-        if isinstance(action, Switch):
-            if self._switch(action):
-                self._keep(event, True)
-            return None
-        if isinstance(action, Edge):
-            self._change(action.place)
-            self._renew()
-            self._stepper.refresh()
-            self._watch.renew()
-            self._samples.add(self._stepper.t, self._here.copy())
-            return None
-        new = self._stepper.t > self._begin  # the others were the run's that was before
-        energy = 0.0
-        if count >= event.after and isinstance(action, Set | Jump):
-            energy = self._carry_out(event.name, action)
+    def take(self, crossings: Sequence[Crossing]) -> str | None:
+        """Count events that happen at the present instant and do what they ask for.
+
+        Events of the user's come first, in their order; then elements change, all together.
+
+        Returns:
+            The name of the event that ends the run, if one does.
+        """
+        events, last, changes = self._watch.events, None, False
+        switches: list[Event] = []
+        for crossing in crossings:
+            event = events[crossing.event]
+            count = self._watch.happen(crossing)
+            if isinstance(event.action, Kink):
+                continue
+            if isinstance(event.action, Switch):
+                switches.append(event)
+            elif isinstance(event.action, Edge):
+                self._edge(event.action)
+            else:
+                changes = self._happen(event, count) or changes
+                if isinstance(event.action, Stop) and count >= event.after and self._is_new:
+                    last = event.name
+        if switches or changes:
+            self._resolve(switches)
+        return last
+
+    @property
+    def _is_new(self) -> bool:
+        """Whether what happens now is this run's, and not of that which was before."""
+        return self._stepper.t > self._begin
+
+    def _edge(self, action: Edge) -> None:
+        self._change(action.place)
+        self._renew()
+        self._stepper.refresh()
+        self._watch.renew()
+        self._samples.add(self._stepper.t, self._here.copy())
+
+    def _happen(self, event: Event, count: int) -> bool:
+        """Let an event of the user's happen; return whether it changes anything."""
+        changes = count >= event.after and isinstance(event.action, Set | Jump)
+        energy = self._carry_out(event.name, event.action) if changes else 0.0  # type: ignore[arg-type]
         self._keep(event, count >= event.after)
-        if new:
+        if self._is_new:
             self.happened.append(Happening(event.name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())
-        return event.name if new and count >= event.after and isinstance(action, Stop) else None
+        return changes
 
     def _keep(self, event: Event, acts: bool) -> None:
         """Keep what has happened for who asks for it."""
         if self.passages is not None:
-            done = tuple(self.modes.done)
-            program = self._workspace.program.copy()
-            self.passages.append(Passage(self._stepper.t, event, acts, done, program))
+            self.passages.append(Passage(self._stepper.t, event, acts, (), self._workspace.program.copy()))
 
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""
         energy = self._carry_out(name, action)
-        if self._stepper.t > self._begin:
+        if self._is_new:
             self.happened.append(Happening(name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())
+        self._resolve(())
 
     def _carry_out(self, name: str, action: Set | Jump) -> float:
         """Change what an event changes, and what changes by that; return the energy brought in [J]."""
@@ -136,8 +155,6 @@ class Actions:
         energy += self._energy()
         self._stepper.refresh()
         self._watch.renew()
-        if self.modes and (due := self.modes.due(self._stepper.t, self._here)) is not None:
-            self._switch(due)
         return energy
 
     def look_by(self, watch: Watch) -> None:
@@ -145,8 +162,11 @@ class Actions:
         self._watch = watch
 
     def begin(self) -> None:
-        """Bring elements into the modes that they have at the start of a run."""
-        self.modes.begin(self._stepper.t, self._here)
+        """Bring elements into the modes that they have at the start of a run, and let happen what does."""
+        t, y = self._stepper.t, self._here
+        self.modes.prepare(t, y)
+        self.modes.begin(t, y)
+        self.happened += [Happening(one.name, t, 0.0) for one in self.modes.changed]
         for place in self.adjustments.elements:
             self._change(place)
         self._renew()
@@ -158,26 +178,40 @@ class Actions:
             for key, value in element.from_now_on(self._stepper.t).items():
                 self.adjustments.set(f"{place}.{key}", value)
 
-    def _switch(self, action: Switch) -> bool:
-        """Let an element change its mode, and what changes by that at once; return whether any does."""
-        recorded, before = len(self.modes.changed), self._energy()
-        y = self._here
-        lost = self.modes.lost(y)
-        if not self.modes.take(action, self._stepper.t, y):
-            self._watch.logical(ZERO)
+    def _resolve(self, switches: Sequence[Event]) -> bool:
+        """Let elements change at the present state; return whether any does.
+
+        Args:
+            switches: Events at which functions of theirs have been found to pass.
+        """
+        if not self.modes:
             return False
-        self._control.spin = self._workspace.system.turn_on(self._stepper.start)
-        energy = self._energy() - before + self.modes.lost(y) - lost
-        self._renew()
-        self._stepper.refresh()
-        self._watch.renew()
-        self._watch.logical(ZERO)
-        t = self._stepper.t
-        for k, one in enumerate(self.modes.changed[recorded:]):
-            if t > self._begin:
-                self.happened.append(Happening(one.name, t, energy if k == 0 else 0.0))
-        self._samples.add(t, self._here.copy())
-        return True
+        modes, y, t = self.modes, self._here, self._stepper.t
+        modes.done.clear()
+        recorded, before, taken = len(modes.changed), self._energy(), modes.taken(y)
+        located = [event.action for event in switches if isinstance(event.action, Switch)]
+        program = self._workspace.program.copy() if self.passages is not None else None
+        changed = modes.resolve(located, t, y)
+        if changed:
+            self._control.spin = self._workspace.system.turn_on(self._stepper.start)
+            energy = self._energy() - before + modes.taken(y) - taken
+            self._renew()
+            self._stepper.refresh()
+            self._watch.renew()
+            if self._is_new:
+                names = [one.name for one in modes.changed[recorded:]]
+                self.happened += [
+                    Happening(name, t, energy if k == 0 else 0.0) for k, name in enumerate(names)
+                ]
+            self._samples.add(t, y.copy())
+            if self.passages is not None and program is not None:
+                # What no function of theirs has brought about belongs to the event of the user's that did.
+                events = switches or [one.event for one in self.passages[-1:]]
+                del self.passages[len(self.passages) - (not switches) :]
+                self.passages += passages_of(modes.done, events, program, self._workspace, t)
+        if changed or switches:
+            self._watch.logical(ZERO)
+        return changed
 
     def _renew(self) -> None:
         self._control.renew(self.adjustments.elements.values())
@@ -199,9 +233,9 @@ class Actions:
         self._renew()
         self._stepper.refresh()
         self._watch.renew()
-        if self.modes and (due := self.modes.due(self._stepper.t, self._here)) is not None:
-            self._switch(due)
-        elif self._stepper.t <= self._samples.last or any(self._workspace.memory["touching"]):
+        if self._resolve(()):
+            return
+        if self._stepper.t <= self._samples.last or any(self._workspace.memory["touching"]):
             # What holds from now on is what is kept; the peaks of contacts find here what held at them.
             self._samples.add(self._stepper.t, self._here.copy())
 

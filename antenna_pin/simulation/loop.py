@@ -299,8 +299,7 @@ class Run:
                     return
                 if len(ahead) == 1:
                     watch.renew()
-                self._act(watch.due())
-            self._act(group)
+            self._act(sorted([*watch.due(), *group], key=lambda one: one.event))
             self.tick()
         steps.rest()
         if len(ahead) > 1:
@@ -324,14 +323,12 @@ class Run:
             self.control.end_next_at(t, following)
 
     def _act(self, crossings: list[Crossing]) -> None:
-        for crossing in crossings:
-            last = None
-            with self._settling():
-                last = self.actions.take(crossing)
-            if last is not None:
-                self._stop(Outcome.STOPPED, f", event {last!r}")
-            elif self.outcome is Outcome.NO_PROGRESS:
-                return
+        """Let all happen that does at this instant."""
+        last = None
+        with self._settling():
+            last = self.actions.take(crossings)
+        if last is not None and self.outcome is Outcome.COMPLETED:
+            self._stop(Outcome.STOPPED, f", event {last!r}")
 
     @contextmanager
     def _settling(self) -> Iterator[None]:

@@ -1,30 +1,32 @@
 """Elements that change their mode in a run: what is looked for, and what happens then.
 
 A function of an element (:mod:`antenna_pin.elements.modal`) is positive while its mode stays. It is located
-as an event's is; what happens is the element's to say. What else passes at the same instant, by the impulse
-of the first, is seen to at once and by logic: a function that is zero but for round-off passes where its rate
-is negative, one of a load where it is negative.
+as an event's is; what happens is the element's to say. All that passes at one instant is gathered and made
+together, in rounds (:meth:`Modes.resolve`). What the search has not located passes by logic: a function that
+is zero but for round-off where its rate is negative, one of a load where it is negative.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, impulse, kernels
+from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, kernels
 from antenna_pin.dynamics.acting import Acting
-from antenna_pin.elements import FAMILIES, LOSS, Change, Met, Modal, StickingFriction
+from antenna_pin.elements import FAMILIES, Change, Met, Modal, StickingFriction
+from antenna_pin.elements.modal import AFTER, BLOW, CAPTURE
 from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.errors import MechanismError
+from antenna_pin.simulation.blows import Blows, Result
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.kinks import edges_of, ends_of, kinks_of
 from antenna_pin.simulation.moment import Moment
-from antenna_pin.simulation.own_actions import STILL, Switch
+from antenna_pin.simulation.own_actions import Switch
 from antenna_pin.simulation.passages import Blow, Turned
 from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
 
@@ -34,7 +36,6 @@ __all__ = [
     "Modes",
     "NeverSettlesError",
     "Switching",
-    "kinetic",
     "own_events",
     "switches_of",
 ]
@@ -101,6 +102,24 @@ class Changed:
     energy: float = math.nan
 
 
+class _Pending(NamedTuple):
+    """A function that was located at this instant: of which element in which mode, and its value there."""
+
+    place: str
+    number: int
+    mode: int
+    value: float
+
+
+class _Passing(NamedTuple):
+    """A function that passes: of which element, how that meets its joint, and what changes by it."""
+
+    place: str
+    number: int
+    met: Met
+    change: Change
+
+
 def switches_of(system: System) -> tuple[Event, ...]:
     """Return the events at which elements may change their mode."""
     holds = [one.name for one in system.holds]
@@ -153,14 +172,10 @@ class Modes:
         self._holds = [one.name for one in system.holds]
         self.changed: list[Changed] = []
         self.done: list[Turned | Blow] = []
-        self._dry = Settling(workspace, adjustments, self._acting)
+        self._rest = Settling(workspace, adjustments, self._acting)
+        self._blows = Blows(workspace, adjustments, self._acting)
         self._limit = _AT_MOST * (1 + len(self._acting))
         self._instant, self._taken = math.nan, 0
-        self._places = [
-            int(workspace.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["x"])
-            + one.element.integrals.index(LOSS)
-            for one in self._acting.values()
-        ]
 
     def __bool__(self) -> bool:
         """Whether there are any."""
@@ -185,18 +200,27 @@ class Modes:
             inertia = self._moment.set(t, y).inertia(self._acting[place].block)
         return Met(t, float(angle), float(rate), load, own, inertia)
 
-    def begin(self, t: float, y: Array) -> None:
-        """Bring all into the modes that they have at the start of a run."""
+    def prepare(self, t: float, y: Array) -> None:
+        """Bring all into the modes that they have before anything happens at the start of a run."""
         for place, value in first_modes(self._workspace.system, y, t):
             self._adjustments.set(place, value)
+
+    def begin(self, t: float, y: Array) -> None:
+        """Let happen what does at the start of a run; y is changed in place.
+
+        What takes an impulse is recorded; modes in which elements begin are none of its changes.
+
+        Raises:
+            MechanismError: What sticks and what slips does not settle.
+        """
         try:
-            self._settle(t, y)
+            self.resolve((), t, y)
         except NeverSettlesError as error:
             raise MechanismError(
                 f"{error}: what sticks and what slips at the start does not settle; give its friction a "
                 "Stribeck rate, by which it falls bit by bit as it begins to slip"
             ) from None
-        self.changed.clear()
+        self.changed[:] = [one for one in self.changed if one.impulse != 0.0]
 
     def arm(self, place: str, t: float, y: Array) -> None:
         """Tell an element that is switched on where its joint is, if it has modes."""
@@ -205,8 +229,27 @@ class Modes:
             if change is not None:
                 self._adjustments.change(place, change)
 
-    def take(self, action: Switch, t: float, y: Array) -> bool:
-        """Let a function pass, and all that passes by that at the same instant; y is changed in place.
+    def jammed(self, t: float, y: Array) -> str:
+        """Return of which joints friction by load has no solution, as a part of a message; "" if of none."""
+        return self._rest.jammed(t, y) if self._rest else ""
+
+    def taken(self, y: Array) -> float:
+        """Return what impulses and dampers have taken of the energy so far, but for works of motions [J]."""
+        return self._blows.taken(y)
+
+    # --- what happens at one instant ------------------------------------------------------------------------
+
+    def resolve(self, located: Sequence[Switch], t: float, y: Array) -> bool:
+        """Let all happen that happens at one instant; y is changed in place.
+
+        In rounds: what is captured, all together; else all blows, by one problem of impulses; else all other
+        changes; else what rests and what slips. Behind each round all is looked at anew, so that nothing
+        hangs on the order of elements.
+
+        Args:
+            located: Functions that have been found to pass here.
+            t: Time [s].
+            y: State.
 
         Returns:
             Whether anything was changed.
@@ -216,134 +259,156 @@ class Modes:
         """
         if t != self._instant:
             self._instant, self._taken = t, 0
-        self._taken += 1
-        if self._taken > self._limit:
-            raise NeverSettlesError(action.place)
-        if action.place in self._dry:
-            self._settle(t, y, action)
-        elif not self._pass(action.place, action.number, t, y):
-            element = self._element(action.place)
-            asks = _asks(element, action.place, action.number, self._holds)
-            block = self._acting[action.place].block
-            if asks < 0 and self._moment.set(t, y).switch(block, action.number, asks)[0] < -ZERO:
-                raise NeverSettlesError(action.place)
-            return False
-        settled = action.place in self._dry
-        for _ in range(self._limit):
-            due = self.due(t, y, dry=False)
-            if due is not None:
-                self._pass(due.place, due.number, t, y)
-            elif settled:
-                return True
-            else:
-                self._settle(t, y)
-            settled = due is None
-        raise NeverSettlesError(action.place)
-
-    def _settle(self, t: float, y: Array, action: Switch | None = None) -> None:
-        """Have joints with dry friction agree on what they do."""
-        for shift in self._dry.settle(t, y, action) if self._dry else ():
-            self._note(shift, t, y)
-            if shift.before.mode != self._element(shift.place).mode:
-                self.done.append(Turned(shift.place, shift.before, _comes_to_stick))
-
-    def _note(self, shift: Shift, t: float, y: Array) -> None:
-        """Record what has become of a joint with dry friction."""
-        element, met = self._element(shift.place), shift.met
-        what = element.change_said(shift.before.mode)
-        if what:
-            one, rate = self._acting[shift.place], self._met(shift.place, t, y).rate
-            name = f"{FAMILIES[one.family].word} {one.name}: {what}"
-            mode = element.modes[element.mode]
-            self.changed.append(Changed(name, shift.place, t, mode, met.angle, met.rate, rate, 0.0, 0.0))
-
-    def jammed(self, t: float, y: Array) -> str:
-        """Return of which joints friction by load has no solution, as a part of a message; "" if of none."""
-        return self._dry.jammed(t, y) if self._dry else ""
-
-    def lost(self, y: Array) -> float:
-        """Return all that impulses and dampers of these elements have taken [J]."""
-        at = self._workspace.model.nq + self._workspace.model.nv
-        return float(sum(y[at + place] for place in self._places))
-
-    def due(self, t: float, y: Array, *, dry: bool = True) -> Switch | None:
-        """Return a function that passes at this state; of dry friction only if that is asked for."""
-        moment = self._moment.set(t, y)
-        for place, one in self._acting.items():
-            element = self._element(place)
-            if not dry and place in self._dry:
-                continue
-            for k in range(element.switches):
-                hold = _asks(element, place, k, self._holds)
-                value, slope = moment.switch(one.block, k, hold)
-                if hold >= 0 or abs(value) > ZERO:
-                    passes = value < 0.0
-                else:
-                    passes = slope < -ZERO
-                if passes and element.passed(k, self._met(place, t, y)) is not None:
-                    return Switch(place, k)
-        return None
-
-    def _pass(self, place: str, k: int, t: float, y: Array) -> bool:
-        element, met = self._element(place), self._met(place, t, y)
-        change = element.passed(k, met)
-        if change is None:
-            return False
-        self.done.append(Turned(place, element, lambda one, there: one.passed(k, there)))
-        self._adjustments.change(place, change)
-        for other in change.switches_off:
-            self._adjustments.set(f"{other}.on", False)
-        after = self._element(place)
-        loss, blow, rate = change.loss, change.impulse, met.rate
-        if change.restitution is not None or (after.holds and self._adjustments.holds(place)):
-            loss, blow = self._jump(place, change.restitution, met, t, y)
-            rate = self._met(place, t, y).rate
-        if change.what:
-            one = self._acting[place]
-            name = f"{FAMILIES[one.family].word} {one.name}: {change.what}"
-            mode = element.modes[change.mode]
-            energy = met.energy if element.weighs else math.nan
-            self.changed.append(Changed(name, place, t, mode, met.angle, met.rate, rate, loss, blow, energy))
-        return True
-
-    def _jump(
-        self, place: str, restitution: float | None, met: Met, t: float, y: Array
-    ) -> tuple[float, float]:
-        """Make the impulse of an element; return the energy that is lost and its impulse."""
-        workspace = self._workspace
-        nq, nv = workspace.model.nq, workspace.model.nv
-        head = workspace.program[self._acting[place].block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
-        wanted = {} if restitution is None else {int(head["v"]): -restitution * met.rate}
-        moves = abs(met.rate) > STILL  # else nothing jumps but by round-off, and all that holds goes on
-        for _ in range(1 + len(self._holds)):
-            after, held, own = impulse(workspace, t, y, wanted)
-            for other, blow in zip(self._holds, held, strict=True):
-                bears = moves and other != place and other in self._acting
-                let_go = self._element(other).bears(float(blow)) if bears else None
-                if let_go is not None and self._adjustments.holds(other):
-                    self._adjustments.change(other, let_go)
-                    break
+        self._moment.set(t, y)
+        pending = [
+            _Pending(one.place, one.number, self._element(one.place).mode, self._value(one)[0])
+            for one in located
+        ]
+        changed = False
+        while True:
+            passing = self._passing(t, y, pending)
+            self._taken += 1
+            if self._taken > self._limit and (passing or located):
+                raise NeverSettlesError(passing[0].place if passing else located[0].place)
+            first = min((one.change.phase for one in passing), default=AFTER)
+            together = [one for one in passing if one.change.phase == first]
+            if together:
+                before = dict(self._adjustments.elements)
+                self._make(first, together, t, y)
+                pending = self._still(pending, before, t, y)
+            elif self._settle(t, y, [Switch(one.place, one.number) for one in pending]):
+                pending = []
             else:
                 break
-        self.done.append(
-            Blow(workspace.program.copy(), int(head["v"]), self._acting[place].block, restitution)
+            changed = True
+        if not changed:
+            for one in located:
+                if _asks(self._element(one.place), one.place, one.number, self._holds) < 0:
+                    self._moment.set(t, y)
+                    if self._value(one)[0] < -ZERO:
+                        raise NeverSettlesError(one.place)
+        return changed
+
+    def _value(self, one: Switch | _Pending) -> tuple[float, float]:
+        """Return a function and its rate at the moment's state."""
+        hold = _asks(self._element(one.place), one.place, one.number, self._holds)
+        return self._moment.switch(self._acting[one.place].block, one.number, hold)
+
+    def _passing(self, t: float, y: Array, pending: Sequence[_Pending]) -> list[_Passing]:
+        """Return what passes at this state, of each element what comes first."""
+        known = {(one.place, one.number) for one in pending}
+        self._moment.set(t, y)
+        found = []
+        for place in self._acting:
+            element = self._element(place)
+            numbers = [
+                k
+                for k in range(element.switches)
+                if not self._rest.decides(place, k)
+                and ((place, k) in known or self._passes(Switch(place, k), bool(known)))
+            ]
+            if not numbers:
+                continue
+            met = self._met(place, t, y)
+            self._moment.set(t, y)
+            changes = [
+                _Passing(place, k, met, change)
+                for k in numbers
+                if (change := element.passed(k, met)) is not None
+            ]
+            found += [min(changes, key=lambda one: one.change.phase)] if changes else []
+        return found
+
+    def _passes(self, one: Switch, first: bool) -> bool:
+        """Return whether a function that was not located passes; loads count behind the first round."""
+        loaded = _asks(self._element(one.place), one.place, one.number, self._holds) >= 0
+        if loaded and first:
+            return False
+        value, slope = self._value(one)
+        return value < 0.0 if loaded or abs(value) > ZERO else slope < -ZERO
+
+    def _still(
+        self, pending: Sequence[_Pending], before: Mapping[str, object], t: float, y: Array
+    ) -> list[_Pending]:
+        """Return which of the located functions still pass behind changes."""
+        self._moment.set(t, y)
+        found = []
+        for one in pending:
+            if self._rest.decides(one.place, one.number) or self._adjustments.elements[one.place] is before[one.place]:
+                value, slope = self._value(one)
+                if abs(value - one.value) <= ZERO * max(1.0, abs(one.value)) and slope <= 0.0:
+                    found.append(one)
+        return found
+
+    def _make(self, phase: int, together: Sequence[_Passing], t: float, y: Array) -> None:
+        """Make the changes of one round, with their impulses, and record them."""
+        before = {place: self._element(place) for place in self._acting}
+        results, struck = {one.place: Result(one.met, one.change) for one in together}, ()
+        alone = True
+        if phase != BLOW:
+            for place, one in results.items():
+                self._adjustments.change(place, one.change)
+        locked = phase == CAPTURE and {
+            place: one
+            for place, one in results.items()
+            if self._element(place).holds and self._adjustments.holds(place)
+        }
+        if phase == BLOW:
+            results, struck, alone = self._blows.make(results, t, y)
+        elif locked:
+            more, struck, alone = self._blows.make(locked, t, y)
+            results |= more
+        numbers = {one.place: one.number for one in together}
+        for place, one in results.items():
+            self._adjustments.change(place, one.change)
+            for other in one.change.switches_off:
+                self._adjustments.set(f"{other}.on", False)
+        for place, one in results.items():
+            changes = _by_function(numbers[place]) if place in numbers else _by_letting_go
+            self.done.append(Turned(place, before[place], changes))
+            self._record(place, one, t, y, one.change.what or self._element(place).change_said(before[place].mode))
+        if struck:
+            self.done.append(Blow(self._workspace.program.copy(), struck, alone))
+
+    def _settle(self, t: float, y: Array, located: Sequence[Switch]) -> bool:
+        """Have what rests and what sticks agree; return whether any mode has changed."""
+        shifts = self._rest.settle(t, y, located) if self._rest else []
+        for shift in shifts:
+            element = self._element(shift.place)
+            self._record(
+                shift.place, Result(shift.met, Change(element.mode)), t, y, element.change_said(shift.before.mode)
+            )
+            self.done.append(Turned(shift.place, shift.before, _by_sticking))
+        return bool(shifts)
+
+    def _record(self, place: str, result: Result, t: float, y: Array, what: str) -> None:
+        """Record what has become of an element, if that has a name."""
+        if not what:
+            return
+        element, one, (met, change, loss, blow) = self._element(place), self._acting[place], result
+        self.changed.append(
+            Changed(
+                name=f"{FAMILIES[one.family].word} {one.name}: {what}",
+                element=place,
+                time=t,
+                mode=element.modes[change.mode],
+                angle=met.angle,
+                rate=met.rate,
+                rate_after=self._met(place, t, y).rate,
+                loss=change.loss + loss,
+                impulse=change.impulse + blow,
+                energy=met.energy if element.weighs else math.nan,
+            )
         )
-        before = kinetic(workspace, y)
-        y[nq : nq + nv] = after
-        loss = before - kinetic(workspace, y)
-        place_in_x = nq + nv + int(head["x"]) + self._element(place).integrals.index(LOSS)
-        y[place_in_x] += loss
-        blow = own[0] if len(own) else held[self._holds.index(place)]
-        return float(loss), float(blow)
 
 
-def _comes_to_stick(element: Modal, met: Met) -> Change | None:
+def _by_function(number: int) -> Callable[[Modal, Met], Change | None]:
+    return lambda element, met: element.passed(number, met)
+
+
+def _by_letting_go(element: Modal, met: Met) -> Change | None:
+    return element.lets_go()
+
+
+def _by_sticking(element: Modal, met: Met) -> Change | None:
     return element.sticks(met) if isinstance(element, StickingFriction) else None
-
-
-def kinetic(workspace: Workspace, y: Array) -> float:
-    """Return the kinetic energy of a state [J]."""
-    model = workspace.model
-    nq, nv = model.nq, model.nv
-    found = float(pin.computeKineticEnergy(model, workspace.data, y[:nq], y[nq : nq + nv]))
-    return found if math.isfinite(found) else math.nan

@@ -1,23 +1,34 @@
-r"""Joints with dry friction that are at rest together: which of them stick, and which slip.
+r"""Joints that rest together: which stick and which slip, and which stand on their rigid stops.
 
-Each that is at rest has a torque of friction :math:`\lambda` and an acceleration a, with
+Each joint with dry friction that is at rest has a torque :math:`\lambda` and an acceleration a, with
 
 .. math:: a = 0,\ |\lambda| \le T \qquad\text{or}\qquad \lambda = -\mathrm{sign}(a)\, T,
 
-where what one does changes what the others need. All begin as sticking but one that has just let go; then
-the first in order that does not keep its rule is turned over, again and again: the least-index pivoting of
-Murty and Bard for linear complementarity, which ends at the one solution there is where friction does not
-fall as a joint begins to slip. Where it falls at once there may be several, or none: then turning over does
-not end, and that is said.
+and each at rest at a rigid stop, with both counted off it,
+
+.. math:: 0 \le \lambda \quad\perp\quad a \ge 0,
+
+where what one does changes what the others need. Frictions begin as sticking but those that have just let go,
+stops as they are but those that have just been left. Then all that do not keep their rule are turned over,
+again and again; where that makes them no fewer, only the first of them: block pivoting, with the least-index
+pivoting of Murty and Bard behind it, which ends at the one solution there is where friction does not fall as
+a joint begins to slip. As all are turned over together, nothing hangs on their order, and what is alike does
+alike. Where friction falls at once there may be several solutions, or none: then turning over may not end,
+and that is said.
 
 A joint that others hold at rest, as in a closed loop with more sticking joints than it has freedoms, has all
 its friction pushing once its row has carried that much, and stays; so all must be overcome before one moves.
+Of a joint that sticks and stands at its stop either may carry the load: the share is not unique, the motion is.
+
+References:
+    Kostreva (1978), Block pivot methods for solving the complementarity problem, Linear Algebra Appl. 21.
+    Murty (1974), Note on a Bard-type scheme for solving the complementarity problem, Opsearch 11.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -26,8 +37,10 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, Workspace, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
-from antenna_pin.elements import Change, Met, Modal, StickingFriction, kind_of
+from antenna_pin.elements import Change, Met, Modal, RigidStop, StickingFriction, kind_of
 from antenna_pin.elements import kernels as of_elements
+from antenna_pin.elements.limits import FREE, LOWER, UPPER
+from antenna_pin.elements.rigid_stop import LOADED
 from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK
 from antenna_pin.simulation.own_actions import Switch
 
@@ -36,6 +49,13 @@ __all__ = ["NeverSettlesError", "Settling", "Shift"]
 Array = NDArray[np.float64]
 
 _AT_REST = 1e-11
+# A joint is at a stop that is no farther off [rad] ([m]); a hop off it that is lower than this is none.
+_AT_STOP, _HOP = 1e-11, 1e-15
+# Of a stop's load and acceleration, over the largest there are: round-off, ten times as much each time that
+# it is turned over.
+_SLACK = 1e-13
+# Rounds in which turning over all makes those that do not keep their rule no fewer.
+_PATIENCE = 4
 # Of a grip: by what a torque at which a joint lets go, which is located, may be off.
 _LOCATED = 1e-9
 # Of what a joint would yield to a torque alone: what round-off leaves of that where others hold it.
@@ -50,12 +70,12 @@ class Shift(NamedTuple):
     """A change of mode that has come about: which element's, as it was before, and what it met."""
 
     place: str
-    before: StickingFriction
+    before: StickingFriction | RigidStop
     met: Met
 
 
 class Settling:
-    """The joints with dry friction of a run.
+    """The joints with dry friction, and those with rigid stops, of a run.
 
     Args:
         workspace: What the run works on.
@@ -66,11 +86,9 @@ class Settling:
     def __init__(self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]) -> None:
         """Find them."""
         self._workspace, self._adjustments = workspace, adjustments
-        self._acting = {
-            place: one
-            for place, one in acting.items()
-            if isinstance(one.element, Modal) and one.element.together
-        }
+        self._dry = [place for place, one in acting.items() if isinstance(one.element, StickingFriction)]
+        self._stops = [place for place, one in acting.items() if isinstance(one.element, RigidStop)]
+        self._acting = {place: acting[place] for place in (*self._dry, *self._stops)}
         names = [one.name for one in workspace.system.holds]
         self._hold = {place: names.index(place) for place in self._acting}
         self._slot = {
@@ -83,57 +101,108 @@ class Settling:
         """Whether there are any."""
         return bool(self._acting)
 
-    def __contains__(self, place: str) -> bool:
-        """Whether an element is one of them."""
-        return place in self._acting
+    def decides(self, place: str, number: int) -> bool:
+        """Return whether what passes by a function of an element is decided here."""
+        return place in self._acting and (place in self._dry or number == LOADED)
 
     def _element(self, place: str) -> StickingFriction:
         element = self._adjustments.elements[place]
         assert isinstance(element, StickingFriction)
         return element
 
-    def settle(self, t: float, y: Array, action: Switch | None = None) -> list[Shift]:
+    def _stop_of(self, place: str) -> RigidStop:
+        element = self._adjustments.elements[place]
+        assert isinstance(element, RigidStop)
+        return element
+
+    def settle(self, t: float, y: Array, located: Sequence[Switch] = ()) -> list[Shift]:
         """Bring those that are at rest into modes that agree; y is changed in place, by round-off.
 
         Args:
             t: Time [s].
             y: State.
-            action: The one that has come to rest, or has let go, if one has.
+            located: Functions by which some have come to rest, or have let go.
+
+        Returns:
+            The changes of mode.
 
         Raises:
             NeverSettlesError: There are no such modes, or none are found.
         """
-        met = {place: self._met(place, t, y) for place in self._acting if self._element(place).on}
-        before = {place: self._element(place) for place in met}
-        if action is not None and action.number == 1:
-            loads = self._loads(t, y)
+        before = {place: self._adjustments.elements[place] for place in self._acting}
+        met = {place: self._met(place, t, y) for place in self._dry if self._element(place).on}
+        comes = {one.place for one in located if one.place in met and one.number == 0}
+        let_go = {one.place for one in located if one.place in met and one.number == 1}
+        let_go = {place for place in let_go if self._element(place).mode == STUCK}
+        loads = self._loads(t, y) if let_go else np.zeros(0)
         resting = []
         for place, one in met.items():
             element = self._element(place)
-            comes = action is not None and action.place == place and action.number == 0
-            if comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
+            if place in comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
                 resting.append(place)
                 if element.mode in (PUSHED, PULLED):
                     continue
-                if action is not None and action.place == place and action.number == 1:
+                if place in let_go:
                     change = element.slips(-math.copysign(1.0, loads[self._hold[place]]))
                 else:
                     change = element.sticks(one)
             else:
                 change = element.slips(math.copysign(1.0, one.rate))
             self._turn(place, change)
+        sides = self._at_stops(t, y, met)
+        for one in located:
+            if one.place in sides and self._stop_of(one.place).mode != FREE:
+                self._turn(one.place, self._stop_of(one.place).lets_go())
         self._stop(t, y, resting)
-        if action is not None and action.number == 1:
-            self._push(action.place, t, y)
-        self._agree(t, y, resting, met)
-        return [Shift(place, before[place], one) for place, one in met.items()]
+        for place in let_go:
+            self._push(place, t, y)
+        if resting or sides:
+            self._agree(t, y, resting, sides, met, let_go)
+        self._stop(t, y, [place for place in sides if self._stop_of(place).mode != FREE])
+        return [
+            Shift(place, one, met[place])
+            for place, one in before.items()
+            if one.mode != self._adjustments.elements[place].mode  # type: ignore[attr-defined, union-attr]
+        ]
+
+    def _at_stops(self, t: float, y: Array, met: dict[str, Met]) -> dict[str, int]:
+        """Return at which side of their stops joints stand, by place; and how they meet them, in ``met``."""
+        sides = {}
+        for place in self._stops:
+            stop = self._stop_of(place)
+            if not stop.on:
+                continue
+            one = self._met(place, t, y)
+            for side, gap, rate in (
+                (LOWER, one.angle - stop.lowest, one.rate),
+                (UPPER, stop.highest - one.angle, -one.rate),
+            ):
+                if stop.mode == side or (
+                    stop.mode == FREE and abs(gap) <= _AT_STOP and self._stands(place, rate, side, t, y)
+                ):
+                    sides[place], met[place] = side, one
+        return sides
+
+    def _stands(self, place: str, rate: float, side: int, t: float, y: Array) -> bool:
+        """Return whether a joint at a stop moves off it by no more than round-off, if at all."""
+        if abs(rate) <= _AT_REST:
+            return True
+        if rate < 0.0:
+            return False
+        self._loads(t, y)
+        back = -self._off(place, side)
+        return rate * rate < 2.0 * _HOP * back
+
+    def _off(self, place: str, side: int) -> float:
+        """Return the acceleration of a joint off a side of its stop, of the last evaluation."""
+        return (1.0 if side == LOWER else -1.0) * float(self._rates[self._slot[place]])
 
     def jammed(self, t: float, y: Array) -> str:
         """Return of which joints friction by load has no solution, as a part of a message; "" if of none."""
         self._loads(t, y)
         if np.isfinite(self._rates[: self._workspace.model.nv]).all():
             return ""
-        names = [self._acting[place].label for place in self._acting if self._element(place).under_load]
+        names = [self._acting[place].label for place in self._dry if self._element(place).under_load]
         return (
             f", {' or '.join(names)}: under its own load it jams, and no acceleration solves it"
             if names
@@ -146,13 +215,13 @@ class Settling:
         return Met(t, float(angle), float(rate), 0.0)
 
     def _turn(self, place: str, change: Change) -> None:
-        if change.mode != self._element(place).mode or change.memory:
+        if change.mode != self._adjustments.elements[place].mode or change.memory:  # type: ignore[attr-defined]
             self._adjustments.change(place, change)
 
     def _stop(self, t: float, y: Array, resting: list[str]) -> None:
-        """Take away what round-off leaves of the rates of those that stick."""
+        """Take away what round-off leaves of the rates of those that stick, or rest."""
         nq, nv = self._workspace.model.nq, self._workspace.model.nv
-        sticks = [place for place in resting if self._element(place).mode == STUCK]
+        sticks = [place for place in resting if self._adjustments.holds(place)]
         if any(y[nq + self._slot[place]] != 0.0 for place in sticks):
             y[nq : nq + nv], _, _ = impulse(self._workspace, t, y, {})
             for place in sticks:
@@ -161,54 +230,88 @@ class Settling:
     def _loads(self, t: float, y: Array) -> Array:
         """Evaluate; return what rows carry."""
         self._workspace.derivative(t, y, self._rates)
-        assert self._workspace.constraints is not None
-        return self._workspace.constraints.loads().copy()
+        constraints = self._workspace.constraints
+        return np.zeros(0) if constraints is None else constraints.loads().copy()
 
     def _grip(self, place: str) -> float:
         one = self._acting[place]
         first = one.block + int(kernels.PARAMETERS)
         return float(of_elements.grip(kind_of(type(one.element)), self._workspace.program, first))
 
-    def _agree(self, t: float, y: Array, resting: list[str], met: Mapping[str, Met]) -> None:
-        settled: set[str] = set()
-        for _ in range(8 * (1 + len(resting)) ** 2):
+    def _agree(
+        self,
+        t: float,
+        y: Array,
+        resting: Sequence[str],
+        sides: Mapping[str, int],
+        met: Mapping[str, Met],
+        let_go: set[str],
+    ) -> None:
+        """Turn over what does not keep its rule, until all do."""
+        rows = (*resting, *sides)
+        slack = dict.fromkeys(sides, _SLACK)
+        fewest, patience = len(rows) + 1, _PATIENCE
+        for _ in range(8 * (1 + len(rows)) ** 2):
             loads = self._loads(t, y)
-            for place in resting:
-                if place not in settled and self._turned_over(place, t, y, loads, met[place]):
-                    settled.clear()
-                    break
-                settled.add(place)
-            else:
+            wrong = [place for place in resting if self._errs(place, y, loads, let_go)]
+            wrong += [place for place in sides if self._errs_at_stop(place, sides[place], y, loads, slack)]
+            # Those that push against others turn over as they are looked at.
+            pushing = [one for one in resting if self._element(one).mode in (PUSHED, PULLED)]
+            count = len(wrong) + sum(not self._push(place, t, y) for place in pushing)
+            if count == 0:
                 return
-        raise NeverSettlesError(resting[0])
+            if count < fewest:
+                fewest, patience = count, _PATIENCE
+            else:
+                patience -= 1
+            for place in wrong if patience > 0 else wrong[:1]:
+                if place in sides:
+                    stop = self._stop_of(place)
+                    self._turn(place, stop.rests(sides[place]) if stop.mode == FREE else stop.lets_go())
+                    slack[place] *= 10.0
+                elif self._element(place).mode == STUCK:
+                    load = float(loads[self._hold[place]])
+                    self._turn(place, self._element(place).slips(-math.copysign(1.0, load)))
+                    self._push(place, t, y)
+                else:
+                    self._turn(place, self._element(place).sticks(met[place]))
+                    let_go.add(place)
+        raise NeverSettlesError(rows[0])
 
-    def _turned_over(self, place: str, t: float, y: Array, loads: Array, met: Met) -> bool:
-        """Turn one over if it does not keep its rule; return whether it did not."""
-        element, load = self._element(place), float(loads[self._hold[place]])
+    def _alone(self, place: str, y: Array) -> float:
+        """Return the acceleration of a joint over a torque there, with nothing held."""
+        model, at = self._workspace.model, self._slot[place]
+        return float(pin.computeMinverse(model, self._workspace.data, y[: model.nq])[at, at])
+
+    def _errs_at_stop(
+        self, place: str, side: int, y: Array, loads: Array, slack: Mapping[str, float]
+    ) -> bool:
+        """Return whether a stop pulls, or a joint that is off it goes into it."""
+        size = float(np.abs(loads).max(initial=0.0))
+        if self._stop_of(place).mode != FREE:
+            pushes = (1.0 if side == LOWER else -1.0) * float(loads[self._hold[place]])
+            return pushes < -slack[place] * size
+        most = float(np.abs(self._rates[: self._workspace.model.nv]).max())
+        return self._off(place, side) < -slack[place] * (most + self._alone(place, y) * size)
+
+    def _errs(self, place: str, y: Array, loads: Array, let_go: set[str]) -> bool:
+        """Return whether a joint that sticks carries too much, or one that slips goes the other way.
+
+        What lets go here, which is located, carries all its grip and does not move yet, but for round-off.
+        """
+        element = self._element(place)
         if element.mode == STUCK:
-            if abs(load) <= self._grip(place) * (1.0 + _LOCATED):
-                return False
-            self._turn(place, element.slips(-math.copysign(1.0, load)))
-            self._push(place, t, y)
-            return True
-        direction = 1.0 if element.mode in (FORWARD, PUSHED) else -1.0
+            less = -_LOCATED if place in let_go else _LOCATED
+            return abs(float(loads[self._hold[place]])) > self._grip(place) * (1.0 + less)
         if element.mode in (PUSHED, PULLED):
-            return not self._push(place, t, y)
-        if direction * self._rates[self._slot[place]] >= 0.0:
             return False
-        self._turn(place, element.sticks(met))
-        needed = float(self._loads(t, y)[self._hold[place]])
-        if -direction * needed < self._grip(place) * (1.0 - _LOCATED):
-            return True
-        # It lets go here: that it does not move yet is round-off.
-        self._turn(place, element.slips(direction))
-        self._loads(t, y)
-        return False
+        forth = (1.0 if element.mode == FORWARD else -1.0) * float(self._rates[self._slot[place]])
+        slack = _LOCATED * self._grip(place) * self._alone(place, y) if place in let_go else 0.0
+        return forth < -slack
 
     def _push(self, place: str, t: float, y: Array) -> bool:
         """Have one that slips push if others hold it, or the other way round; return whether they do."""
         workspace, at = self._workspace, self._slot[place]
-        assert workspace.constraints is not None
         element = self._element(place)
         forward = element.mode in (FORWARD, PUSHED)
         self._turn(place, Change(FORWARD if forward else BACKWARD))
@@ -218,8 +321,7 @@ class Settling:
         free = workspace.acceleration(t, y, effort)[at]
         effort[at] += size
         yields = (workspace.acceleration(t, y, effort)[at] - free) / size
-        alone = pin.computeMinverse(workspace.model, workspace.data, y[: workspace.model.nq])[at, at]
-        held = bool(abs(yields) < _HELD * alone)
+        held = bool(abs(yields) < _HELD * self._alone(place, y))
         if held:
             self._turn(place, Change(PUSHED if forward else PULLED))
         self._loads(t, y)
