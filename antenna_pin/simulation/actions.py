@@ -49,7 +49,7 @@ class Actions:
         stepper: Its state is changed.
         control: Learns of drives that have changed.
         samples: Learns of a program that has changed.
-        begin: From when on the run records [s].
+        after: What happens later than this is recorded [s].
 
     Attributes:
         happened: Events that have happened, in their order.
@@ -65,7 +65,7 @@ class Actions:
         stepper: Stepper,
         control: StepControl,
         samples: Samples,
-        begin: float,
+        after: float,
     ) -> None:
         """Begin with nothing that has happened."""
         self._watch = watch
@@ -73,7 +73,7 @@ class Actions:
         self._stepper = stepper
         self._control = control
         self._samples = samples
-        self._begin = begin
+        self._after = after
         self.happened: list[Happening] = []
         self.adjustments = Adjustments(workspace.system, workspace.program)
         self.modes = Modes(workspace, self.adjustments)
@@ -100,7 +100,7 @@ class Actions:
                 self._edge(event.action)
             else:
                 changes = self._happen(event, count) or changes
-                if isinstance(event.action, Stop) and count >= event.after and self._is_new:
+                if isinstance(event.action, Stop) and count >= event.after and self._counts:
                     last = event.name
         if switches or changes:
             self._resolve(switches)
@@ -109,7 +109,12 @@ class Actions:
     @property
     def _is_new(self) -> bool:
         """Whether what happens now is this run's, and not of that which was before."""
-        return self._stepper.t > self._begin
+        return self._stepper.t > self._after
+
+    @property
+    def _counts(self) -> bool:
+        """Whether an event of the user's is recorded now: what is set at zero holds from the start."""
+        return self._is_new and self._stepper.t > 0.0
 
     def _edge(self, action: Edge) -> None:
         self._change(action.place)
@@ -123,7 +128,7 @@ class Actions:
         changes = count >= event.after and isinstance(event.action, Set | Jump)
         energy = self._carry_out(event.name, event.action) if changes else 0.0  # type: ignore[arg-type]
         self._keep(event, count >= event.after)
-        if self._is_new:
+        if self._counts:
             self.happened.append(Happening(event.name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())
         return changes
@@ -136,7 +141,7 @@ class Actions:
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""
         energy = self._carry_out(name, action)
-        if self._is_new:
+        if self._counts:
             self.happened.append(Happening(name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())
         self._resolve(())
@@ -210,7 +215,7 @@ class Actions:
                 del self.passages[len(self.passages) - (not switches) :]
                 self.passages += passages_of(modes.done, events, program, self._workspace, t)
         if changed or switches:
-            self._watch.logical(ZERO)
+            self._watch.logical(ZERO, modes.grazed)
         return changed
 
     def _renew(self) -> None:

@@ -49,6 +49,9 @@ class Blows:
         workspace: What the run works on.
         adjustments: Its elements as they are.
         acting: Elements with modes, by place.
+
+    Attributes:
+        losses: Where in the state each books what is lost, by place.
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]) -> None:
@@ -60,7 +63,7 @@ class Blows:
             place: workspace.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
             for place, one in acting.items()
         }
-        self._losses = {
+        self.losses = {
             place: at + int(heads[place]["x"]) + one.element.integrals.index(LOSS)
             for place, one in acting.items()
         }
@@ -71,7 +74,7 @@ class Blows:
 
     def taken(self, y: Array) -> float:
         """Return what these elements have lost so far, but for works of motions [J]."""
-        return float(sum(y[k] for k in self._losses.values()) - sum(y[k] for k in self._works))
+        return float(sum(y[k] for k in self.losses.values()) - sum(y[k] for k in self._works))
 
     def _element(self, place: str) -> Modal:
         element = self._adjustments.elements[place]
@@ -122,7 +125,7 @@ class Blows:
             else:
                 hold = self._holds.index(place)
                 blow, loss = float(found.holds[hold]), float(found.lost[hold])
-            y[self._losses[place]] += loss
+            y[self.losses[place]] += loss
             results[place] = one._replace(loss=loss, impulse=blow)
             back = one.change.restitution or None
             struck.append(Struck(place, self._slots[place], self._acting[place].block, back))

@@ -8,6 +8,7 @@ and what they do, progress, limits, checkpoints, and how a run ends.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import MappingProxyType
@@ -86,6 +87,8 @@ class Run:
         method = method_named(settings.method)
         scales = scale_vector(system, settings.scales)
         self.stepper = stepper_of(self.workspace, method, scales, settings)
+        #: What happens later than this is recorded [s]: at the very start of a run that goes on it was before.
+        self.after = self.begin if isinstance(start, State) else math.nextafter(self.begin, -math.inf)
         self.control = StepControl(self.workspace, method, settings, self.begin, end)
         self.samples = Samples(self.workspace, settings.output_rate, settings.output_times, self.begin, end)
         self.contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
@@ -94,7 +97,7 @@ class Run:
         self.watch = Watch((*self.events, *own_events(system)), self.workspace, self.stepper)
         self.control.end_at(self.watch.instants)
         worked_on = self.workspace, self.stepper, self.control, self.samples
-        self.actions = Actions(self.watch, *worked_on, self.begin)
+        self.actions = Actions(self.watch, *worked_on, self.after)
         self.ticks = Ticks(controllers, system, self.actions, self.begin)
         self.watch.tick = self.ticks.next
         self.oversight = Oversight(self.workspace, self.control, self.events)

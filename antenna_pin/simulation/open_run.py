@@ -151,7 +151,7 @@ class OpenRun:
         begin = self.time - self._window
         if len(run.samples.times) < _MANY or not 2.0 * begin - self.time >= run.samples.times[0]:
             return
-        run.begin = begin = run.samples.forget_before(begin)
+        run.begin = run.after = begin = run.samples.forget_before(begin)
         run.contacts.forget_before(begin)
         run.steps.record_from(begin)
         run.ticks.forget_before(begin)

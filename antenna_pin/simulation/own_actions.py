@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["STILL", "Edge", "Kink", "Switch"]
+__all__ = ["GRAZE", "STILL", "Edge", "Kink", "Switch"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,6 +14,8 @@ class Kink:
 
 #: Of a function of an element's: a rate that is none [1/s].
 STILL = 1e-11
+#: How far below zero it may come and go back unseen, as round-off [rad] ([m]).
+GRAZE = 1e-15
 
 
 @dataclass(frozen=True, slots=True)

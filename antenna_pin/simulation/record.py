@@ -288,7 +288,7 @@ def _labels(seen: Seen) -> dict[str, Any]:
         labels["episode"] = len(seen.run.episodes)
     modes = seen.run.actions.modes
     if modes:
-        labels["change"] = [one.name for one in modes.changed if one.time > seen.run.begin]
+        labels["change"] = [one.name for one in modes.changed if one.time > seen.run.after]
     if seen.run.events or modes or seen.run.actions.happened:
         labels["event"] = [one.name for one in seen.run.actions.happened]
     return labels

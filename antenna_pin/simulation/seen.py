@@ -99,9 +99,13 @@ class Seen:
 
     @property
     def start(self) -> Edge:
-        """The run's first sample."""
+        """The run's first sample; of a start that takes impulses with what was there before them."""
         if self.before is None:
-            return self._edge(0, self.states[0], float(self.found.energy[0]))
+            first, stored = self.states[0].copy(), float(self.found.energy[0])
+            for x, loss in self.run.actions.modes.lost_at_start() if self.times[0] == 0.0 else ():
+                first[x] -= loss
+                stored += loss
+            return self._edge(0, first, stored)
         return Edge(self.before.first, self.before.stored, self.before.first, np.zeros((0, 4)))
 
     @property

@@ -186,7 +186,7 @@ def episodes_of(run: Run) -> Values:
 
 def _changes_of(run: Run) -> Values:
     """Return the changes of mode that are recorded."""
-    changed = [one for one in run.actions.modes.changed if one.time > run.begin]
+    changed = [one for one in run.actions.modes.changed if one.time > run.after]
     names = {
         "change_time": "time",
         "change_angle": "angle",

@@ -49,8 +49,9 @@ __all__ = ["NeverSettlesError", "Settling", "Shift"]
 Array = NDArray[np.float64]
 
 _AT_REST = 1e-11
-# A joint is at a stop that is no farther off [rad] ([m]); a hop off it that is lower than this is none.
-_AT_STOP, _HOP = 1e-11, 1e-15
+# A joint is at a stop that is no farther off [rad] ([m]). A hop off it is none that is lower than so many
+# units of round-off of where the stop is, and at zero than this.
+_AT_STOP, _HOP, _LEAST_HOP = 1e-11, 4.0 * np.finfo(float).eps, 1e-20
 # Of a stop's load and acceleration, over the largest there are: round-off, ten times as much each time that
 # it is turned over.
 _SLACK = 1e-13
@@ -96,6 +97,8 @@ class Settling:
             for place, one in self._acting.items()
         }
         self._rates = np.zeros(workspace.model.nv + workspace.manifold.nx)
+        # Joints that have begun to slip at the last instant: they do not stick again there for being at rest.
+        self._instant, self._gone = math.nan, set[str]()
 
     def __bool__(self) -> bool:
         """Whether there are any."""
@@ -135,12 +138,17 @@ class Settling:
         let_go = {one.place for one in located if one.place in met and one.number == 1}
         let_go = {place for place in let_go if self._element(place).mode == STUCK}
         loads = self._loads(t, y) if let_go else np.zeros(0)
+        if t != self._instant:
+            self._instant, self._gone = t, set()
+        left = {one.place for one in located if one.place in self._stops and one.number == LOADED}
         resting = []
         for place, one in met.items():
             element = self._element(place)
             if place in comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
                 resting.append(place)
-                if element.mode in (PUSHED, PULLED):
+                # Where a stop is left, what pushed beside it may hold alone.
+                pushes = element.mode in (PUSHED, PULLED) and not left
+                if pushes or (place in self._gone and element.mode in (FORWARD, BACKWARD)):
                     continue
                 if place in let_go:
                     change = element.slips(-math.copysign(1.0, loads[self._hold[place]]))
@@ -150,14 +158,15 @@ class Settling:
                 change = element.slips(math.copysign(1.0, one.rate))
             self._turn(place, change)
         sides = self._at_stops(t, y, met)
-        for one in located:
-            if one.place in sides and self._stop_of(one.place).mode != FREE:
-                self._turn(one.place, self._stop_of(one.place).lets_go())
+        for place in left:
+            if self._stop_of(place).mode != FREE:
+                self._turn(place, self._stop_of(place).lets_go())
         self._stop(t, y, resting)
         for place in let_go:
             self._push(place, t, y)
         if resting or sides:
-            self._agree(t, y, resting, sides, met, let_go)
+            self._agree(t, y, resting, sides, met, let_go | self._gone)
+        self._gone = {place for place in resting if self._element(place).mode in (FORWARD, BACKWARD)}
         self._stop(t, y, [place for place in sides if self._stop_of(place).mode != FREE])
         return [
             Shift(place, one, met[place])
@@ -190,8 +199,9 @@ class Settling:
         if rate < 0.0:
             return False
         self._loads(t, y)
-        back = -self._off(place, side)
-        return rate * rate < 2.0 * _HOP * back
+        back, stop = -self._off(place, side), self._stop_of(place)
+        hop = max(_HOP * abs(stop.lowest if side == LOWER else stop.highest), _LEAST_HOP)
+        return rate * rate < 2.0 * hop * back
 
     def _off(self, place: str, side: int) -> float:
         """Return the acceleration of a joint off a side of its stop, of the last evaluation."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from antenna_pin.roots import root_between
 from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
 from antenna_pin.simulation.events import Event, Time
 from antenna_pin.simulation.moment import Moment
-from antenna_pin.simulation.own_actions import STILL, Switch
+from antenna_pin.simulation.own_actions import GRAZE, STILL, Switch
 from antenna_pin.state import EventMemory
 
 __all__ = ["Crossing", "Watch"]
@@ -128,8 +128,13 @@ class Watch:
         if isinstance(event.action, Switch) and memory.side < 0.0:
             memory.side = 1.0  # it stays until it passes: what is behind zero already passes at once
 
-    def logical(self, noise: float) -> None:
-        """Look anew, after changes of mode, on which sides their functions are: by logic at zero."""
+    def logical(self, noise: float, grazed: Collection[tuple[str, int]] = ()) -> None:
+        """Look anew, after changes of mode, on which sides their functions are: by logic at zero.
+
+        Args:
+            noise: Up to which size a function is zero.
+            grazed: Functions that stay positive: of elements by place, and their numbers.
+        """
         self._set_here()
         for k in self._functions:
             event, memory = self.events[k], self._memories[k]
@@ -137,7 +142,8 @@ class Watch:
                 loaded = event.when.hold >= 0  # type: ignore[attr-defined]
                 value = abs(self._whens[k](self.moment))
                 own = max(_LEAST, 4.0 * value) if value <= noise else 0.0
-                memory.side, memory.noise = (1.0, 0.0) if loaded else (0.0, own)
+                stays = loaded or (event.action.place, event.action.number) in grazed
+                memory.side, memory.noise = (1.0, 0.0) if stays else (0.0, own)
                 self._renew(k)
 
     def happen(self, crossing: Crossing) -> int:
@@ -239,10 +245,11 @@ class Watch:
             return when(self._at(theta))
 
         switches = isinstance(event.action, Switch)
+        least = -GRAZE if switches else 0.0  # above it a function of an element has not passed
         side, a, fa, ra = memory.side, 0.0, look.values[0], look.rates[0]
         if switches and abs(ra) < STILL:
             ra = 0.0
-        if side != 0.0 and memory.sign(fa) == -side:
+        if side != 0.0 and memory.sign(fa) == -side and side * fa < least:
             # Passed already: by a jump, or where another event has ended the step.
             return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -side)
         rated = self._rates[k]
@@ -266,6 +273,8 @@ class Watch:
         for i in range(1, len(look.thetas)):
             b, fb, rb = look.thetas[i], look.values[i], look.rates[i]
             new = memory.sign(fb) if side == 0.0 else (math.copysign(1.0, fb) if abs(fb) > 0.0 else 0.0)
+            if new == -side and side * fb >= least:
+                new = 0.0
             if side == 0.0:
                 if switches and new < 0.0:
                     return self._out_and_back(k, b, fb)
@@ -283,7 +292,7 @@ class Watch:
                 # It comes nearer to zero, then goes away: does it pass in between?
                 m = root_between(rate, a, b, absolute=1e-15)
                 fm = f(m)
-                if side * fm < 0.0:
+                if side * fm < least:
                     # Twice: what comes after the first of them is looked for anew.
                     if event.counts(-side):
                         return Bracket(k, a, m, fa, fm, noise, a)
