@@ -139,7 +139,7 @@ def push_apart(
         # Of stops that share a push not in one way only, the least one may pull: then theirs as found.
         sizes[k] = force if np.all(forces[end:] >= 0.0) else found
     velocity = v + change
-    work = np.array([0.5 * force * float(row @ (velocity + v)) for row, force in zip(rows, forces, strict=False)])
+    work = 0.5 * forces[:end] * np.array([row @ (velocity + v) for row in rows])
     return Pushed(
         velocity=velocity,
         pushes=sizes,
@@ -166,7 +166,9 @@ def _pushing(
     moves = np.linalg.norm(unit, axis=1) > _HELD
     # A joint that others hold stays where it is, if that is no way into the stop.
     if np.any(needed[~moves] - least[~moves] / lengths[~moves] > _ROUND_OFF * size):
-        raise MechanismError("impulse: what is held drives a joint into its rigid stop; take one of both away")
+        raise MechanismError(
+            "impulse: what is held drives a joint into its rigid stop; take one of both away"
+        )
     some = np.flatnonzero(moves)
     most = float(needed[some].max(initial=0.0))
     if most <= 0.0:
@@ -180,7 +182,9 @@ def _pushing(
             "impulse: what is held admits no velocity with which joints stay out of their rigid stops"
         )
     return [
-        (int(k), float(one) * most / left / lengths[k]) for k, one in zip(some, found, strict=True) if one > 0.0
+        (int(k), float(one) * most / left / lengths[k])
+        for k, one in zip(some, found, strict=True)
+        if one > 0.0
     ]
 
 
@@ -289,7 +293,7 @@ def _nearest(root: Array, rows: list[Array], lacks: list[float]) -> tuple[Array,
     change = np.linalg.lstsq(unit, np.array(lacks) / lengths, rcond=1e-11)[0]
     # Multipliers of least norm that make this change.
     forces = np.linalg.lstsq(unit.T, change, rcond=1e-11)[0] / lengths
-    return np.linalg.solve(root.T, change), forces
+    return np.asarray(np.linalg.solve(root.T, change)), np.asarray(forces)
 
 
 def _lengths(workspace: Workspace, held: int) -> Array:

@@ -159,7 +159,9 @@ class _Equation:
             field = carrier.field
             if not np.isfinite(ways).all():
                 when = max((one.time for one in carrier.passed if one.time <= time), default=time)
-                said = "a contact or an event comes with no speed, or blows that feel each other come together"
+                said = (
+                    "a contact or an event comes with no speed, or blows that feel each other come together"
+                )
                 raise GrazeError(f"at {when:.9g} s {said}", when)
             words = np.zeros((0, 0)) if field.numbers is None else field.numbers.program.copy()
             memory, program = field.workspace.memory.copy(), field.workspace.program.copy()

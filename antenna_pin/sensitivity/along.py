@@ -232,8 +232,9 @@ class Along:
         if not np.isfinite(ways).all():
             when = max((one.time for one in self.carrier.passed if one.time <= time), default=time)
             raise GrazeError(
-                f"sensitivities: at {when:.9g} s a contact or an event comes with no speed, or "
-                "blows that feel each other come together: there is no derivative behind that; take other values, or a span that ends before",
+                f"sensitivities: at {when:.9g} s a contact or an event comes with no speed, or coupled blows "
+                "come together: there is no derivative behind that; take other values, or a span that ends "
+                "before",
                 when,
             )
 

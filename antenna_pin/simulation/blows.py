@@ -69,8 +69,10 @@ class Blows:
         }
         self._slots = {place: int(heads[place]["v"]) for place in acting}
         plan = workspace.system.plan
-        motions = [] if plan is None else plan.words[plan.parts.motions].view(layout_kernels.DRIVEN)["x"]
-        self._works = [at + int(x) for x in motions]
+        self._works: list[int] = []
+        if plan is not None:
+            driven = plan.words[plan.parts.motions].view(layout_kernels.DRIVEN)
+            self._works = [at + int(x) for x in driven["x"]]
 
     def taken(self, y: Array) -> float:
         """Return what these elements have lost so far, but for works of motions [J]."""

@@ -21,7 +21,6 @@ from antenna_pin.simulation.actions import Happening
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.modes import Changed
 from antenna_pin.simulation.parts import (
     CHECKPOINT,
     changed_words,
@@ -34,6 +33,7 @@ from antenna_pin.simulation.parts import (
     words_of,
     write_sealed,
 )
+from antenna_pin.simulation.switches import Changed
 from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome, library_versions
 

@@ -29,7 +29,6 @@ from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.ending import message_of, no_step, too_deep
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event, Set
-from antenna_pin.simulation.modes import NeverSettlesError, own_events
 from antenna_pin.simulation.oversight import Oversight
 from antenna_pin.simulation.progress import Foreseeing, Keeping, Progress, Reporter
 from antenna_pin.simulation.samples import Samples
@@ -37,7 +36,9 @@ from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.search import ContactSearch
 from antenna_pin.simulation.singular import Singularities
 from antenna_pin.simulation.standing import state_of, take_up
+from antenna_pin.simulation.sticking import NeverSettlesError
 from antenna_pin.simulation.stretches import Parts, Stretches, stepper_of
+from antenna_pin.simulation.switches import own_events
 from antenna_pin.simulation.ticks import Ticks
 from antenna_pin.simulation.watch import Crossing, Watch
 from antenna_pin.state import State
@@ -87,7 +88,7 @@ class Run:
         method = method_named(settings.method)
         scales = scale_vector(system, settings.scales)
         self.stepper = stepper_of(self.workspace, method, scales, settings)
-        #: What happens later than this is recorded [s]: at the very start of a run that goes on it was before.
+        #: What happens later than this is recorded [s]; at the start of a run that goes on it was before.
         self.after = self.begin if isinstance(start, State) else math.nextafter(self.begin, -math.inf)
         self.control = StepControl(self.workspace, method, settings, self.begin, end)
         self.samples = Samples(self.workspace, settings.output_rate, settings.output_times, self.begin, end)

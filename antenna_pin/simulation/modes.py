@@ -10,35 +10,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, kernels
+from antenna_pin.dynamics import Adjustments, Workspace, acting_in, first_modes, kernels
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import FAMILIES, Change, Met, Modal, StickingFriction
 from antenna_pin.elements.modal import AFTER, BLOW, CAPTURE
-from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.errors import MechanismError
 from antenna_pin.simulation.blows import Blows, Result
-from antenna_pin.simulation.events import Event
-from antenna_pin.simulation.kinks import edges_of, ends_of, kinks_of
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.own_actions import GRAZE, Switch
-from antenna_pin.simulation.passages import Blow, Turned
-from antenna_pin.simulation.sticking import NeverSettlesError, Settling, Shift
+from antenna_pin.simulation.passages import Blow, Struck, Turned
+from antenna_pin.simulation.sticking import NeverSettlesError, Settling
+from antenna_pin.simulation.switches import Changed, hold_of
 
-__all__ = [
-    "ZERO",
-    "Changed",
-    "Modes",
-    "NeverSettlesError",
-    "Switching",
-    "own_events",
-    "switches_of",
-]
+__all__ = ["ZERO", "Modes"]
 
 Array = NDArray[np.float64]
 
@@ -46,60 +35,6 @@ Array = NDArray[np.float64]
 _AT_MOST = 100
 # Of a function of angles and rates: what round-off leaves of it where it is zero.
 ZERO = 1e-11
-
-
-@dataclass(frozen=True, slots=True)
-class Switching:
-    """The function of an element that is positive while its mode stays.
-
-    Attributes:
-        place: Of the element.
-        block: Place of the element in the program.
-        number: Of the function.
-        hold: Of the hold whose load it asks for, or -1; WEIGHED if for its joint's reduced inertia.
-    """
-
-    place: str
-    block: int
-    number: int
-    hold: int
-
-    def __call__(self, moment: Moment) -> float:
-        """Return its value."""
-        return moment.switch(self.block, self.number, self.hold)[0]
-
-    def rate(self, moment: Moment) -> float:
-        """Return its rate, 0 where that is not known."""
-        return moment.switch(self.block, self.number, self.hold)[1]
-
-
-@dataclass(frozen=True, slots=True)
-class Changed:
-    """A change of mode that has happened.
-
-    Attributes:
-        name: What it is, such as ``stop hinge: upper: on``.
-        element: Place of the element.
-        time: When [s].
-        mode: The next one, in a word.
-        angle: Of the joint [rad] ([m]).
-        rate: Before it [rad/s] ([m/s]), ``rate_after`` it.
-        rate_after: See there.
-        loss: Energy lost in the impulse [J].
-        impulse: On the child [N m s] ([N s]).
-        energy: Of the joint's own motion before, of elements that weigh it [J]; NaN of others.
-    """
-
-    name: str
-    element: str
-    time: float
-    mode: str
-    angle: float
-    rate: float
-    rate_after: float
-    loss: float
-    impulse: float
-    energy: float = math.nan
 
 
 class _Pending(NamedTuple):
@@ -118,34 +53,6 @@ class _Passing(NamedTuple):
     number: int
     met: Met
     change: Change
-
-
-def switches_of(system: System) -> tuple[Event, ...]:
-    """Return the events at which elements may change their mode."""
-    holds = [one.name for one in system.holds]
-    return tuple(
-        Event(
-            name=f"{one.label} switches by {k}",
-            when=Switching(one.place, one.block, k, _asks(one.element, one.place, k, holds)),
-            direction=-1,
-            action=Switch(one.place, k),
-        )
-        for one in acting_in(system)
-        if isinstance(one.element, Modal) and one.element.ever_changes
-        for k in range(one.element.switches)
-    )
-
-
-def _asks(element: Modal, place: str, k: int, holds: list[str]) -> int:
-    """Return what function k of an element asks for: the number of its hold, WEIGHED, or -1 for nothing."""
-    if k in element.weighed:
-        return WEIGHED
-    return holds.index(place) if k in element.loaded else -1
-
-
-def own_events(system: System) -> tuple[Event, ...]:
-    """Return what every run of a system looks for itself."""
-    return (*ends_of(system), *kinks_of(system), *edges_of(system), *switches_of(system))
 
 
 class Modes:
@@ -242,7 +149,7 @@ class Modes:
         return self._blows.taken(y)
 
     def lost_at_start(self) -> list[tuple[int, float]]:
-        """Return what impulses have taken at the start of a run, and where in the state that is booked [J]."""
+        """Return where in the state losses are booked, and what impulses took at the start of a run [J]."""
         return [(self._blows.losses[one.element], one.loss) for one in self.changed if one.time == 0.0]
 
     # --- what happens at one instant ------------------------------------------------------------------------
@@ -293,7 +200,7 @@ class Modes:
             changed = True
         if not changed:
             for one in located:
-                if _asks(self._element(one.place), one.place, one.number, self._holds) < 0:
+                if hold_of(self._element(one.place), one.place, one.number, self._holds) < 0:
                     self._moment.set(t, y)
                     if self._value(one)[0] < -ZERO:
                         raise NeverSettlesError(one.place)
@@ -301,7 +208,7 @@ class Modes:
 
     def _value(self, one: Switch | _Pending) -> tuple[float, float]:
         """Return a function and its rate at the moment's state."""
-        hold = _asks(self._element(one.place), one.place, one.number, self._holds)
+        hold = hold_of(self._element(one.place), one.place, one.number, self._holds)
         return self._moment.switch(self._acting[one.place].block, one.number, hold)
 
     def _grazes(self, one: Switch | _Pending, t: float, y: Array) -> bool:
@@ -350,7 +257,7 @@ class Modes:
 
     def _passes(self, one: Switch, first: bool, t: float, y: Array) -> bool:
         """Return whether a function that was not located passes; loads count behind the first round."""
-        loaded = _asks(self._element(one.place), one.place, one.number, self._holds) >= 0
+        loaded = hold_of(self._element(one.place), one.place, one.number, self._holds) >= 0
         if loaded and first:
             return False
         value, slope = self._value(one)
@@ -365,7 +272,10 @@ class Modes:
         self._moment.set(t, y)
         found = []
         for one in pending:
-            if self._rest.decides(one.place, one.number) or self._adjustments.elements[one.place] is before[one.place]:
+            if (
+                self._rest.decides(one.place, one.number)
+                or self._adjustments.elements[one.place] is before[one.place]
+            ):
                 value, slope = self._value(one)
                 if abs(value - one.value) <= ZERO * max(1.0, abs(one.value)) and slope <= 0.0:
                     found.append(one)
@@ -374,8 +284,8 @@ class Modes:
     def _make(self, phase: int, together: Sequence[_Passing], t: float, y: Array) -> None:
         """Make the changes of one round, with their impulses, and record them."""
         before = {place: self._element(place) for place in self._acting}
-        results, struck = {one.place: Result(one.met, one.change) for one in together}, ()
-        alone = True
+        results = {one.place: Result(one.met, one.change) for one in together}
+        struck, alone = tuple[Struck, ...](), True
         if phase != BLOW:
             for place, one in results.items():
                 self._adjustments.change(place, one.change)
@@ -397,19 +307,20 @@ class Modes:
         for place, one in results.items():
             changes = _by_function(numbers[place]) if place in numbers else _by_letting_go
             self.done.append(Turned(place, before[place], changes))
-            self._record(place, one, t, y, one.change.what or self._element(place).change_said(before[place].mode))
+            self._record(
+                place, one, t, y, one.change.what or self._element(place).change_said(before[place].mode)
+            )
         if struck:
             self.done.append(Blow(self._workspace.program.copy(), struck, alone))
 
     def _settle(self, t: float, y: Array, located: Sequence[Switch]) -> bool:
         """Have what rests and what sticks agree; return whether any mode has changed."""
         shifts = self._rest.settle(t, y, located) if self._rest else []
-        for shift in shifts:
-            element = self._element(shift.place)
-            self._record(
-                shift.place, Result(shift.met, Change(element.mode)), t, y, element.change_said(shift.before.mode)
-            )
-            self.done.append(Turned(shift.place, shift.before, _by_sticking))
+        for place, before, met in shifts:
+            element = self._element(place)
+            what = element.change_said(before.mode)
+            self._record(place, Result(met, Change(element.mode)), t, y, what)
+            self.done.append(Turned(place, before, _by_sticking))
         return bool(shifts)
 
     def _record(self, place: str, result: Result, t: float, y: Array, what: str) -> None:

@@ -18,7 +18,7 @@ and that is said.
 
 A joint that others hold at rest, as in a closed loop with more sticking joints than it has freedoms, has all
 its friction pushing once its row has carried that much, and stays; so all must be overcome before one moves.
-Of a joint that sticks and stands at its stop either may carry the load: the share is not unique, the motion is.
+Of a joint that sticks and stands at its stop either may carry the load: the motion is unique, not the share.
 
 References:
     Kostreva (1978), Block pivot methods for solving the complementarity problem, Linear Algebra Appl. 21.
@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, Workspace, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
-from antenna_pin.elements import Change, Met, Modal, RigidStop, StickingFriction, kind_of
+from antenna_pin.elements import Change, Met, RigidStop, StickingFriction, kind_of
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.elements.rigid_stop import LOADED
@@ -168,10 +168,11 @@ class Settling:
             self._agree(t, y, resting, sides, met, let_go | self._gone)
         self._gone = {place for place in resting if self._element(place).mode in (FORWARD, BACKWARD)}
         self._stop(t, y, [place for place in sides if self._stop_of(place).mode != FREE])
+        after = {place: self._adjustments.elements[place] for place in before}
         return [
             Shift(place, one, met[place])
             for place, one in before.items()
-            if one.mode != self._adjustments.elements[place].mode  # type: ignore[attr-defined, union-attr]
+            if isinstance(one, StickingFriction | RigidStop) and one != after[place]
         ]
 
     def _at_stops(self, t: float, y: Array, met: dict[str, Met]) -> dict[str, int]:

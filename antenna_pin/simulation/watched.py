@@ -8,7 +8,7 @@ from antenna_pin.dynamics import motion_block
 from antenna_pin.engine import watch_kernels as kernels
 from antenna_pin.simulation.events import Angle, Event, Force, Gap, Rate, Time
 from antenna_pin.simulation.kinks import Passing
-from antenna_pin.simulation.modes import Switching
+from antenna_pin.simulation.switches import Switching
 from antenna_pin.simulation.watch import Watch
 
 __all__ = ["Watched", "is_known"]
