@@ -1,8 +1,10 @@
-"""Whether anything that the loop outside looks for may happen in a step: a look from afar, compiled.
+"""Coarse check of a step, compiled: may anything happen that the loop outside looks for?
 
 What is watched passes zero where its sign at one of the points of a step is not the side that it is on, or
-where it comes nearer and goes away again. Where that is so, or where nothing can be said, the loop outside
-looks closely; so this needs to see too much rather than too little.
+where it comes nearer and goes away again. Functions of elements whose rate is not known, as a load that a row
+carries, are interpolated: their points lie at no equal distances, so that no drive is seen at one phase only,
+and a further point tells whether the interpolation holds. Where something may happen, or where nothing can be
+said, the loop outside looks closely; so this needs to see too much rather than too little.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ import math
 from typing import Any, NamedTuple
 
 from antenna_pin._by_address import by_address
-from antenna_pin._compile import kernel
+from antenna_pin._compile import inlined, kernel
 from antenna_pin.constraints.layout_kernels import hold_at, plan_of
 from antenna_pin.dynamics.kernels import element_kink, element_switch, evaluate, head_of, joint_motion
 from antenna_pin.dynamics.link_kernels import kink_on_links
@@ -31,6 +33,14 @@ SWITCH = 5
 # A function that asks for its joint's reduced inertia, which only the loop outside knows: while it counts it
 # is not-a-number here, so that steps are looked at closely.
 WEIGHED = -2
+
+# Points of a step at which a function without a rate is looked at, and where its interpolation is checked.
+FIRST_POINT, SECOND_POINT, THIRD_POINT = 0.2113248654051871, 0.4721359549995796, 0.7886751345948129
+CHECK_POINT = 0.6180339887498949
+# Shares of the spread of its values: by how much the interpolation may be off there, and what is near zero.
+_OFF, _NEAR = 0.05, 0.1
+# Points at which the interpolation is evaluated.
+_FINE = 16
 
 #: What is watched; where: block of the element, of the joint in the watch's own program, or the contact; the
 #: value to be passed; the side that it is on, 0 if that is not known; the parts of a step that are looked at.
@@ -57,6 +67,7 @@ class Watched(NamedTuple):
         rates: Scratch, (nv + nx,).
         instants: At which the loop outside has to see to a step's end, increasing [s].
         values: Value and rate, scratch, (2,).
+        dips: Values of one function in a step, scratch, (6,).
         unknown: How many functions there are that compiled code does not know.
     """
 
@@ -65,6 +76,7 @@ class Watched(NamedTuple):
     rates: Any
     instants: Any
     values: Any
+    dips: Any
     unknown: int
 
 
@@ -102,6 +114,53 @@ def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
     out[0] -= w.value
 
 
+@inlined
+def interpolated(x: float, f: Any) -> float:
+    """Value at a fraction of a step of the polynomial through five values at the points of a step."""
+    a, b, c = FIRST_POINT, SECOND_POINT, THIRD_POINT
+    return float(
+        f[0] * (x - a) * (x - b) * (x - c) * (x - 1.0) / (a * b * c)
+        + f[1] * x * (x - b) * (x - c) * (x - 1.0) / (a * (a - b) * (a - c) * (a - 1.0))
+        + f[2] * x * (x - a) * (x - c) * (x - 1.0) / (b * (b - a) * (b - c) * (b - 1.0))
+        + f[3] * x * (x - a) * (x - b) * (x - 1.0) / (c * (c - a) * (c - b) * (c - 1.0))
+        + f[4] * x * (x - a) * (x - b) * (x - c) / ((1.0 - a) * (1.0 - b) * (1.0 - c))
+    )
+
+
+@kernel
+def _may_dip(t: float, h: float, w: Any, step: Any, numbers: Any, watched: Any) -> bool:
+    """Whether a function without a rate, whose value at the start is known, may come to zero in a step."""
+    space, dense, work, start, out = step
+    f = watched.dips
+    f[0] = w.side * watched.values[0]
+    least, most = f[0], f[0]
+    for k in range(1, 6):
+        theta = 1.0
+        if k == 1:
+            theta = FIRST_POINT
+        elif k == 2:
+            theta = SECOND_POINT
+        elif k == 3:
+            theta = THIRD_POINT
+        elif k == 5:
+            if most - least <= 1e-12 * abs(most):
+                return False
+            theta = CHECK_POINT
+        dense_state(theta, space, dense, work, start, out)
+        _look(w, t + theta * h, out[STATE_ROW], numbers, watched)
+        f[k] = w.side * watched.values[0]
+        if not f[k] > 0.0:
+            return True
+        least, most = min(least, f[k]), max(most, f[k])
+    spread = most - least
+    if abs(interpolated(CHECK_POINT, f) - f[5]) > _OFF * spread:
+        return True
+    for k in range(1, _FINE):
+        if interpolated(k / _FINE, f) < _NEAR * spread:
+            return True
+    return False
+
+
 @kernel
 def may_happen(
     t: float, h: float, space: Any, dense: Any, work: Any, start: int, out: Any, numbers: Any, watched: Any
@@ -120,6 +179,10 @@ def may_happen(
         if not w.side * watched.values[0] > 0.0:
             return True
         before = w.side * watched.values[1]
+        if w.what == SWITCH and before == 0.0:
+            if _may_dip(t, h, w, (space, dense, work, start, out), numbers, watched):
+                return True
+            continue
         for part in range(1, w.parts + 1):
             theta = part / w.parts
             dense_state(theta, space, dense, work, start, out)

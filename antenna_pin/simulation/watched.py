@@ -59,6 +59,7 @@ class Watched:
             rates=np.zeros(system.model.nv + system.manifold.nx),
             instants=np.array([*watch.instants, *[np.inf] * (watch.tick is not None)], dtype=float),
             values=np.zeros(2),
+            dips=np.zeros(6),
             unknown=len(watch.events) - len(known),
         )
 
