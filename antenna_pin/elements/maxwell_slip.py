@@ -102,6 +102,10 @@ class MaxwellSlip(ModalElement):
         rest = met.angle if self.rest_angle is None else self.rest_angle
         return Change(0, memory=self._dragged((rest,) * len(self.slip), met.angle))
 
+    def first_off(self, met: Met) -> Change:
+        """Remember where the joint starts: from there it is bent once it is switched on."""
+        return self.first(met)
+
     def in_another(self, met: Met) -> Change:
         """Drag those along that are bent farther than they can be."""
         return Change(self.mode, memory=self._dragged(self.anchors, met.angle))

@@ -127,6 +127,10 @@ class Modal(ForceElement):
         """Return the mode that a run begins in, None for the present one; an impulse there is not made."""
         return None
 
+    def first_off(self, met: Met) -> Change | None:
+        """Return what it remembers of the start of a run that it begins switched off; None for nothing."""
+        return None
+
     def in_another(self, met: Met) -> Change | None:
         """Return how it goes on where its own numbers or its joint's place are others; None: as it is.
 
@@ -142,6 +146,14 @@ class Modal(ForceElement):
     def armed(self, met: Met) -> Change | None:
         """Return what it remembers of a joint when it is switched on; None for nothing."""
         return None
+
+    def moved(self, key: str, met: Met) -> Change | None:
+        """Return what changes where one of its numbers has been set while it acts, or it is switched on.
+
+        Raises:
+            InvalidParameterError: It cannot be so where its joint is.
+        """
+        return self.armed(met) if key == "on" else None
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Return what happens where function k passes zero, by logic; None if nothing does."""

@@ -30,10 +30,31 @@ class Passing:
         return moment.kink(self.block, self.number)
 
 
+@dataclass(frozen=True, slots=True)
+class End(Angle):
+    """The end of what an element knows of its joint; while it is off the joint may be beyond.
+
+    Attributes:
+        block: Place of the element in the program.
+        side: Of the joint where the element can act: -1 below the end, +1 above it.
+    """
+
+    block: int
+    side: float
+
+    def __call__(self, moment: Moment) -> float:
+        """Return how far the joint is past the end, or the side where it may be."""
+        return Angle.__call__(self, moment) if moment.acts(self.block) else self.side
+
+
 def ends_of(system: System) -> tuple[Event, ...]:
     """Return the events at which a run ends, for an element knows nothing of what is beyond."""
     return tuple(
-        Event(name=f"{one.label} has no torque beyond {end:g}", when=Angle(joint, end), action=Stop())
+        Event(
+            name=f"{one.label} has no torque beyond {end:g}",
+            when=End(joint, end, one.block, 1.0 if end == min(one.element.ends) else -1.0),
+            action=Stop(),
+        )
         for one in acting_in(system)
         if (joint := one.element.acts_at) is not None
         for end in one.element.ends

@@ -330,7 +330,7 @@ class Run:
                 last = self.actions.take(crossing)
             if last is not None:
                 self._stop(Outcome.STOPPED, f", event {last!r}")
-            elif self.outcome is Outcome.NO_PROGRESS:
+            elif self.outcome is not Outcome.COMPLETED:
                 return
 
     @contextmanager
@@ -339,7 +339,7 @@ class Run:
         try:
             yield
         except NeverSettlesError as error:
-            self._stop(Outcome.NO_PROGRESS, f", {error} comes to no mode in which it stays")
+            self._stop(error.outcome, error.seen)
 
     def _stop(self, outcome: Outcome | None, what: str = "") -> bool:
         """End the run for a reason; return whether there is none."""

@@ -198,10 +198,11 @@ class Modes:
             ) from None
         self.changed.clear()
 
-    def arm(self, place: str, t: float, y: Array) -> None:
-        """Tell an element that is switched on where its joint is, if it has modes."""
-        if place in self._acting:
-            change = self._element(place).armed(self._met(place, t, y))
+    def arm(self, place: str, key: str, t: float, y: Array) -> None:
+        """Tell an element, if it has modes, where its joint is as one of its numbers is set, or ``on``."""
+        element = self._adjustments.elements.get(place)
+        if isinstance(element, Modal) and element.acts:
+            change = element.moved(key, self._met(place, t, y))
             if change is not None:
                 self._adjustments.change(place, change)
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -28,10 +28,11 @@ from antenna_pin.dynamics import Adjustments, Workspace, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import Change, Met, Modal, StickingFriction, kind_of
 from antenna_pin.elements import kernels as of_elements
-from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK
+from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK, UNDECIDED
 from antenna_pin.simulation.own_actions import Switch
+from antenna_pin.trajectory import Outcome
 
-__all__ = ["NeverSettlesError", "Settling", "Shift"]
+__all__ = ["NeverSettlesError", "RefusedError", "Settling", "Shift"]
 
 Array = NDArray[np.float64]
 
@@ -44,6 +45,24 @@ _HELD = 1e-9
 
 class NeverSettlesError(Exception):
     """Changes of mode at one instant would never end; of which element."""
+
+    outcome: ClassVar[Outcome] = Outcome.NO_PROGRESS
+
+    @property
+    def seen(self) -> str:
+        """Return what is said of it, as a part of a message."""
+        return f", {self} comes to no mode in which it stays"
+
+
+class RefusedError(NeverSettlesError):
+    """An element cannot be set so where its joint is; why."""
+
+    outcome: ClassVar[Outcome] = Outcome.REFUSED
+
+    @property
+    def seen(self) -> str:
+        """Return what is said of it, as a part of a message."""
+        return f", {self}"
 
 
 class Shift(NamedTuple):
@@ -110,7 +129,7 @@ class Settling:
         resting = []
         for place, one in met.items():
             element = self._element(place)
-            comes = action is not None and action.place == place and action.number == 0
+            comes = action == Switch(place, 0) and element.mode != UNDECIDED  # else it was switched on
             if comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
                 resting.append(place)
                 if element.mode in (PUSHED, PULLED):
