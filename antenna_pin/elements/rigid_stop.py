@@ -60,7 +60,7 @@ class RigidStop(Limits):
         return None
 
     def moved(self, key: str, met: Met) -> Change | None:
-        """Refuse a joint that is beyond where it is switched on or moved; leave one at rest that it moves off.
+        """Refuse a joint beyond where it is switched on or moved; leave one at rest that it moves away from.
 
         Nothing says how a joint beyond a rigid stop would come back.
         """

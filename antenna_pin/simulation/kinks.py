@@ -76,7 +76,11 @@ def kinks_of(system: System) -> tuple[Event, ...]:
     Each has a name of its own: by that a run that goes on knows what it remembers of it.
     """
     kinks = [
-        Event(name=f"{one.label} has a kink{f' ({k + 1})' if k else ''}", when=Passing(one.block, k), action=Kink())
+        Event(
+            name=f"{one.label} has a kink{f' ({k + 1})' if k else ''}",
+            when=Passing(one.block, k),
+            action=Kink(),
+        )
         for one in acting_in(system)
         for k in range(one.element.kinks)
     ]

@@ -126,7 +126,11 @@ def test_friction_switched_on_at_rest_sticks_if_it_is_enough(holding):
 @pytest.mark.parametrize(
     ("place", "value", "said"),
     [
-        ("on", True, r"rigid stop: position of axle must be within its rigid stop, upper = 0\.2; .*got 0\.49"),
+        (
+            "on",
+            True,
+            r"rigid stop: position of axle must be within its rigid stop, upper = 0\.2; .*got 0\.49",
+        ),
         ("upper", 0.1, r"event 'late' sets stops\.x\.upper = 0\.1: rigid stop: .*upper = 0\.1; .*got 0\.49"),
     ],
 )
@@ -154,7 +158,7 @@ def test_a_rigid_stop_may_be_switched_on_where_the_joint_is_at_it():
 
 
 def test_a_rigid_stop_that_leaves_a_joint_at_rest_on_it_lets_it_go():
-    """At 0.2 rad the spring still pushes with 0.05 N m: about 0.3 rad with an amplitude of 0.1 from then on."""
+    """At 0.2 rad the spring still pushes with 0.05 N m: about 0.3 rad by 0.1 rad from then on."""
     system = _wheel("stops", RigidStop(joint="axle", upper=0.2, restitution=0.0))
     moved = Event(name="moved", when=Time(2.0), action=Set("stops.x.upper", 0.9))
     run = _run(system, 4.0, events=[moved])
@@ -163,7 +167,7 @@ def test_a_rigid_stop_that_leaves_a_joint_at_rest_on_it_lets_it_go():
 
 
 def test_a_table_that_is_off_ends_no_run_until_it_is_switched_on():
-    """The joint is beyond its table at 2.3 s, which ends the run there; from 0.1 rad on it ends at 0.2 rad."""
+    """The joint is beyond its table at 2.3 s, which ends the run; from 0.1 rad on it ends at 0.2 rad."""
     table = TableSpring(
         joint="axle", angle=(-0.1, 0.2), torque=(0.0, 0.0), interpolation="linear", outside="refuse", on=False
     )
