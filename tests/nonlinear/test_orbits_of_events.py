@@ -95,6 +95,8 @@ def test_where_a_number_is_another_an_orbit_does_not_begin():
     flow = _flow()
     start = flow.after(flow.first(np.array([0.0]), np.array([1.0])), 0.15)
     assert dict(start.adjusted)["springs.stop.stiffness"] == STIFFNESS
-    said = r"springs\.stop\.stiffness at another value than its own, 1e-30, .*begin at another instant, got 100"
+    said = (
+        r"springs\.stop\.stiffness at another value than its own, 1e-30, .*begin at another instant, got 100"
+    )
     with pytest.raises(InvalidParameterError, match=said):
         periodic_orbit(flow, start, PERIOD)
