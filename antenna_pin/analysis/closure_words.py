@@ -81,7 +81,7 @@ def said_of_singular(counts: Mapping[str, Any]) -> str:
 
 @takes()
 def said_of_moving(counts: Mapping[str, Any], scenario: Scenario) -> str:
-    """Return in words which joints move at the start though no rate of theirs is given; nothing if none do.
+    """Return a sentence on the joints that move at the start without a given rate; empty if none do.
 
     Args:
         counts: As of ``Trajectory.constraints``, at the start of a scenario.
@@ -95,7 +95,7 @@ def said_of_moving(counts: Mapping[str, Any], scenario: Scenario) -> str:
         return ""
     some = [f"{name} {readable(one['rate'], one['unit'])}" for name, one in found.items()][:_NAMED]
     more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
-    return f"moving at the start by what is given of others: {', '.join(some)}{more}"
+    return f"initial rates that follow from those given: {', '.join(some)}{more}"
 
 
 def _many(count: int, noun: str) -> str:

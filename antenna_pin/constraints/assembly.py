@@ -24,7 +24,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# Of the fastest rate: what round-off leaves of an equation's.
+# Residual of an equation that is round-off, as a share of the fastest rate.
 _SILENT = 1e-14
 
 
@@ -38,10 +38,10 @@ def least_row(constraints: Constraints) -> str:
 
 
 def find_velocity(constraints: Constraints, y: Array, program: Array, free: Array) -> Unclosed | None:
-    """Make the velocity one that loops and motions allow, in place.
+    """Make the velocity consistent with loops and motions, in place.
 
-    Only what hangs together with an equation that is lacking is changed, to the nearest in kinetic energy:
-    all else keeps its velocity.
+    Only freedoms connected to a violated equation change, to the nearest velocity in kinetic energy; all
+    others keep theirs exactly.
 
     Args:
         constraints: What is to hold at time zero.
@@ -59,7 +59,7 @@ def find_velocity(constraints: Constraints, y: Array, program: Array, free: Arra
     speed = max(float(np.abs(lack).max()), float(np.abs(y[nq : nq + nv]).max()) * constraints.plan.length)
     jacobian = constraints.jacobian @ free
     tied = np.abs(jacobian) > NOTHING * constraints.plan.length
-    rows, columns = _reached(tied, np.abs(lack) > _SILENT * speed)
+    rows, columns = _connected(tied, np.abs(lack) > _SILENT * speed)
     if columns.any():
         free = free[:, columns]
         mass = free.T @ pin.crba(model, constraints.data, y[:nq]) @ free
@@ -73,8 +73,10 @@ def find_velocity(constraints: Constraints, y: Array, program: Array, free: Arra
     return None if float(np.abs(rest).max()) <= ASSEMBLED * fastest else worst(constraints, rest)
 
 
-def _reached(tied: NDArray[np.bool_], rows: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return the rows that hang together with some, and the columns that they are tied to."""
+def _connected(
+    tied: NDArray[np.bool_], rows: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the rows connected to given rows through common columns, and these columns."""
     while True:
         columns = tied[rows].any(axis=0)
         more = rows | tied[:, columns].any(axis=1)

@@ -127,7 +127,7 @@ class Adjustments:
 def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, float], ...]:
     """Return the modes of elements in a first state [q, v, x], as changes of numbers: (place, value).
 
-    One that is switched off holds nothing and refuses nothing.
+    An element that is switched off holds nothing and refuses no start.
     """
     program = system.program.copy()
     found = Adjustments(system, program)

@@ -18,7 +18,7 @@ from antenna_pin.constraints import (
     worst_row,
 )
 from antenna_pin.dynamics.coordinates import reach_of
-from antenna_pin.dynamics.coupled import lead
+from antenna_pin.dynamics.coupled import put_follower_rates
 from antenna_pin.dynamics.open_loops import said_of_open
 from antenna_pin.dynamics.shaken import start_with_base
 from antenna_pin.dynamics.system import System
@@ -64,9 +64,9 @@ def assembled(
     """Return a configuration and a velocity near to those given that close all loops and follow all motions.
 
     Journals stay where they are in their bearings, and as fast, but for what their joints leave free. A free
-    base stays if no closure holds it to the world, and as fast if it can. Of velocities only those change
-    that hang together with a rate that is held, or prescribed: followers follow their leaders, in loops they
-    are the nearest in kinetic energy.
+    base stays if no closure holds it to the world, and as fast if it can. Velocities of
+    joints that no equation connects to a held or prescribed rate stay; followers follow their leaders; in
+    loops the velocity is the nearest in kinetic energy.
 
     Args:
         system: The system.
@@ -117,9 +117,9 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
         raise MechanismError(_not_closed(system, unclosed, held_q))
     system.turn_on(y)
     system.mechanism.check_pose(y[: system.model.nq], "initial pose")
-    _lead(system, y, held_v)
+    _write_follower_rates(system, y, held_v)
     unclosed = find_velocity(constraints, y, program, _free(system, y, {*held_v, BASE}))
-    if unclosed is not None:  # nor does a free base move if it need not
+    if unclosed is not None:  # a free base moves only if it must
         unclosed = find_velocity(constraints, y, program, _free(system, y, held_v))
     if unclosed is not None:
         unit = "rad/s" if unclosed.turns else "m/s"
@@ -130,14 +130,14 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     _check_singular(system, workspace, y)
 
 
-def _lead(system: System, y: Array, held: Collection[str]) -> None:
-    """Give followers the rates of their leaders where these are given, or prescribed, and likewise back."""
+def _write_follower_rates(system: System, y: Array, held: Collection[str]) -> None:
+    """Write the rates of followers of given or prescribed leaders, and of leaders of given followers."""
     nq, nv = system.model.nq, system.model.nv
     slots = system.mechanism.joints
     v = y[nq : nq + nv]
     known = {name: float(v[slot.v][0]) for name, slot in slots.items() if name in held or v[slot.v].any()}
     known |= {one.joint: one.at(0.0)[1] for one in system.drives.values() if isinstance(one, Motion)}
-    lead(system.mechanism, system.couplings.values(), v, known)
+    put_follower_rates(system.mechanism, system.couplings.values(), v, known)
 
 
 def _let_go(held: Collection[str]) -> str:

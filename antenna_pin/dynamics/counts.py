@@ -1,4 +1,4 @@
-"""How many equations hold a system, what they leave free, and what moves by them."""
+"""Counts of equations and freedoms of a system, and the joints that move."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def constraint_counts(system: System, y: Array) -> dict[str, Any]:
 
 
 def _moving(system: System, y: Array) -> dict[str, dict[str, Any]]:
-    """Return how fast joints move that no motion moves, in a state [q, v, x], by name: turns before ways."""
+    """Return the rates of moving joints without a prescribed motion, by name: of turns, or else of ways."""
     nq, mechanism, found = system.model.nq, system.mechanism, {}
     slots = {name: (slot.ways, slot.v) for name, slot in mechanism.joints.items()}
     if mechanism.base == "free":

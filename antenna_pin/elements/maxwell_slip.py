@@ -103,7 +103,7 @@ class MaxwellSlip(ModalElement):
         return Change(0, memory=self._dragged((rest,) * len(self.slip), met.angle))
 
     def first_off(self, met: Met) -> Change:
-        """Remember where the joint starts: from there it is bent once it is switched on."""
+        """Return the bending at the start, from which the springs go on once they are switched on."""
         return self.first(met)
 
     def in_another(self, met: Met) -> Change:

@@ -128,7 +128,7 @@ class Modal(ForceElement):
         return None
 
     def first_off(self, met: Met) -> Change | None:
-        """Return what it remembers of the start of a run that it begins switched off; None for nothing."""
+        """Return the memory of the start for an element that begins switched off; None for none."""
         return None
 
     def in_another(self, met: Met) -> Change | None:
@@ -148,10 +148,10 @@ class Modal(ForceElement):
         return None
 
     def moved(self, key: str, met: Met) -> Change | None:
-        """Return what changes where one of its numbers has been set while it acts, or it is switched on.
+        """Return the change of mode after a number of an acting element was set; None for none.
 
         Raises:
-            InvalidParameterError: It cannot be so where its joint is.
+            InvalidParameterError: The position of the joint forbids it.
         """
         return self.armed(met) if key == "on" else None
 

@@ -60,9 +60,9 @@ class RigidStop(Limits):
         return None
 
     def moved(self, key: str, met: Met) -> Change | None:
-        """Refuse a joint beyond where it is switched on or moved; leave one at rest that it moves away from.
+        """Refuse a joint beyond the stop; release a joint at rest if the stop is moved away.
 
-        Nothing says how a joint beyond a rigid stop would come back.
+        The law of a rigid stop does not define the return of a joint from beyond.
         """
         if key not in ("on", "lower", "upper"):
             return None

@@ -50,7 +50,7 @@ class InitialJointSpec(JointTable):
 
     @property
     def gives_a_rate(self) -> bool:
-        """Whether it says how fast the joint is, or its journal."""
+        """Whether a rate of the joint, or of its journal, is given."""
         given = self.velocity, self.rate, self.journal_velocity, self.journal_angular_velocity
         return any(one is not None for one in given)
 
@@ -79,7 +79,7 @@ class InitialBaseSpec(Spec):
 
     @property
     def moves(self) -> bool:
-        """Whether it says that the base moves."""
+        """Whether a velocity of the base is given."""
         return any(self.velocity) or any(self.angular_velocity)
 
     @model_validator(mode="after")

@@ -32,18 +32,18 @@ class Passing:
 
 @dataclass(frozen=True, slots=True)
 class End(Angle):
-    """The end of what an element knows of its joint; while it is off the joint may be beyond.
+    """End of the range of an element; its joint may lie beyond while the element is off.
 
     Attributes:
         block: Place of the element in the program.
-        side: Of the joint where the element can act: -1 below the end, +1 above it.
+        side: Of the range: -1 below the end, +1 above it.
     """
 
     block: int
     side: float
 
     def __call__(self, moment: Moment) -> float:
-        """Return how far the joint is past the end, or the side where it may be."""
+        """Return the distance of the joint past the end; the side of the range while the element is off."""
         return Angle.__call__(self, moment) if moment.acts(self.block) else self.side
 
 
@@ -73,7 +73,7 @@ def edges_of(system: System) -> tuple[Event, ...]:
 def kinks_of(system: System) -> tuple[Event, ...]:
     """Return the events at which steps end for the sake of elements whose effort has kinks.
 
-    Each has a name of its own: by that a run that goes on knows what it remembers of it.
+    Names are unique, for a run that continues another finds the memory of an event by its name.
     """
     kinks = [
         Event(

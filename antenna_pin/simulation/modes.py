@@ -199,7 +199,7 @@ class Modes:
         self.changed.clear()
 
     def arm(self, place: str, key: str, t: float, y: Array) -> None:
-        """Tell an element, if it has modes, where its joint is as one of its numbers is set, or ``on``."""
+        """Pass the state of its joint to an element with modes of which a number, or ``on``, was set."""
         element = self._adjustments.elements.get(place)
         if isinstance(element, Modal) and element.acts:
             change = element.moved(key, self._met(place, t, y))

@@ -54,7 +54,7 @@ class Moment:
         return self
 
     def acts(self, block: int) -> bool:
-        """Return whether an element, by its place in the program, is on."""
+        """Return whether the element at a place in the program is on."""
         return bool(self._workspace.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["on"])
 
     def kink(self, block: int, number: int) -> float:

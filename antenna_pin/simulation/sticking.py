@@ -50,18 +50,18 @@ class NeverSettlesError(Exception):
 
     @property
     def seen(self) -> str:
-        """Return what is said of it, as a part of a message."""
+        """Return the reason as part of a message."""
         return f", {self} comes to no mode in which it stays"
 
 
 class RefusedError(NeverSettlesError):
-    """An element cannot be set so where its joint is; why."""
+    """Setting of an element that the position of its joint forbids; the reason."""
 
     outcome: ClassVar[Outcome] = Outcome.REFUSED
 
     @property
     def seen(self) -> str:
-        """Return what is said of it, as a part of a message."""
+        """Return the reason as part of a message."""
         return f", {self}"
 
 

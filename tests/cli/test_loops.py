@@ -48,7 +48,7 @@ def test_info_counts_what_holds_a_scenario(cli, folder):
     ]
     assert closed.startswith("  the start is closed to ")
     assert start.startswith("  the start found: drive_pin 0 deg, crank_pin ")
-    assert moving.startswith("  moving at the start by what is given of others: crank_pin ")
+    assert moving.startswith("  initial rates that follow from those given: crank_pin ")
 
 
 def test_info_counts_the_freedoms_that_play_gives_back(cli, folder):

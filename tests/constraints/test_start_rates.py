@@ -120,12 +120,12 @@ def test_in_a_loop_the_rest_goes_with_the_given_rate(tmp_path):
 
 def test_info_and_run_say_what_moves_though_no_rate_is_given(tmp_path, cli):
     _start(tmp_path, f"{COUPLED}[initial.joints.b]\nvelocity = 2\n")
-    said = "moving at the start by what is given of others: c \N{MINUS SIGN}4\N{NO-BREAK SPACE}rad/s\n"
+    said = "initial rates that follow from those given: c \N{MINUS SIGN}4\N{NO-BREAK SPACE}rad/s\n"
     assert f"  {said}" in cli("info", tmp_path / "scenario.toml").out
     ran = cli("run", tmp_path / "scenario.toml", "--out", tmp_path / "a.nc", "--duration", "1 ms")
     assert f"note: {said}" in ran.out
     _start(tmp_path, f"{COUPLED}[initial.joints.b]\nvelocity = 2\n[initial.joints.c]\nvelocity = -4\n")
-    assert "moving at the start" not in cli("info", tmp_path / "scenario.toml").out
+    assert "initial rates" not in cli("info", tmp_path / "scenario.toml").out
 
 
 def test_velocities_in_loops_are_the_nearest_in_kinetic_energy(tmp_path):
