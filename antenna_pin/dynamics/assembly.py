@@ -64,9 +64,9 @@ def assembled(
     """Return a configuration and a velocity near to those given that close all loops and follow all motions.
 
     Journals stay where they are in their bearings, and as fast, but for what their joints leave free. A free
-    base stays if no closure holds it to the world, and as fast if it can. Velocities of
-    joints that no equation connects to a held or prescribed rate stay; followers follow their leaders; in
-    loops the velocity is the nearest in kinetic energy.
+    base stays if no closure holds it to the world, and as fast if it can. Velocities of joints that no
+    equation connects to a held or prescribed rate stay; followers follow their leaders; in loops the velocity
+    is the nearest in kinetic energy.
 
     Args:
         system: The system.
@@ -118,9 +118,12 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     system.turn_on(y)
     system.mechanism.check_pose(y[: system.model.nq], "initial pose")
     _write_follower_rates(system, y, held_v)
-    unclosed = find_velocity(constraints, y, program, _free(system, y, {*held_v, BASE}))
+    trial = y.copy()
+    unclosed = find_velocity(constraints, trial, program, _free(system, y, {*held_v, BASE}))
     if unclosed is not None:  # a free base moves only if it must
-        unclosed = find_velocity(constraints, y, program, _free(system, y, held_v))
+        trial = y.copy()
+        unclosed = find_velocity(constraints, trial, program, _free(system, y, held_v))
+    y[:] = trial
     if unclosed is not None:
         unit = "rad/s" if unclosed.turns else "m/s"
         raise MechanismError(

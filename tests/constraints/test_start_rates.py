@@ -118,6 +118,18 @@ def test_in_a_loop_the_rest_goes_with_the_given_rate(tmp_path):
     assert set(facts["constraints"]["moving"]) == {"a", "b", "c", "d"}
 
 
+def test_a_free_base_moves_only_if_it_must(tmp_path):
+    """Its arm is held to the world by a hinge: with rates of all its joints given the base goes with them."""
+    one, body, _ = _start(tmp_path, LOOP, base="free")
+    assert one["a"] == 1.5
+    assert not body.any()
+    rest = "".join(f"[initial.joints.{name}]\nvelocity = 0\n" for name in "bcd")
+    rates, body, scenario = _start(tmp_path, LOOP + rest, base="free")
+    assert rates == {"a": 1.5, "b": 0.0, "c": 0.0, "d": 0.0, "e": 0.0}
+    assert np.linalg.norm(body[:3]) > 0.1
+    assert "base" in scenario_facts(scenario)["constraints"]["moving"]
+
+
 def test_info_and_run_say_what_moves_though_no_rate_is_given(tmp_path, cli):
     _start(tmp_path, f"{COUPLED}[initial.joints.b]\nvelocity = 2\n")
     said = "initial rates that follow from those given: c \N{MINUS SIGN}4\N{NO-BREAK SPACE}rad/s\n"
