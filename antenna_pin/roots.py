@@ -5,6 +5,7 @@ Few runs look for one, and all would wait a quarter of a second.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 __all__ = ["least_between", "root_between"]
@@ -14,7 +15,13 @@ _LAST_DIGIT = 4.0 * 2.0**-52
 
 
 def root_between(
-    function: Callable[[float], float], a: float, b: float, *, absolute: float, relative: float = _LAST_DIGIT
+    function: Callable[[float], float],
+    a: float,
+    b: float,
+    *,
+    absolute: float,
+    relative: float = _LAST_DIGIT,
+    ends: tuple[float, float] | None = None,
 ) -> float:
     """Return where a function that has different signs at two places is zero (Brent's method).
 
@@ -24,10 +31,22 @@ def root_between(
         b: The other.
         absolute: How far from the root the result may be.
         relative: The same, as a share of the result.
+        ends: Known values at both places, of different signs or zero. The function is evaluated between the
+            places only, and where its value is not a number it counts as that at the second place.
     """
     from scipy.optimize import brentq
 
-    return float(brentq(function, a, b, xtol=absolute, rtol=relative))
+    if ends is None:
+        return float(brentq(function, a, b, xtol=absolute, rtol=relative))
+    known = dict(zip((a, b), ends, strict=True))
+
+    def bounded(x: float) -> float:
+        value = known.get(x)
+        if value is None:
+            value = function(x)
+        return value if math.isfinite(value) else math.copysign(1.0, ends[1])
+
+    return float(brentq(bounded, a, b, xtol=absolute, rtol=relative))
 
 
 def least_between(

@@ -19,7 +19,12 @@ if TYPE_CHECKING:
         unexplained_changes,
     )
     from antenna_pin.analysis.chaos_test import Chaos, ChaosTest, chaos_test
-    from antenna_pin.analysis.closure_words import said_of_constraints, said_of_coupling, said_of_singular
+    from antenna_pin.analysis.closure_words import (
+        said_of_constraints,
+        said_of_coupling,
+        said_of_moving,
+        said_of_singular,
+    )
     from antenna_pin.analysis.closures import (
         closure_loads,
         closures_of,
@@ -208,6 +213,7 @@ __all__ = [
     "said_of_constraints",
     "said_of_coupling",
     "said_of_limits",
+    "said_of_moving",
     "said_of_multiplier",
     "said_of_singular",
     "said_of_spin",
@@ -258,7 +264,7 @@ loaded_when_used(
         "chaos_test": "Chaos ChaosTest chaos_test",
         "closures": "closure_loads closures_of coupling_loads couplings_of drive_loads drive_power drives_of"
         " effort_unit",
-        "closure_words": "said_of_constraints said_of_coupling said_of_singular",
+        "closure_words": "said_of_constraints said_of_coupling said_of_moving said_of_singular",
         "diagrams": "Verdict diagram_verdicts said_of_verdicts",
         "deviation": "Deviation DeviationMeasures deviation deviation_measures deviation_over_time",
         "elastic": "SPIN_WITHIN elastic_motion elastic_parts_of modal_energy said_of_spin",

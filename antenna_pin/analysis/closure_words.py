@@ -7,11 +7,12 @@ from typing import Any
 
 from antenna_pin.arguments import takes
 from antenna_pin.readable import GIVEN, number, readable
+from antenna_pin.scenario import Scenario
 
-__all__ = ["said_of_constraints", "said_of_coupling", "said_of_singular"]
+__all__ = ["said_of_constraints", "said_of_coupling", "said_of_moving", "said_of_singular"]
 
 _MINUS = "\N{MINUS SIGN}"
-_NAMED = 5  # singular positions of which the times are said
+_NAMED = 5  # singular positions, and joints, that are said
 
 
 @takes()
@@ -76,6 +77,25 @@ def said_of_singular(counts: Mapping[str, Any]) -> str:
         f"passed {_many(len(found), 'singular position')}, at {times}{more}: loops could go on in more ways "
         "than one there"
     )
+
+
+@takes()
+def said_of_moving(counts: Mapping[str, Any], scenario: Scenario) -> str:
+    """Return a sentence on the joints that move at the start without a given rate; empty if none do.
+
+    Args:
+        counts: As of ``Trajectory.constraints``, at the start of a scenario.
+        scenario: That.
+    """
+    given = {name for name, one in scenario.initial.joints.items() if not one.guess and one.gives_a_rate}
+    if scenario.initial.base.moves:
+        given.add("base")
+    found = {name: one for name, one in counts.get("moving", {}).items() if name not in given}
+    if not found:
+        return ""
+    some = [f"{name} {readable(one['rate'], one['unit'])}" for name, one in found.items()][:_NAMED]
+    more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    return f"initial rates that follow from those given: {', '.join(some)}{more}"
 
 
 def _many(count: int, noun: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,12 +40,12 @@ def say_scenario(name: str, case: str | None, settings: Sequence[str] | None, as
         return
     case_name = f", case {scenario.case}" if scenario.case else ""
     say(f"{scenario.name}{case_name}: {scenario.title}".rstrip(": "))
-    for line in (*_lines(facts, _elements(scenario)), *_of_file(facts)):
+    for line in (*_lines(facts, scenario), *_of_file(facts)):
         say(f"  {line}")
 
 
-def _lines(facts: dict[str, Any], elements: Iterable[str]) -> Iterator[str]:
-    from antenna_pin.analysis import said_of_constraints, said_of_coupling
+def _lines(facts: dict[str, Any], scenario: Scenario) -> Iterator[str]:
+    from antenna_pin.analysis import said_of_constraints, said_of_coupling, said_of_moving
 
     counts = facts["constraints"]
     joints = facts["joints"]
@@ -66,7 +66,7 @@ def _lines(facts: dict[str, Any], elements: Iterable[str]) -> Iterator[str]:
         "drive",
         {name: alike[name] if alike[name] in shared else text for name, text in facts["drives"].items()},
     )
-    yield from elements
+    yield from _elements(scenario)
     yield said_of_constraints(counts)
     if facts["closures"] or facts["couplings"] or counts["motions"]:
         gap, turn = facts["residuals"]
@@ -80,6 +80,8 @@ def _lines(facts: dict[str, Any], elements: Iterable[str]) -> Iterator[str]:
         if facts["moved"]:
             far = (f"{joint} by {_way(one)}" for joint, one in facts["moved"].items())
             yield f"moved far from where the search began: {', '.join(far)}"
+        if moving := said_of_moving(counts, scenario):
+            yield moving
 
 
 def _by_kind(

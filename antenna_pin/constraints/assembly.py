@@ -24,6 +24,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+# Residual of an equation that is round-off, as a share of the fastest rate.
+_SILENT = 1e-14
+
 
 def least_row(constraints: Constraints) -> str:
     """Return of which row the least was left when rows were last factorized, in words: a closure's first."""
@@ -35,7 +38,10 @@ def least_row(constraints: Constraints) -> str:
 
 
 def find_velocity(constraints: Constraints, y: Array, program: Array, free: Array) -> Unclosed | None:
-    """Make the velocity one that loops and motions allow, in place: the nearest in kinetic energy.
+    """Make the velocity consistent with loops and motions, in place.
+
+    Only freedoms connected to a violated equation change, to the nearest velocity in kinetic energy; all
+    others keep theirs exactly.
 
     Args:
         constraints: What is to hold at time zero.
@@ -50,18 +56,33 @@ def find_velocity(constraints: Constraints, y: Array, program: Array, free: Arra
     nq, nv = model.nq, model.nv
     constraints.residuals(0.0, y, program)
     lack = constraints.speed.copy()
-    if free.shape[1] > 0:
+    speed = max(float(np.abs(lack).max()), float(np.abs(y[nq : nq + nv]).max()) * constraints.plan.length)
+    jacobian = constraints.jacobian @ free
+    tied = np.abs(jacobian) > NOTHING * constraints.plan.length
+    rows, columns = _connected(tied, np.abs(lack) > _SILENT * speed)
+    if columns.any():
+        free = free[:, columns]
         mass = free.T @ pin.crba(model, constraints.data, y[:nq]) @ free
         root = np.linalg.cholesky(mass)
-        rows = np.linalg.solve(root, (constraints.jacobian @ free).T).T
-        change = np.linalg.lstsq(rows, -lack, rcond=1e-10)[0]
+        reduced = np.linalg.solve(root, jacobian[np.ix_(rows, columns)].T).T
+        change = np.linalg.lstsq(reduced, -lack[rows], rcond=1e-10)[0]
         y[nq : nq + nv] += free @ np.linalg.solve(root.T, change)
         constraints.residuals(0.0, y, program)
     rest = constraints.speed
-    fastest = max(
-        1.0, float(np.abs(lack).max()), float(np.abs(y[nq : nq + nv]).max()) * constraints.plan.length
-    )
+    fastest = max(1.0, speed, float(np.abs(y[nq : nq + nv]).max()) * constraints.plan.length)
     return None if float(np.abs(rest).max()) <= ASSEMBLED * fastest else worst(constraints, rest)
+
+
+def _connected(
+    tied: NDArray[np.bool_], rows: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the rows connected to given rows through common columns, and these columns."""
+    while True:
+        columns = tied[rows].any(axis=0)
+        more = rows | tied[:, columns].any(axis=1)
+        if np.array_equal(more, rows):
+            return rows, columns
+        rows = more
 
 
 @dataclass(frozen=True, slots=True)

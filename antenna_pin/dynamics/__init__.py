@@ -20,12 +20,11 @@ if TYPE_CHECKING:
         assembled,
         check_closed,
         check_motions,
-        constraint_counts,
-        mobility_of,
     )
     from antenna_pin.dynamics.attitudes import journal_attitudes
     from antenna_pin.dynamics.audit import Audit, audit
     from antenna_pin.dynamics.bearing_loads import bearing_loads, bearing_names
+    from antenna_pin.dynamics.counts import constraint_counts, mobility_of
     from antenna_pin.dynamics.coupled import facts_of_couplings, put_followers
     from antenna_pin.dynamics.deflection import Deflections, deflections
     from antenna_pin.dynamics.evaluate import acceleration, contact_memory
@@ -109,7 +108,8 @@ loaded_when_used(
         "acting": "acting_in check_begins",
         "actuators": "actuators_of settled",
         "adjust": "Adjustments first_modes joints_held modes_in_another modes_kept",
-        "assembly": "BASE assemble assembled check_closed check_motions constraint_counts mobility_of",
+        "assembly": "BASE assemble assembled check_closed check_motions",
+        "counts": "constraint_counts mobility_of",
         "attitudes": "journal_attitudes",
         "audit": "Audit audit",
         "bearing_loads": "bearing_loads bearing_names",

@@ -42,9 +42,9 @@ class Acting(NamedTuple):
 
 
 def check_begins(system: System, y: NDArray[np.float64]) -> None:
-    """Refuse a start [q, v, x] at which an element cannot act."""
+    """Refuse a start [q, v, x] outside the range of an element that is on."""
     for one in acting_in(system):
-        if one.element.acts_at is not None and one.element.ends:
+        if one.element.acts and one.element.acts_at is not None and one.element.ends:
             angle, _, _, _ = kernels.joint_motion(system.program, one.block, y, system.model.nq)
             one.element.check_begin(one.label, float(angle))
 

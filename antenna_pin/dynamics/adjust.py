@@ -125,13 +125,17 @@ class Adjustments:
 
 
 def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, float], ...]:
-    """Return the modes of elements in a first state [q, v, x], as changes of numbers: (place, value)."""
+    """Return the modes of elements in a first state [q, v, x], as changes of numbers: (place, value).
+
+    An element that is switched off holds nothing and refuses no start.
+    """
     program = system.program.copy()
     found = Adjustments(system, program)
     for one in acting_in(system):
         if isinstance(one.element, Modal):
             angle, rate, _, _ = kernels.joint_motion(program, one.block, y, system.model.nq)
-            change = one.element.first(Met(t, float(angle), float(rate), 0.0))
+            met = Met(t, float(angle), float(rate), 0.0)
+            change = one.element.first(met) if one.element.acts else one.element.first_off(met)
             if change is not None:
                 found.change(one.place, change)
     return tuple(found.values.items())

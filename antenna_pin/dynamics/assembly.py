@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,16 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.arguments import takes
 from antenna_pin.constraints import (
     OPPOSITE,
-    Mobility,
     Unclosed,
     directions,
     find_configuration,
     find_velocity,
     mobility,
-    redundancies,
     worst_row,
 )
 from antenna_pin.dynamics.coordinates import reach_of
+from antenna_pin.dynamics.coupled import put_follower_rates
 from antenna_pin.dynamics.open_loops import said_of_open
 from antenna_pin.dynamics.shaken import start_with_base
 from antenna_pin.dynamics.system import System
@@ -36,8 +34,6 @@ __all__ = [
     "assembled",
     "check_closed",
     "check_motions",
-    "constraint_counts",
-    "mobility_of",
 ]
 
 Array = NDArray[np.float64]
@@ -68,7 +64,9 @@ def assembled(
     """Return a configuration and a velocity near to those given that close all loops and follow all motions.
 
     Journals stay where they are in their bearings, and as fast, but for what their joints leave free. A free
-    base stays if no closure holds it to the world.
+    base stays if no closure holds it to the world, and as fast if it can. Velocities of joints that no
+    equation connects to a held or prescribed rate stay; followers follow their leaders; in loops the velocity
+    is the nearest in kinetic energy.
 
     Args:
         system: The system.
@@ -119,7 +117,13 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
         raise MechanismError(_not_closed(system, unclosed, held_q))
     system.turn_on(y)
     system.mechanism.check_pose(y[: system.model.nq], "initial pose")
-    unclosed = find_velocity(constraints, y, program, _free(system, y, held_v))
+    _write_follower_rates(system, y, held_v)
+    trial = y.copy()
+    unclosed = find_velocity(constraints, trial, program, _free(system, y, {*held_v, BASE}))
+    if unclosed is not None:  # a free base moves only if it must
+        trial = y.copy()
+        unclosed = find_velocity(constraints, trial, program, _free(system, y, held_v))
+    y[:] = trial
     if unclosed is not None:
         unit = "rad/s" if unclosed.turns else "m/s"
         raise MechanismError(
@@ -127,6 +131,16 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
             f"{_let_go(held_v)}"
         )
     _check_singular(system, workspace, y)
+
+
+def _write_follower_rates(system: System, y: Array, held: Collection[str]) -> None:
+    """Write the rates of followers of given or prescribed leaders, and of leaders of given followers."""
+    nq, nv = system.model.nq, system.model.nv
+    slots = system.mechanism.joints
+    v = y[nq : nq + nv]
+    known = {name: float(v[slot.v][0]) for name, slot in slots.items() if name in held or v[slot.v].any()}
+    known |= {one.joint: one.at(0.0)[1] for one in system.drives.values() if isinstance(one, Motion)}
+    put_follower_rates(system.mechanism, system.couplings.values(), v, known)
 
 
 def _let_go(held: Collection[str]) -> str:
@@ -180,49 +194,6 @@ def _free_of_play(slot: JointSlot, motion: str | None, y: Array) -> Array:
         # The bearing's axis seen from the child.
         free[:3, 0] = slot.axis - 2.0 * np.cross(vector, real * slot.axis - np.cross(vector, slot.axis))
     return free
-
-
-def mobility_of(system: System, y: Array) -> Mobility:
-    """Return how a system with constraints can move in a state [q, v, x]."""
-    workspace = Workspace(system)
-    assert workspace.constraints is not None
-    workspace.prepare_motions(0.0, y)
-    return mobility(workspace.constraints, 0.0, y, workspace.program)
-
-
-def constraint_counts(system: System, y: Array) -> dict[str, Any]:
-    """Return how many equations hold a system in a state [q, v, x], and what they leave free.
-
-    ``closure_equations`` of closures and couplings, how many of these are ``couplings``, if any,
-    ``closure_rank`` (independent ones), ``motions``, ``rank`` (of all), ``freedoms`` of the tree,
-    ``mobility`` (what closures and couplings leave), ``freedoms_left`` (what all leave), and ``redundant``:
-    of each closure or coupling with equations that others imply, how many ``equations`` that are, and
-    ``among`` which.
-    """
-    if system.plan is None or system.plan.count == 0:  # elements that may hold close nothing
-        nv = system.model.nv
-        zero = dict.fromkeys(("closure_equations", "closure_rank", "motions", "rank"), 0)
-        return {**zero, "freedoms": nv, "mobility": nv, "freedoms_left": nv, "redundant": {}}
-    count = mobility_of(system, y)
-    found = {}
-    if count.redundant:
-        workspace = Workspace(system)
-        assert workspace.constraints is not None
-        workspace.prepare_motions(0.0, y)
-        found = redundancies(workspace.constraints, 0.0, y, workspace.program)
-    return {
-        "closure_equations": count.closed,
-        **({"couplings": len(system.couplings)} if system.couplings else {}),
-        "closure_rank": count.closed_rank,
-        "motions": count.driven,
-        "rank": count.rank,
-        "freedoms": count.freedoms,
-        "mobility": count.free,
-        "freedoms_left": count.left,
-        "redundant": {
-            name: {"equations": one.equations, "among": list(one.among)} for name, one in found.items()
-        },
-    }
 
 
 def check_closed(system: System, y: Array) -> None:

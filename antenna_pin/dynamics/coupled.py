@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from antenna_pin.constraints import Coupling, check_order, spread
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism import Mechanism
 
-__all__ = ["couplings_of", "facts_of_couplings", "fit_turns", "put_followers"]
+__all__ = ["couplings_of", "facts_of_couplings", "fit_turns", "put_follower_rates", "put_followers"]
 
 Array = NDArray[np.float64]
 
@@ -99,7 +99,31 @@ def put_followers(
         known: Positions of joints that are given [rad] ([m]), which stay; where nothing is known of joints
             that hang together, the first leader is at zero.
     """
-    places = dict(known or {})
+    for name, place in _coupled(mechanism, couplings, dict(known or {})):
+        slot = mechanism.joint(name)
+        q[slot.q] = (math.cos(place), math.sin(place)) if slot.kind == "continuous" else place
+
+
+def put_follower_rates(
+    mechanism: Mechanism, couplings: Collection[Coupling], v: Array, known: Mapping[str, float]
+) -> None:
+    """Write the rates that couplings imply into a velocity, in place.
+
+    Args:
+        mechanism: The mechanism.
+        couplings: Without circles.
+        v: Velocity, (nv,).
+        known: Given rates of joints, which stay [rad/s] ([m/s]); other leaders are at rest.
+    """
+    rated = [dataclasses.replace(one, offset=0.0) for one in couplings]
+    for name, rate in _coupled(mechanism, rated, dict(known)):
+        v[mechanism.joint(name).v] = rate
+
+
+def _coupled(
+    mechanism: Mechanism, couplings: Collection[Coupling], places: dict[str, float]
+) -> Iterator[tuple[str, float]]:
+    """Yield the joints that couplings determine from the known ones, with their positions (or rates)."""
     fixed = {name for one in couplings for name in one.leaders} - set(mechanism.joints)
     for one, forward in spread(couplings, {*places, *fixed}):
         second = places.get(one.second or "", 0.0)
@@ -108,8 +132,7 @@ def put_followers(
         else:
             name, place = one.leader, one.leading(places[one.follower], second)
         places[name] = place
-        slot = mechanism.joint(name)
-        q[slot.q] = (math.cos(place), math.sin(place)) if slot.kind == "continuous" else place
+        yield name, place
 
 
 def fit_turns(

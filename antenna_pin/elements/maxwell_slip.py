@@ -102,6 +102,10 @@ class MaxwellSlip(ModalElement):
         rest = met.angle if self.rest_angle is None else self.rest_angle
         return Change(0, memory=self._dragged((rest,) * len(self.slip), met.angle))
 
+    def first_off(self, met: Met) -> Change:
+        """Return the bending at the start, from which the springs go on once they are switched on."""
+        return self.first(met)
+
     def in_another(self, met: Met) -> Change:
         """Drag those along that are bent farther than they can be."""
         return Change(self.mode, memory=self._dragged(self.anchors, met.angle))

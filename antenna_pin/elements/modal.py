@@ -134,6 +134,10 @@ class Modal(ForceElement):
         """Return the mode that a run begins in, None for the present one; an impulse there is not made."""
         return None
 
+    def first_off(self, met: Met) -> Change | None:
+        """Return the memory of the start for an element that begins switched off; None for none."""
+        return None
+
     def in_another(self, met: Met) -> Change | None:
         """Return how it goes on where its own numbers or its joint's place are others; None: as it is.
 
@@ -149,6 +153,14 @@ class Modal(ForceElement):
     def armed(self, met: Met) -> Change | None:
         """Return what it remembers of a joint when it is switched on; None for nothing."""
         return None
+
+    def moved(self, key: str, met: Met) -> Change | None:
+        """Return the change of mode after a number of an acting element was set; None for none.
+
+        Raises:
+            InvalidParameterError: The position of the joint forbids it.
+        """
+        return self.armed(met) if key == "on" else None
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Return what happens where function k passes zero, by logic; None if nothing does."""

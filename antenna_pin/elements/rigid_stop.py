@@ -13,8 +13,9 @@ from antenna_pin.parameters import parameter
 
 __all__ = ["RigidStop"]
 
-# Beyond a stop by no more than this a joint is on it at the start [rad] ([m]).
-_ROUND_OFF = 1e-11
+# Beyond a stop by no more than this a joint is on it at the start [rad] ([m]); where an event was located by
+# no more than that.
+_ROUND_OFF, _LOCATED = 1e-11, 1e-10
 # A rate that is round-off of one [rad/s] ([m/s]).
 STILL = 1e-11
 
@@ -58,12 +59,26 @@ class RigidStop(Limits):
 
     def first(self, met: Met) -> Change | None:
         """Refuse a start beyond a stop; one that starts on it comes to rest there at once."""
-        for name, beyond in (("lower", self.lowest - met.angle), ("upper", met.angle - self.highest)):
-            if beyond > _ROUND_OFF:
-                at = f"{name} = {getattr(self, name):g}"
-                rule = f"within its rigid stop, {at}; start it there, or move the stop"
-                raise InvalidParameterError("initial state", f"position of {self.joint}", rule, met.angle)
+        self._check("initial state", "start it there", met, _ROUND_OFF)
         return None
+
+    def moved(self, key: str, met: Met) -> Change | None:
+        """Refuse a joint beyond the stop; release a joint at rest if the stop is moved away.
+
+        The law of a rigid stop does not define the return of a joint from beyond.
+        """
+        if key not in ("on", "lower", "upper"):
+            return None
+        self._check("rigid stop", "let that happen while the joint is there", met, _LOCATED)
+        limit = self.lowest if self.mode == LOWER else self.highest
+        return Change(FREE) if self.mode != FREE and abs(met.angle - limit) > _LOCATED else None
+
+    def _check(self, place: str, way_out: str, met: Met, near: float) -> None:
+        for name, beyond in (("lower", self.lowest - met.angle), ("upper", met.angle - self.highest)):
+            if beyond > near:
+                at = f"{name} = {getattr(self, name):g}"
+                rule = f"within its rigid stop, {at}; {way_out}, or move the stop"
+                raise InvalidParameterError(place, f"position of {self.joint}", rule, met.angle)
 
     def in_another(self, met: Met) -> Change | None:
         """Refuse a place beyond a stop, as at a start; one at rest on it stays so."""

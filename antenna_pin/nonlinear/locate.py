@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear.follower import Follower, Node, Point
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit
+from antenna_pin.roots import root_between
 
 __all__ = ["Located", "Step", "Test", "where_crossed", "where_turned", "where_zero"]
 
@@ -257,7 +258,10 @@ def _zero(step: Step, places: Sequence[float], about: float) -> Located:
     nodes = [step.node(along) for along in through]
     crossing = KroghInterpolator(through, [one.crossing for one in nodes])
     value = KroghInterpolator(through, [one.point.value for one in nodes])
-    along = float(brentq(lambda s: float(crossing(s)), low, high, xtol=1e-15 * step.arc, rtol=1e-14))
+    ends = nodes[0].crossing, nodes[1].crossing
+    along = root_between(
+        lambda s: float(crossing(s)), low, high, absolute=1e-15 * step.arc, relative=1e-14, ends=ends
+    )
     # The least singular value is wrong by what the matrix is, in itself and as the orbit is beside the true
     # one, the determinant by as large a part of itself.
     off = max(

@@ -37,15 +37,20 @@ def modes_of(system: System, state: State) -> Mapping[str, ModeNow]:
     Raises:
         InvalidParameterError: Events have changed more of it than modes.
     """
-    modal = {one.place: one for one in acting_in(system) if isinstance(one.element, Modal)}
+    acting = {one.place: one for one in acting_in(system)}
+    modal = {place: one for place, one in acting.items() if isinstance(one.element, Modal)}
     numbers = {place: one.element.mode for place, one in modal.items()}  # type: ignore[attr-defined]
     for key, value in state.adjusted:
         place, _, name = key.rpartition(".")
-        if place not in modal or name not in modal[place].element.own_keys():
-            rule = "one whose drives and springs no event has changed, and no latch switched off"
-            raise InvalidParameterError("chart", "state", rule, (key, value))
-        if name == "mode":
-            numbers[place] = int(value)
+        if place in modal and name in modal[place].element.own_keys():
+            if name == "mode":
+                numbers[place] = int(value)
+        elif value != (own := float(getattr(acting[place].element, name))):
+            rule = (
+                f"one in which no event has left {key} at another value than its own, {own:g}, and no latch "
+                "has switched anything off; begin at another instant"
+            )
+            raise InvalidParameterError("chart", "state", rule, value)
     return {
         place: ModeNow(one.label, numbers[place], one.element.modes[numbers[place]])  # type: ignore[attr-defined]
         for place, one in modal.items()

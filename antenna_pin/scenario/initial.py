@@ -48,6 +48,12 @@ class InitialJointSpec(JointTable):
     journal_angular_velocity: AngularVelocity | None = None
     guess: bool = False
 
+    @property
+    def gives_a_rate(self) -> bool:
+        """Whether a rate of the joint, or of its journal, is given."""
+        given = self.velocity, self.rate, self.journal_velocity, self.journal_angular_velocity
+        return any(one is not None for one in given)
+
     @model_validator(mode="after")
     def _check_pairs(self) -> Self:
         for pair in (("position", "angle"), ("velocity", "rate")):
@@ -70,6 +76,11 @@ class InitialBaseSpec(Spec):
     attitude: Annotated[tuple[float, float, float, float], Vector("1", (4,))] = (0.0, 0.0, 0.0, 1.0)
     velocity: Velocity = (0.0, 0.0, 0.0)
     angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
+
+    @property
+    def moves(self) -> bool:
+        """Whether a velocity of the base is given."""
+        return any(self.velocity) or any(self.angular_velocity)
 
     @model_validator(mode="after")
     def _check_attitude(self) -> Self:

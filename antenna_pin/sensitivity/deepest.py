@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from antenna_pin.nonlinear.within import Within
 from antenna_pin.records import CONTACT
+from antenna_pin.roots import root_between
 from antenna_pin.simulation.tape import Taped
 
 __all__ = ["Deepest"]
@@ -43,13 +44,14 @@ class Deepest:
         for k, j in zip(*np.nonzero((rates[:-1] > 0.0) & (rates[1:] <= 0.0)), strict=True):
             one, c = steps[k], int(touching[j])
             self._within.begin(one.time, one.y, one.size, one.end)
-            theta = brentq(self._rate, 0.0, 1.0, args=(c,), xtol=1e-15)
-            new.append((one.time + float(theta) * one.size, c))
+            ends = float(rates[k, j]), float(rates[k + 1, j])
+            theta = root_between(partial(self._rate, c), 0.0, 1.0, absolute=1e-15, ends=ends)
+            new.append((one.time + theta * one.size, c))
         new.sort()
         self.found += [(c, time) for time, c in new]
         return [time for time, _ in new]
 
-    def _rate(self, theta: float, c: int) -> float:
+    def _rate(self, c: int, theta: float) -> float:
         """Return how fast a contact's depth grows at a fraction of the step [m/s]."""
         return float(self._rates(self._within.at(theta))[c])
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, Workspace, audit
 from antenna_pin.elements import OnLinks
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.events import Event, Jump, Set, Stop
@@ -18,6 +19,7 @@ from antenna_pin.simulation.now import Sight
 from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 from antenna_pin.simulation.passages import Passage, passages_of
 from antenna_pin.simulation.samples import Samples
+from antenna_pin.simulation.sticking import RefusedError
 from antenna_pin.simulation.watch import Crossing, Watch
 
 __all__ = ["Actions", "Happening"]
@@ -150,10 +152,16 @@ class Actions:
         """Change what an event changes, and what changes by that; return the energy brought in [J]."""
         energy = -self._energy()
         if isinstance(action, Set):
-            self.set(action.place, action.value)
+            kept = self.adjustments.kept()
+            self.adjustments.set(action.place, action.value)
             element, _, key = action.place.rpartition(".")
-            if key == "on" and action.value:
-                self.modes.arm(element, self._stepper.t, self._here)
+            try:
+                self.modes.arm(element, key, self._stepper.t, self._here)
+            except InvalidParameterError as error:
+                self.adjustments.go_back(kept)
+                said = str(action.value).lower()
+                raise RefusedError(f"event {name!r} sets {action.place} = {said}: {error}") from None
+            finally:
                 self._renew()
         else:
             self._jump(name, action)

@@ -48,7 +48,7 @@ class Bracket(NamedTuple):
     def guess(self) -> float:
         """About where."""
         return (
-            self.a if self.fa * self.fb >= 0.0 else self.a + (self.b - self.a) * self.fa / (self.fa - self.fb)
+            self.a + (self.b - self.a) * self.fa / (self.fa - self.fb) if self.fa * self.fb < 0.0 else self.a
         )
 
 

@@ -30,10 +30,31 @@ class Passing:
         return moment.kink(self.block, self.number)
 
 
+@dataclass(frozen=True, slots=True)
+class End(Angle):
+    """End of the range of an element; its joint may lie beyond while the element is off.
+
+    Attributes:
+        block: Place of the element in the program.
+        side: Of the range: -1 below the end, +1 above it.
+    """
+
+    block: int
+    side: float
+
+    def __call__(self, moment: Moment) -> float:
+        """Return the distance of the joint past the end; the side of the range while the element is off."""
+        return Angle.__call__(self, moment) if moment.acts(self.block) else self.side
+
+
 def ends_of(system: System) -> tuple[Event, ...]:
     """Return the events at which a run ends, for an element knows nothing of what is beyond."""
     return tuple(
-        Event(name=f"{one.label} has no torque beyond {end:g}", when=Angle(joint, end), action=Stop())
+        Event(
+            name=f"{one.label} has no torque beyond {end:g}",
+            when=End(joint, end, one.block, 1.0 if end == min(one.element.ends) else -1.0),
+            action=Stop(),
+        )
         for one in acting_in(system)
         if (joint := one.element.acts_at) is not None
         for end in one.element.ends
@@ -50,9 +71,16 @@ def edges_of(system: System) -> tuple[Event, ...]:
 
 
 def kinks_of(system: System) -> tuple[Event, ...]:
-    """Return the events at which steps end for the sake of elements whose effort has kinks."""
+    """Return the events at which steps end for the sake of elements whose effort has kinks.
+
+    Names are unique, for a run that continues another finds the memory of an event by its name.
+    """
     kinks = [
-        Event(name=f"{one.label} has a kink", when=Passing(one.block, k), action=Kink())
+        Event(
+            name=f"{one.label} has a kink{f' ({k + 1})' if k else ''}",
+            when=Passing(one.block, k),
+            action=Kink(),
+        )
         for one in acting_in(system)
         for k in range(one.element.kinks)
     ]

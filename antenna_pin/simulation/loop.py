@@ -340,7 +340,7 @@ class Run:
         try:
             yield
         except NeverSettlesError as error:
-            self._stop(Outcome.NO_PROGRESS, f", {error} comes to no mode in which it stays")
+            self._stop(error.outcome, error.seen)
 
     def _stop(self, outcome: Outcome | None, what: str = "") -> bool:
         """End the run for a reason; return whether there is none."""

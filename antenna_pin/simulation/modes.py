@@ -133,10 +133,11 @@ class Modes:
             ) from None
         self.changed[:] = [one for one in self.changed if one.impulse != 0.0]
 
-    def arm(self, place: str, t: float, y: Array) -> None:
-        """Tell an element that is switched on where its joint is, if it has modes."""
-        if place in self._acting:
-            change = self._element(place).armed(self._met(place, t, y))
+    def arm(self, place: str, key: str, t: float, y: Array) -> None:
+        """Pass the state of its joint to an element with modes of which a number, or ``on``, was set."""
+        element = self._adjustments.elements.get(place)
+        if isinstance(element, Modal) and element.acts:
+            change = element.moved(key, self._met(place, t, y))
             if change is not None:
                 self._adjustments.change(place, change)
 

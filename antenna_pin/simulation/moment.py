@@ -53,6 +53,10 @@ class Moment:
         self._measured = self._evaluated = False
         return self
 
+    def acts(self, block: int) -> bool:
+        """Return whether the element at a place in the program is on."""
+        return bool(self._workspace.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["on"])
+
     def kink(self, block: int, number: int) -> float:
         """Return how far the effort of an element, by its place in the program, is past one of its kinks."""
         if block >= int(self._workspace.program[: kernels.HEADER].view(PROGRAM)["points"][0]):

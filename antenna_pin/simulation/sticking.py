@@ -29,7 +29,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -41,10 +41,11 @@ from antenna_pin.elements import Change, Met, RigidStop, StickingFriction, kind_
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.elements.rigid_stop import LOADED
-from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK
+from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK, UNDECIDED
 from antenna_pin.simulation.own_actions import Switch
+from antenna_pin.trajectory import Outcome
 
-__all__ = ["NeverSettlesError", "Settling", "Shift"]
+__all__ = ["NeverSettlesError", "RefusedError", "Settling", "Shift"]
 
 Array = NDArray[np.float64]
 
@@ -65,6 +66,24 @@ _HELD = 1e-9
 
 class NeverSettlesError(Exception):
     """Changes of mode at one instant would never end; of which element."""
+
+    outcome: ClassVar[Outcome] = Outcome.NO_PROGRESS
+
+    @property
+    def seen(self) -> str:
+        """Return the reason as part of a message."""
+        return f", {self} comes to no mode in which it stays"
+
+
+class RefusedError(NeverSettlesError):
+    """Setting of an element that the position of its joint forbids; the reason."""
+
+    outcome: ClassVar[Outcome] = Outcome.REFUSED
+
+    @property
+    def seen(self) -> str:
+        """Return the reason as part of a message."""
+        return f", {self}"
 
 
 class Shift(NamedTuple):
@@ -134,7 +153,7 @@ class Settling:
         """
         before = {place: self._adjustments.elements[place] for place in self._acting}
         met = {place: self._met(place, t, y) for place in self._dry if self._element(place).on}
-        comes = {one.place for one in located if one.place in met and one.number == 0}
+        comes_to_rest = {one.place for one in located if one.place in met and one.number == 0}
         let_go = {one.place for one in located if one.place in met and one.number == 1}
         let_go = {place for place in let_go if self._element(place).mode == STUCK}
         loads = self._loads(t, y) if let_go else np.zeros(0)
@@ -144,7 +163,8 @@ class Settling:
         resting = []
         for place, one in met.items():
             element = self._element(place)
-            if place in comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
+            comes = place in comes_to_rest and element.mode != UNDECIDED  # else it was switched on
+            if comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
                 resting.append(place)
                 # Where a stop is left, what pushed beside it may hold alone.
                 pushes = element.mode in (PUSHED, PULLED) and not left

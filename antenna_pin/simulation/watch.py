@@ -177,7 +177,10 @@ class Watch:
         if theta == self._theta:
             return self.moment
         stepper, self._theta = self.stepper, theta
-        stepper.interpolate(theta, self._y)
+        if theta == 0.0:  # the state itself, which dense output is but for round-off
+            self._y[:] = stepper.start[: self._y.size]
+        else:
+            stepper.interpolate(theta, self._y)
         return self.moment.set(stepper.t + theta * stepper.h, self._y)
 
     def ahead(self) -> list[list[Crossing]]:
@@ -292,7 +295,7 @@ class Watch:
                 side = new
             elif new == -side:
                 if fresh and ra * rb < 0.0:  # out, and back already
-                    a = root_between(rate, a, b, absolute=1e-15)
+                    a = root_between(rate, a, b, absolute=1e-15, ends=(ra, rb))
                     fa = f(a)
                 if event.counts(new) and (side * fa > 0.0 or not fresh):
                     return Bracket(k, a, b, fa, fb, noise, look.stays(i, new))
@@ -301,7 +304,7 @@ class Watch:
                 side = new
             elif side * ra < 0.0 < side * rb:
                 # It comes nearer to zero, then goes away: does it pass in between?
-                m = root_between(rate, a, b, absolute=1e-15)
+                m = root_between(rate, a, b, absolute=1e-15, ends=(ra, rb))
                 fm = f(m)
                 if side * fm < least:
                     # Twice: what comes after the first of them is looked for anew.
@@ -332,7 +335,7 @@ class Watch:
         def f(theta: float) -> float:
             return when(self._at(theta))
 
-        theta = a if fa * fb >= 0.0 else root_between(f, a, b, absolute=1e-15)
+        theta = root_between(f, a, b, absolute=1e-15, ends=(fa, fb)) if fa * fb < 0.0 else a
         low, high = max(theta - _SLOPE_REACH, 0.0), min(theta + _SLOPE_REACH, 1.0)
         slope = (f(high) - f(low)) / ((high - low) * self.stepper.h)
         return Crossing(one.event, theta, 0.0, slope if math.isfinite(slope) else 0.0, one.noise, one.until)

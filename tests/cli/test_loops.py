@@ -36,7 +36,7 @@ def refused(said):
 
 
 def test_info_counts_what_holds_a_scenario(cli, folder):
-    *lines, closed, start = printed(cli("info", folder / "driven")).splitlines()[:10]
+    *lines, closed, start, moving = printed(cli("info", folder / "driven")).splitlines()[:11]
     assert lines == [
         "driven, case ideal: Four-bar, its crank driven",
         "  fixed base, 3 moving joints, 3 freedoms",
@@ -48,6 +48,7 @@ def test_info_counts_what_holds_a_scenario(cli, folder):
     ]
     assert closed.startswith("  the start is closed to ")
     assert start.startswith("  the start found: drive_pin 0 deg, crank_pin ")
+    assert moving.startswith("  initial rates that follow from those given: crank_pin ")
 
 
 def test_info_counts_the_freedoms_that_play_gives_back(cli, folder):

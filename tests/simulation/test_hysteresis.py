@@ -426,3 +426,44 @@ def test_implicit_and_fixed_steps_know_the_states(method):
     found = simulate(_wheel(spring), **start, settings=RunSettings(method=method, **own))
     assert float(found.data["motion_angle"][-1, 0]) == pytest.approx(expected, abs=1e-8)
     assert _ledger(found) < 1e-7
+
+
+def _loops(amplitude, rtol, engine):
+    """A wheel that turns without end led to and fro with a spring that slips at 0.12 N m, three times."""
+    spring = MaxwellSlip(joint="axle", stiffness=(6.0,), slip=(0.12,))
+    motion = PrescribedMotion(joint="axle", amplitude=amplitude, frequency=1.0)
+    system = System(
+        build_mechanism(wheel_urdf("continuous"), "fixed"), springs={"s": spring}, drives={"m": motion}
+    )
+    settings = RunSettings(rtol=rtol, output_rate=20.0, engine=engine)
+    v = [2.0 * math.pi * amplitude]
+    return simulate(system, q=[1.0, 0.0], v=v, duration=3.3, settings=settings)
+
+
+def _check_loops(amplitude, rtol, engine="compiled"):
+    run = _loops(amplitude, rtol, engine)
+    assert run.completed
+    times = run.data.time.values.tolist()
+    work = run.data.drive_work.values[:, 0]
+    cycle = work[times.index(2.25)] - work[times.index(1.25)]
+    # Between two turning points the wheel's own energy is that again; works are led to round-off.
+    assert cycle == pytest.approx(4.0 * 0.12 * (amplitude - 0.02), abs=1e-12)
+
+
+@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
+def test_a_loop_that_begins_where_it_turns_back_but_for_round_off(engine):
+    """Dense output is zero at a step's beginning to another last digit than the state itself."""
+    _check_loops(0.0981, 1e-9, engine)
+
+
+@pytest.mark.parametrize("amplitude", np.linspace(0.021, 0.4, 8))
+def test_loops_of_any_size(amplitude):
+    _check_loops(float(amplitude), 1e-8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rtol", [1e-8, 1e-9, 1e-10, 1e-11, 1e-12])
+def test_loops_of_sixty_sizes(rtol):
+    """Of these two to six found no end of their first slip."""
+    for amplitude in np.linspace(0.021, 0.4, 60).tolist():
+        _check_loops(amplitude, rtol)
