@@ -102,7 +102,13 @@ class Actions:
             return None
         new = self._stepper.t > self._begin  # the others were the run's that was before
         energy = 0.0
-        if count >= event.after and isinstance(action, Set | Jump):
+        if count >= event.after and isinstance(action, Set):
+            try:
+                energy = self._carry_out(event.name, action)
+            except InvalidParameterError as error:
+                said = f"event {event.name!r} sets {action.place} = {str(action.value).lower()}"
+                raise RefusedError(f"{said}: {error}") from None
+        elif count >= event.after and isinstance(action, Jump):
             energy = self._carry_out(event.name, action)
         self._keep(event, count >= event.after)
         if new:
@@ -118,7 +124,11 @@ class Actions:
             self.passages.append(Passage(self._stepper.t, event, acts, done, program))
 
     def obey(self, name: str, action: Set) -> None:
-        """Do at the present state what an event of this name would that happened here."""
+        """Do at the present state what an event of this name would that happened here.
+
+        Raises:
+            InvalidParameterError: The element cannot have this value here; nothing is changed.
+        """
         energy = self._carry_out(name, action)
         if self._stepper.t > self._begin:
             self.happened.append(Happening(name, self._stepper.t, energy))
@@ -129,14 +139,13 @@ class Actions:
         energy = -self._energy()
         if isinstance(action, Set):
             kept = self.adjustments.kept()
-            self.adjustments.set(action.place, action.value)
             element, _, key = action.place.rpartition(".")
             try:
+                self.adjustments.set(action.place, action.value)
                 self.modes.arm(element, key, self._stepper.t, self._here)
-            except InvalidParameterError as error:
+            except InvalidParameterError:
                 self.adjustments.go_back(kept)
-                said = str(action.value).lower()
-                raise RefusedError(f"event {name!r} sets {action.place} = {said}: {error}") from None
+                raise
             finally:
                 self._renew()
         else:
