@@ -338,3 +338,12 @@ def say_spin(trajectory: Trajectory, before: str) -> None:
 
     if said := said_of_spin(trajectory):
         say(f"{before}{said}")
+
+
+def say_start(trajectory: Trajectory, scenario: Scenario, before: str) -> None:
+    """Print the joints that move at the start without a given rate; ``before``: the first words."""
+    if trajectory.constraints:
+        from antenna_pin.analysis import said_of_moving
+
+        if said := said_of_moving(trajectory.constraints, scenario):
+            say(f"{before}{said}")

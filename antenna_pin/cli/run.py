@@ -26,6 +26,7 @@ from antenna_pin.cli._common import (
     say,
     say_limits,
     say_spin,
+    say_start,
     stem,
     writable_file,
 )
@@ -145,7 +146,6 @@ def run(
         chosen = chosen.with_overrides(changes) if changes else chosen
         span = None if duration is None else positive_quantity(duration, "s", "--duration", "run")
 
-    from antenna_pin.analysis import said_of_moving
     from antenna_pin.scenario.assumed import said_of_assumed
     from antenna_pin.simulation import UnsavedError, simulate
 
@@ -170,8 +170,7 @@ def run(
             typer.echo(f"saved {path}{next_one if summary and target is None else ''}")
             for said in said_of_assumed(chosen.clearance):
                 say(f"note: {said}")
-            if said := said_of_moving(trajectory.constraints, chosen):
-                say(f"note: {said}")
+            say_start(trajectory, chosen, "note: ")
             say_spin(trajectory, "note: ")
             say_limits(trajectory, "note: ")
         outcome = trajectory.outcome.name

@@ -78,7 +78,7 @@ def _connected(
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Return the rows connected to given rows through common columns, and these columns."""
     while True:
-        columns = tied[rows].any(axis=0)
+        columns = np.asarray(tied[rows].any(axis=0))
         more = rows | tied[:, columns].any(axis=1)
         if np.array_equal(more, rows):
             return rows, columns

@@ -128,7 +128,13 @@ class Actions:
     def _happen(self, event: Event, count: int) -> bool:
         """Let an event of the user's happen; return whether it changes anything."""
         changes = count >= event.after and isinstance(event.action, Set | Jump)
-        energy = self._carry_out(event.name, event.action) if changes else 0.0  # type: ignore[arg-type]
+        energy = 0.0
+        if changes:
+            try:
+                energy = self._carry_out(event.name, event.action)  # type: ignore[arg-type]
+            except InvalidParameterError as error:
+                what = f"sets {event.action.place} = {str(event.action.value).lower()}"  # type: ignore[union-attr]
+                raise RefusedError(f"event {event.name!r} {what}: {error}") from None
         self._keep(event, count >= event.after)
         if self._counts:
             self.happened.append(Happening(event.name, self._stepper.t, energy))
@@ -141,7 +147,11 @@ class Actions:
             self.passages.append(Passage(self._stepper.t, event, acts, (), self._workspace.program.copy()))
 
     def obey(self, name: str, action: Set) -> None:
-        """Do at the present state what an event of this name would that happened here."""
+        """Do at the present state what an event of this name would that happened here.
+
+        Raises:
+            InvalidParameterError: The element cannot have this value here; nothing is changed.
+        """
         energy = self._carry_out(name, action)
         if self._counts:
             self.happened.append(Happening(name, self._stepper.t, energy))
@@ -153,14 +163,13 @@ class Actions:
         energy = -self._energy()
         if isinstance(action, Set):
             kept = self.adjustments.kept()
-            self.adjustments.set(action.place, action.value)
             element, _, key = action.place.rpartition(".")
             try:
+                self.adjustments.set(action.place, action.value)
                 self.modes.arm(element, key, self._stepper.t, self._here)
-            except InvalidParameterError as error:
+            except InvalidParameterError:
                 self.adjustments.go_back(kept)
-                said = str(action.value).lower()
-                raise RefusedError(f"event {name!r} sets {action.place} = {said}: {error}") from None
+                raise
             finally:
                 self._renew()
         else:

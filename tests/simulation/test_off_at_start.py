@@ -22,6 +22,7 @@ from antenna_pin.elements import (
 )
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import build_mechanism
+from antenna_pin.session import start
 from antenna_pin.simulation import Angle, Event, Set, Time
 from antenna_pin.trajectory import Outcome
 
@@ -143,6 +144,17 @@ def test_a_rigid_stop_does_not_come_to_be_behind_the_joint(place, value, said):
     assert float(run.data.time[-1]) == LATER
     assert run.data.q.values[-1, 0] == pytest.approx(REST * (1.0 - math.cos(LATER)), abs=1e-8)
     assert re.search(said, run.message)
+
+
+def test_a_session_refuses_such_a_command_and_goes_on():
+    """Nothing is changed: it swings on as if nothing had been commanded."""
+    system = _wheel("stops", RigidStop(joint="axle", upper=0.2, restitution=0.5, on=False))
+    session = start(system, settings=RunSettings(rtol=1e-10))
+    session.step(LATER)
+    with pytest.raises(InvalidParameterError, match=r"within its rigid stop, upper = 0\.2; .*got 0\.49"):
+        session.on("stops.x")
+    assert session.step(4.0 - LATER)
+    assert session.trajectory().data.q.values[-1, 0] == pytest.approx(REST * (1.0 - math.cos(4.0)), abs=1e-8)
 
 
 def test_a_rigid_stop_may_be_switched_on_where_the_joint_is_at_it():
