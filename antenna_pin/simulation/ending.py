@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from antenna_pin.dynamics import NotFollowedError
 from antenna_pin.engine import loop_kernels as kernels
+from antenna_pin.simulation.sticking import NeverSettlesError
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["message_of", "no_step", "too_deep"]
+__all__ = ["message_of", "no_step", "not_settled", "too_deep"]
 
 
 def no_step(run: Any, reason: int) -> tuple[Outcome, str]:
@@ -34,6 +36,13 @@ def too_deep(run: Any) -> tuple[Outcome, str]:
     c = run.steps.contact
     of_joint = run.search.reasons[c] == "maximum_depth"
     return (Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE), f", {run.search.words(c)}"
+
+
+def not_settled(error: NeverSettlesError | NotFollowedError) -> tuple[Outcome, str]:
+    """Return how a run ends where elements agree on no mode, or no motion can be followed, and the reason."""
+    if isinstance(error, NotFollowedError):
+        return Outcome.NOT_FOLLOWED, f", {error}"
+    return Outcome.NO_PROGRESS, f", {error} comes to no mode in which it stays"
 
 
 def message_of(run: Any, outcome: Outcome, what: str) -> tuple[Outcome, str]:

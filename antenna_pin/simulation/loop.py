@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.control import Controller
-from antenna_pin.dynamics import System, Workspace
+from antenna_pin.dynamics import NotFollowedError, System, Workspace
 from antenna_pin.dynamics.workspace import ON_SURFACE
 from antenna_pin.engine import change_kernels
 from antenna_pin.engine import loop_kernels as kernels
@@ -25,7 +25,7 @@ from antenna_pin.integrate import method_named
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.ending import message_of, no_step, too_deep
+from antenna_pin.simulation.ending import message_of, no_step, not_settled, too_deep
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event, Set
 from antenna_pin.simulation.modes import NeverSettlesError, own_events
@@ -330,16 +330,16 @@ class Run:
                 last = self.actions.take(crossing)
             if last is not None:
                 self._stop(Outcome.STOPPED, f", event {last!r}")
-            elif self.outcome is Outcome.NO_PROGRESS:
+            elif self.outcome is not Outcome.COMPLETED:
                 return
 
     @contextmanager
     def _settling(self) -> Iterator[None]:
-        """End the run where modes of elements come to no end."""
+        """End the run where modes of elements come to no end, or a motion cannot be followed."""
         try:
             yield
-        except NeverSettlesError as error:
-            self._stop(Outcome.NO_PROGRESS, f", {error} comes to no mode in which it stays")
+        except (NeverSettlesError, NotFollowedError) as error:
+            self._stop(*not_settled(error))
 
     def _stop(self, outcome: Outcome | None, what: str = "") -> bool:
         """End the run for a reason; return whether there is none."""

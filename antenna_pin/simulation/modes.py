@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, first_modes, impulse, kernels
 from antenna_pin.dynamics.acting import Acting
+from antenna_pin.dynamics.restraints import check_restraint
 from antenna_pin.elements import FAMILIES, LOSS, Change, Met, Modal, StickingFriction
 from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.errors import MechanismError
@@ -296,6 +297,7 @@ class Modes:
         after = self._element(place)
         loss, blow, rate = change.loss, change.impulse, met.rate
         if change.restitution is not None or (after.holds and self._adjustments.holds(place)):
+            check_restraint(self._workspace, self._adjustments, t, y, place, self._holds)
             loss, blow = self._jump(place, change.restitution, met, t, y)
             rate = self._met(place, t, y).rate
         if change.what:
@@ -331,8 +333,7 @@ class Modes:
         before = kinetic(workspace, y)
         y[nq : nq + nv] = after
         loss = before - kinetic(workspace, y)
-        place_in_x = nq + nv + int(head["x"]) + self._element(place).integrals.index(LOSS)
-        y[place_in_x] += loss
+        y[nq + nv + int(head["x"]) + self._element(place).integrals.index(LOSS)] += loss
         blow = own[0] if len(own) else held[self._holds.index(place)]
         return float(loss), float(blow)
 

@@ -10,6 +10,9 @@ Murty and Bard for linear complementarity, which ends at the one solution there 
 fall as a joint begins to slip. Where it falls at once there may be several, or none: then turning over does
 not end, and that is said.
 
+A joint whose rate motions prescribe, its own or that of others by couplings and loops, does not stick:
+its friction slips by the sign of that rate, and stays as it was while the joint stands.
+
 A joint that others hold at rest, as in a closed loop with more sticking joints than it has freedoms, has all
 its friction pushing once its row has carried that much, and stays; so all must be overcome before one moves.
 """
@@ -24,7 +27,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Adjustments, Workspace, impulse, kernels
+from antenna_pin.dynamics import Adjustments, Workspace, impulse, kernels, prescribing
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import Change, Met, Modal, StickingFriction, kind_of
 from antenna_pin.elements import kernels as of_elements
@@ -73,6 +76,7 @@ class Settling:
         }
         names = [one.name for one in workspace.system.holds]
         self._hold = {place: names.index(place) for place in self._acting}
+        self._others = [place for place in names if place not in self._acting]
         self._slot = {
             place: workspace.system.mechanism.joint(str(one.element.acts_at)).v.start
             for place, one in self._acting.items()
@@ -110,6 +114,12 @@ class Settling:
         resting = []
         for place, one in met.items():
             element = self._element(place)
+            if prescribing(self._workspace, self._adjustments, t, y, self._slot[place], self._others):
+                self._turn(place, element.follows(one))
+                continue
+            if element.prescribed:
+                self._turn(place, element.is_free())
+                element = self._element(place)
             comes = action is not None and action.place == place and action.number == 0
             if comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
                 resting.append(place)
@@ -123,7 +133,7 @@ class Settling:
                 change = element.slips(math.copysign(1.0, one.rate))
             self._turn(place, change)
         self._stop(t, y, resting)
-        if action is not None and action.number == 1:
+        if action is not None and action.number == 1 and action.place in resting:
             self._push(action.place, t, y)
         self._agree(t, y, resting, met)
         return [Shift(place, before[place], one) for place, one in met.items()]

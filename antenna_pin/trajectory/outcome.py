@@ -41,6 +41,7 @@ class Outcome(Enum):
         "the loops cannot be closed from here on, in a singular position or out of reach; change motions or "
         "dimensions"
     )
+    NOT_FOLLOWED = "a motion cannot be followed from here on; what was computed is kept"
     OUT_OF_LAW_RANGE = (
         "a contact left the range of its law; choose a law that reaches deeper, or lower the load"
     )
