@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from antenna_pin.dynamics.deflection import Deflections, deflections
     from antenna_pin.dynamics.evaluate import acceleration, contact_memory
     from antenna_pin.dynamics.held import HeldKind
-    from antenna_pin.dynamics.impulse import impulse, reduced_inertia
+    from antenna_pin.dynamics.impulse import impulse, impulse_of_motions, reduced_inertia
     from antenna_pin.dynamics.links import acting_on_links, works_in_x
     from antenna_pin.dynamics.motion import JointMotion, motion_block
     from antenna_pin.dynamics.program_parts import records_at
@@ -64,6 +64,7 @@ __all__ = [
     "modes_in_another",
     "modes_kept",
     "impulse",
+    "impulse_of_motions",
     "reduced_inertia",
     "joints_held",
     "Audit",
@@ -126,7 +127,7 @@ loaded_when_used(
         "deflection": "Deflections deflections",
         "evaluate": "acceleration contact_memory",
         "held": "HeldKind",
-        "impulse": "impulse reduced_inertia",
+        "impulse": "impulse impulse_of_motions reduced_inertia",
         "links": "acting_on_links works_in_x",
         "motion": "JointMotion motion_block",
         "program_parts": "records_at",

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -22,9 +22,30 @@ from antenna_pin.constraints.factor_kernels import NOTHING
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.workspace import Workspace
 
-__all__ = ["impulse", "reduced_inertia"]
+__all__ = ["Struck", "impulse", "impulse_of_motions", "reduced_inertia"]
 
 Array = NDArray[np.float64]
+
+# Of the largest impulse, or of the largest change of a rate: what round-off leaves of none.
+_ROUND_OFF = 1e-9
+# Of the length of the mechanism: a change of rates that is round-off [1/s].
+_STILL = 1e-12
+
+
+class Struck(NamedTuple):
+    """An impulse of motions whose rates jump.
+
+    Attributes:
+        velocity: After it, (nv,).
+        held: Impulses of the rows of elements that hold, on the child, (holds,) [N m s] ([N s]).
+        works: Of the motions, (motions,) [J].
+        met: Whether all rows have the rates that are wanted.
+    """
+
+    velocity: Array
+    held: Array
+    works: Array
+    met: bool
 
 
 def impulse(
@@ -54,6 +75,32 @@ def impulse(
     end = len(rows) - len(wanted)
     own = forces[end - held : end] * _lengths(workspace, held)
     return v + change, own, forces[end:]
+
+
+def impulse_of_motions(workspace: Workspace, t: float, y: Array) -> Struck:
+    r"""Return the impulse that gives joints the rates of their motions, with all rows that hold held.
+
+    The work of a motion is its impulse times the mean of the rates before and after it; the sum of all is
+    the change of kinetic energy, for the rows that hold have no rate.
+
+    Args:
+        workspace: The system, with the motions that it has from now on.
+        t: Time [s].
+        y: State before [q, v, x].
+    """
+    nq, nv = workspace.model.nq, workspace.model.nv
+    v = y[nq : nq + nv]
+    rows, lacks, held = _held_rows(workspace, t, y)
+    motions = len(workspace.system.motions)
+    assert workspace.constraints is not None
+    if not np.abs(lacks).max() > _STILL * workspace.constraints.plan.length:
+        return Struck(v.copy(), np.zeros(held), np.zeros(motions), True)
+    change, forces = _nearest(workspace, y, rows, lacks)
+    met = np.abs(np.array(rows) @ change - lacks).max() <= _ROUND_OFF * np.abs(lacks).max()
+    works = forces[:motions] * (np.array(rows[:motions]) @ (v + 0.5 * change))
+    own = forces[len(rows) - held :]
+    own = np.where(np.abs(own) > _ROUND_OFF * np.abs(forces).max(), own, 0.0)
+    return Struck(v + change, own * _lengths(workspace, held), works, bool(met))
 
 
 def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> float:

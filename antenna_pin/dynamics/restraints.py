@@ -47,7 +47,12 @@ def prescribing(
 
 
 def check_restraint(
-    workspace: Workspace, adjustments: Adjustments, t: float, y: Array, place: str, holds: Collection[str] = ()
+    workspace: Workspace,
+    adjustments: Adjustments,
+    t: float,
+    y: Array,
+    place: str,
+    holds: Collection[str] = (),
 ) -> None:
     """Refuse an element that is to hold its joint, against any load, where motions move it.
 
@@ -63,8 +68,8 @@ def check_restraint(
         NotFollowedError: Motions move its joint.
     """
     system = workspace.system
-    one = next(one for one in acting_in(system) if one.place == place)
-    if not system.motions or not is_rigid(one.element):
+    one = next((one for one in acting_in(system) if one.place == place), None)
+    if one is None or not system.motions or not is_rigid(one.element):
         return
     joint = str(one.element.acts_at)
     at = system.mechanism.joint(joint).v.start
@@ -72,8 +77,8 @@ def check_restraint(
     if motions:
         drives = f"drive{'s' if len(motions) > 1 else ''} {', '.join(map(repr, motions))}"
         raise NotFollowedError(
-            f"{one.label}: its joint {joint!r} is held to a motion by {drives}; take one of them away, have a "
-            "pd drive follow the reference, or take an element that gives way"
+            f"{one.label}: its joint {joint!r} is held to a motion by {drives}; take one of them away, have "
+            "a pd drive follow the reference, or take an element that gives way"
         )
 
 

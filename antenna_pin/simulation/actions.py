@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Adjustments, Workspace, audit
+from antenna_pin.dynamics import Adjustments, NotFollowedError, Workspace, audit, check_restraint
 from antenna_pin.elements import OnLinks
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.events import Event, Jump, Set, Stop
 from antenna_pin.simulation.modes import ZERO, Modes
+from antenna_pin.simulation.motions import Motions
 from antenna_pin.simulation.now import Sight
 from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 from antenna_pin.simulation.passages import Passage
@@ -55,6 +57,7 @@ class Actions:
         happened: Events that have happened, in their order.
         adjustments: Elements as they are.
         modes: Those that have modes.
+        motions: Those that prescribe motions.
         passages: What has happened at each instant, for who takes it from there; None if nobody does.
     """
 
@@ -77,6 +80,7 @@ class Actions:
         self.happened: list[Happening] = []
         self.adjustments = Adjustments(workspace.system, workspace.program)
         self.modes = Modes(workspace, self.adjustments)
+        self.motions = Motions(workspace, self.adjustments)
         self.passages: list[Passage] | None = None
 
     def take(self, crossing: Crossing) -> str | None:
@@ -92,15 +96,24 @@ class Actions:
                 self._keep(event, True)
             return None
         if isinstance(action, Edge):
-            self._change(action.place)
-            self._renew()
-            self._stepper.refresh()
-            self._watch.renew()
+            if self.motions.is_one(action.place):
+                self.motions.renew(self._stepper.t)
+                self._strike()
+                self._follow()
+            else:
+                self._change(action.place)
+                self._renew()
+                self._stepper.refresh()
+                self._watch.renew()
             self._samples.add(self._stepper.t, self._here.copy())
             return None
         new = self._stepper.t > self._begin  # the others were the run's that was before
         energy = 0.0
         if count >= event.after and isinstance(action, Set | Jump):
+            try:
+                self.check(action, f"event {event.name!r}")
+            except InvalidParameterError as error:
+                raise NotFollowedError(str(error)) from None
             energy = self._carry_out(event.name, action)
         self._keep(event, count >= event.after)
         if new:
@@ -115,6 +128,26 @@ class Actions:
             program = self._workspace.program.copy()
             self.passages.append(Passage(self._stepper.t, event, acts, done, program))
 
+    def check(self, action: Set | Jump, who: str = "Set") -> None:
+        """Refuse to set at the present state what makes a motion jump, or holds a joint that one moves.
+
+        Args:
+            action: What is to be done.
+            who: Who sets it, for the refusal.
+
+        Raises:
+            InvalidParameterError: A motion would jump.
+            NotFollowedError: A joint would be held where motions move it.
+        """
+        if not isinstance(action, Set):
+            return
+        element, _, key = action.place.rpartition(".")
+        if self.motions.is_one(element):
+            self.motions.goes_on(action.place, action.value, self._stepper.t, who)
+        elif key == "on" and action.value:
+            held = self._workspace, self.adjustments, self._stepper.t, self._here, element
+            check_restraint(*held, [one.name for one in self._workspace.system.holds])
+
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""
         energy = self._carry_out(name, action)
@@ -126,19 +159,39 @@ class Actions:
         """Change what an event changes, and what changes by that; return the energy brought in [J]."""
         energy = -self._energy()
         if isinstance(action, Set):
-            self.set(action.place, action.value)
             element, _, key = action.place.rpartition(".")
+            if self.motions.is_one(element):
+                for place, value in self.motions.goes_on(action.place, action.value, self._stepper.t).items():
+                    self.set(place, value)
+                energy -= self._strike()
+            else:
+                self.set(action.place, action.value)
             if key == "on" and action.value:
                 self.modes.arm(element, self._stepper.t, self._here)
                 self._renew()
         else:
             self._jump(name, action)
         energy += self._energy()
+        self._follow()
+        return energy
+
+    def _strike(self) -> float:
+        """Have the rates that motions have from now on; return their work [J]."""
+        if self.passages is not None:
+            raise NotFollowedError(
+                "a motion's rate jumps, through which no derivatives are carried; take a smooth course, or "
+                "differences of runs"
+            )
+        work = self.motions.strike(self._stepper.t, self._here)
+        self._control.spin = self._workspace.system.turn_on(self._stepper.start)
+        return work
+
+    def _follow(self) -> None:
+        """Have all that follows from a change at once."""
         self._stepper.refresh()
         self._watch.renew()
         if self.modes and (due := self.modes.due(self._stepper.t, self._here)) is not None:
             self._switch(due)
-        return energy
 
     def look_by(self, watch: Watch) -> None:
         """Do from now on what the events of another watch ask for."""
@@ -181,7 +234,8 @@ class Actions:
 
     def _renew(self) -> None:
         self._control.renew(self.adjustments.elements.values())
-        self._samples.program = self._workspace.program.copy()
+        self.motions.renew(self._stepper.t)
+        self._samples.program = self.motions.whole()
 
     def set(self, place: str, value: float) -> None:
         """Change a number of a drive or a spring."""

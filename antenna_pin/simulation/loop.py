@@ -223,6 +223,7 @@ class Run:
 
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""
+        self.actions.check(action)
         with self.oversight.listening(self._stop), self._settling():
             self.actions.obey(name, action)
 
