@@ -44,8 +44,8 @@ def check_jumps(system: System, name: str, motion: Motion, begin: float, end: fl
             size = f"{number(one.rate)} {unit}/s" if one.rate else f"{number(one.value)} {unit}"
             raise MechanismError(
                 f"motion {name!r}: its reference must be without jumps that come again for ever, got one of "
-                f"{size} every {number(one.again)} s; join the table's points by interpolation = 'smooth', or "
-                "write them down without periodic"
+                f"{size} every {number(one.again)} s; join the table's points by interpolation = 'smooth', "
+                "or write them down without periodic"
             )
         if not begin < one.time <= end or not (one.value or motion.rate_jumps == "refused"):
             continue

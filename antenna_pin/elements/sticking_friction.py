@@ -148,7 +148,7 @@ class StickingFriction(ModalElement):
 
     def follows(self, met: Met) -> Change:
         """Return the change at a joint whose rate is prescribed: one that stands keeps its last way."""
-        if abs(met.rate) > STANDS:
+        if abs(met.rate) > 0.5 * STANDS:  # its functions pass at STANDS, by round-off less
             mode = self.slips(met.rate).mode
         else:
             mode = self.mode if self.mode in (_FORWARD, _BACKWARD) else _UNDECIDED
