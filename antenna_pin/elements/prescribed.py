@@ -59,8 +59,8 @@ class PrescribedMotion(Course, Motion):
             such part, or it is given as numbers.
         time: Of the table, strictly increasing, at least two [s]. A run must lie within them.
         positions: Of the table, joined by cubics of continuous second derivative [rad] ([m]).
-        rate_jumps: What a jump of the rate is, of the reference or by an event that sets a number: an
-            ``impulse`` of the motion, whose work is the drive's, or ``refused``. Jumps of the position are.
+        rate_jumps: What a jump of the rate is, by the reference or by a number that is set: an ``impulse`` of
+            the motion, whose work is the drive's, or ``refused``. A jump of the position is always refused.
         offset: By how much events that set the rate have moved phi_0, so that the motion goes on from where
             it is [rad] ([m]).
     """

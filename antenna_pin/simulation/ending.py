@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.dynamics import NotFollowedError
+from antenna_pin.dynamics import NotFollowedError, acting_in
 from antenna_pin.engine import loop_kernels as kernels
 from antenna_pin.simulation.sticking import NeverSettlesError
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["message_of", "no_step", "not_settled", "too_deep"]
+__all__ = ["message_of", "no_step", "not_settled", "too_deep", "undetermined"]
 
 
 def no_step(run: Any, reason: int) -> tuple[Outcome, str]:
@@ -43,6 +43,21 @@ def not_settled(error: NeverSettlesError | NotFollowedError) -> tuple[Outcome, s
     if isinstance(error, NotFollowedError):
         return Outcome.NOT_FOLLOWED, f", {error}"
     return Outcome.NO_PROGRESS, f", {error} comes to no mode in which it stays"
+
+
+def undetermined(run: Any) -> str:
+    """Return of which frictions the torque is not determined while their joint stands; "" if of none."""
+    names = [
+        one.label
+        for one in acting_in(run.system)
+        if getattr(run.actions.adjustments.elements[one.place], "prescribed", False)
+    ]
+    if not names:
+        return ""
+    return (
+        f"; {', '.join(names)}: the joint is held to a motion, and while it stands the torque of friction is "
+        "not determined: recorded is that of the way it came"
+    )
 
 
 def message_of(run: Any, outcome: Outcome, what: str) -> tuple[Outcome, str]:

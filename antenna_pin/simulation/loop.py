@@ -25,7 +25,7 @@ from antenna_pin.integrate import method_named
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.ending import message_of, no_step, not_settled, too_deep
+from antenna_pin.simulation.ending import message_of, no_step, not_settled, too_deep, undetermined
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event, Set
 from antenna_pin.simulation.modes import NeverSettlesError, own_events
@@ -219,7 +219,7 @@ class Run:
         self.samples.finish(self.stepper.t, self.here.copy())
         if self.singular is not None:
             self.message += self.singular.words()
-        self.message += self.oversight.words(self.outcome)
+        self.message += undetermined(self) + self.oversight.words(self.outcome)
 
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""
