@@ -209,7 +209,8 @@ class Motions:
                 "joints cannot follow; change the motions or take one away"
             )
         y[nq : nq + nv] = struck.velocity
-        for (work, gross), done in zip(self._books, struck.works.tolist(), strict=True):
-            y[work] += done
-            y[gross] += abs(done)
+        if t > 0.0:  # what is set at zero holds from the start, with no work before it
+            for (work, gross), done in zip(self._books, struck.works.tolist(), strict=True):
+                y[work] += done
+                y[gross] += abs(done)
         return float(struck.works.sum())

@@ -184,7 +184,7 @@ def test_one_that_is_off_does_no_harm_and_is_refused_where_it_is_switched_on():
 
 def test_a_stop_that_gives_way_may_stand_there():
     """The motion presses it in; the ledger closes."""
-    stops = {"x": EndStop(joint="hinge", upper=0.2, stiffness=100.0)}
+    stops = {"x": EndStop(joint="hinge", upper=0.2, stiffness=100.0, restitution=0.5)}
     run = ran(pair(stops=stops), duration=0.4)
     assert run.outcome is Outcome.COMPLETED
     assert abs(run.data["energy_error"].values).max() < 1e-8

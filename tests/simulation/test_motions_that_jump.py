@@ -140,7 +140,9 @@ def test_two_halves_are_one_run_bit_for_bit(split):
     first = ran(system, duration=split, events=events)
     second = simulate(system, start=first.end, duration=1.0 - split, settings=SETTINGS, events=events)
     assert whole.end == second.end
-    assert whole.data["drive_work"].values[-1] == second.data["drive_work"].values[-1]
+    # A record counts works from its begin on.
+    works = [float(run.data["drive_work"].values[-1, 0]) for run in (first, second, whole)]
+    assert works[0] + works[1] == pytest.approx(works[2], rel=1e-14)
 
 
 def test_a_rate_that_is_set_goes_on_from_where_the_motion_is():
@@ -157,6 +159,22 @@ def test_a_rate_that_is_set_goes_on_from_where_the_motion_is():
     session.set("drives.trolley.rate", 0.25)
     session.step(0.5)
     assert session["trolley.angle"] == run["q"].values[-1, 0]
+
+
+def test_a_rate_that_is_set_at_zero_holds_from_the_start():
+    """The cart has it at the first sample, and nothing is booked for it."""
+    events = [Event(name="e", when=Time(0.0), action=Set("drives.trolley.rate", 0.25))]
+    run = ran(crane(PrescribedMotion(joint="trolley", rate=1.0)), events=events, duration=0.1).data
+    assert abs(run["v"].values[:, 0] - 0.25).max() < 1e-13
+    assert abs(run["energy_error"].values).max() < 1e-9
+    assert run["drive_work"].values[0, 0] == 0.0
+
+
+def test_a_jump_at_the_end_of_a_run_belongs_to_it():
+    """The last sample is that behind the jump, with its work."""
+    run = ran(crane(follow(STOP)), duration=0.5).data
+    assert run["v"].values[-1, 0] == pytest.approx(0.0, abs=1e-13)
+    assert run["drive_work"].values[-1, 0] == pytest.approx(kinetic_after_stop(1.0) - 75.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", ["on", "stuck"])
