@@ -169,9 +169,10 @@ class Motions:
         jump, unit = after[0] - before[0], self._unit(motion)
         size = sum(float(np.abs(getattr(one, "amplitude", 0.0)).sum()) for one in (motion, changed))
         if key != "rate" and abs(jump) > _ROUND_OFF * size:
+            way = "set its rate, with which it goes on from where it is, or "
             rule = (
-                "left as it is: the motion would jump; set its rate, with which it goes on from where it is, "
-                "or have a pd drive follow the course"
+                f"left as it is: the motion would jump; {way if isinstance(motion, PrescribedMotion) else ''}"
+                "have a pd drive follow the course"
             )
             raise InvalidParameterError(who, place, rule, said=f"{number(jump)} {unit} at t = {t:.9g} s")
         if after[1] != before[1] and getattr(motion, "rate_jumps", "") == "refused":

@@ -211,8 +211,9 @@ def test_a_blow_of_a_motion_passes_a_joint_with_play_as_contact_forces_only():
     assert run.outcome is Outcome.COMPLETED
     assert abs(data["energy_error"].values).max() < 1e-7 * data["kinetic_energy"].values.max()
     step = data["drive_work"].values[at, 0] - data["drive_work"].values[at - 1, 0]
-    pushed = 0.01 * abs(data["drive_force"].values[at - 1, 0]) if "drive_force" in data else 0.0
-    assert step == pytest.approx(-0.5 * CART, abs=1e-6 + pushed)
+    # What the drive does in the 10 ms from the sample before: nothing, for all move at one speed.
+    assert step == pytest.approx(-0.5 * CART, abs=1e-6)
+    assert run.data.sizes["episode"] > 0
 
 
 # --- what is refused ----------------------------------------------------------------------------------------
