@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,42 +46,35 @@ class TermJump(NamedTuple):
     again: float
 
 
-def jumps(terms: ArrayLike) -> tuple[TermJump, ...]:
+@lru_cache(maxsize=8)
+def jumps(terms: tuple[float, ...]) -> tuple[TermJump, ...]:
     """Return the jumps of a sum of terms that are more than round-off, in the order of time.
 
     Args:
         terms: As :meth:`antenna_pin.elements.reference.Reference.terms` returns them.
     """
-    found: list[list[float]] = []
     words = np.array(terms, dtype=float)
+    parts: list[Array] = [np.zeros((6, 0))]
     for own, record in _terms(words):
-        rows: Any = np.zeros((5, 0))
         if record["kind"] == kernels.PIECES:
             rows = _between_pieces(own, record)
+            parts.append(np.vstack([np.full(rows.shape[1], record["span"]), rows]))
         elif record["kind"] == kernels.SWEPT:
             rows = _between_sweeps(own)
-        again = float(record["span"]) if record["kind"] == kernels.PIECES else 0.0
-        found += [[again, *row] for row in rows.T.tolist()]
-    out: list[TermJump] = []
-    for again, group in _at_one_time(sorted(found)):
-        value, rate, size, speed = np.sum([row[2:] for row in group], axis=0).tolist()
-        value = value if abs(value) > _ROUND_OFF * size else 0.0
-        rate = rate if abs(rate) > _ROUND_OFF * speed else 0.0
-        if value or rate:
-            out.append(TermJump(group[-1][1], group[0][1], value, rate, again))
-    return tuple(sorted(out))
-
-
-def _at_one_time(rows: list[list[float]]) -> Iterator[tuple[float, list[list[float]]]]:
-    """Yield rows, sorted by period and time, in groups of one time but for round-off."""
-    group: list[list[float]] = []
-    for row in rows:
-        if group and (row[0] != group[0][0] or row[1] - group[0][1] > _ULPS * math.ulp(row[1])):
-            yield group[0][0], group
-            group = []
-        group.append(row)
-    if group:
-        yield group[0][0], group
+            parts.append(np.vstack([np.zeros(rows.shape[1]), rows]))
+    found = np.hstack(parts)
+    found = found[:, np.lexsort((found[1], found[0]))]
+    if not found.size:
+        return ()
+    again, time = found[:2]
+    new = (np.diff(again) != 0.0) | (np.diff(time) > _ULPS * np.spacing(np.abs(time[1:])))
+    firsts = np.flatnonzero(np.append(True, new))
+    lasts = np.append(firsts[1:], found.shape[1]) - 1
+    value, rate, size, speed = np.add.reduceat(found[2:], firsts, axis=1)
+    value = np.where(np.abs(value) > _ROUND_OFF * size, value, 0.0)
+    rate = np.where(np.abs(rate) > _ROUND_OFF * speed, rate, 0.0)
+    rows = np.array([time[lasts], time[firsts], value, rate, again[firsts]])
+    return tuple(sorted(TermJump(*row) for row in rows[:, (value != 0.0) | (rate != 0.0)].T.tolist()))
 
 
 def continued(terms: ArrayLike, until: float) -> Array:

@@ -182,7 +182,10 @@ class Actions:
                 "a motion's rate jumps, through which no derivatives are carried; take a smooth course, or "
                 "differences of runs"
             )
+        held = self.adjustments.held()
         work = self.motions.strike(self._stepper.t, self._here)
+        if self.adjustments.held() != held:
+            self._renew()
         self._control.spin = self._workspace.system.turn_on(self._stepper.start)
         return work
 
