@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from antenna_pin.constraints.closure import CLOSURES, OPPOSITE, Anchor, Closure, ClosureKind, Holds
     from antenna_pin.constraints.coupling import Coupling, check_order, spread
     from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan, on_body
+    from antenna_pin.constraints.restraints import motions_that_prescribe
     from antenna_pin.constraints.search import Unclosed, find_configuration, worst_row
     from antenna_pin.constraints.solver import Constraints
 
@@ -39,6 +40,7 @@ __all__ = [
     "least_row",
     "make_plan",
     "mobility",
+    "motions_that_prescribe",
     "on_body",
     "redundancies",
     "spread",
@@ -52,6 +54,7 @@ loaded_when_used(
         "closure": "Anchor CLOSURES Closure ClosureKind Holds OPPOSITE",
         "coupling": "Coupling check_order spread",
         "plan": "DrivenJoint Plan make_plan on_body",
+        "restraints": "motions_that_prescribe",
         "search": "Unclosed find_configuration worst_row",
         "solver": "Constraints",
     },

@@ -33,6 +33,13 @@ if TYPE_CHECKING:
     from antenna_pin.dynamics.links import acting_on_links, works_in_x
     from antenna_pin.dynamics.motion import JointMotion, motion_block
     from antenna_pin.dynamics.program_parts import records_at
+    from antenna_pin.dynamics.restraints import (
+        NotFollowedError,
+        check_restraint,
+        check_restraints,
+        is_rigid,
+        prescribing,
+    )
     from antenna_pin.dynamics.samples import Observed, joint_motion, observed, sliding_motion
     from antenna_pin.dynamics.system import System
     from antenna_pin.dynamics.workspace import Workspace
@@ -70,6 +77,7 @@ __all__ = [
     "JointMotion",
     "JointFriction",
     "JointSpring",
+    "NotFollowedError",
     "Observed",
     "PointSpring",
     "SineDrive",
@@ -87,6 +95,9 @@ __all__ = [
     "bearing_names",
     "check_closed",
     "check_motions",
+    "check_restraint",
+    "check_restraints",
+    "is_rigid",
     "contact_memory",
     "deflections",
     "facts_of_couplings",
@@ -97,6 +108,7 @@ __all__ = [
     "mobility_of",
     "observed",
     "put_followers",
+    "prescribing",
     "records_at",
     "sliding_motion",
     "works_in_x",
@@ -121,6 +133,7 @@ loaded_when_used(
         "links": "acting_on_links works_in_x",
         "motion": "JointMotion motion_block",
         "program_parts": "records_at",
+        "restraints": "NotFollowedError check_restraint check_restraints is_rigid prescribing",
         "samples": "Observed joint_motion observed sliding_motion",
         "system": "System",
         "workspace": "Workspace",

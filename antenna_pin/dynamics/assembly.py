@@ -19,6 +19,7 @@ from antenna_pin.constraints import (
 )
 from antenna_pin.dynamics.coordinates import reach_of
 from antenna_pin.dynamics.coupled import put_follower_rates
+from antenna_pin.dynamics.motion_checks import check_jumps, check_limits
 from antenna_pin.dynamics.open_loops import said_of_open
 from antenna_pin.dynamics.shaken import start_with_base
 from antenna_pin.dynamics.system import System
@@ -47,8 +48,7 @@ _BESIDE = 1e-3
 _GIVEN = 1e-6
 # Angle that axes may be apart by for want of digits [rad].
 _INEXACT = 1e-3
-# Times at which a motion is compared with its joint's limits; most steps in which a run is followed.
-_LOOKS = 1001
+# Most steps in which a run is followed.
 _FOLLOWED = 5000
 
 
@@ -217,7 +217,7 @@ def check_closed(system: System, y: Array) -> None:
 
 
 def check_motions(system: System, y: Array, begin: float, end: float) -> None:
-    """Refuse motions that leave their joints' limits in the URDF, or that the loops cannot follow.
+    """Refuse motions that leave their joints' limits in the URDF, that jump, or that the loops cannot follow.
 
     That they can is looked at only where nothing else is free to move.
 
@@ -229,31 +229,14 @@ def check_motions(system: System, y: Array, begin: float, end: float) -> None:
     """
     for name, drive in system.drives.items():
         if isinstance(drive, Motion):
-            _check_limits(system, name, drive, begin, end)
+            check_limits(system, name, drive, begin, end)
+            check_jumps(system, name, drive, begin, end)
     if system.motions and not system.clearances:
         workspace = Workspace(system)
         assert workspace.constraints is not None
         workspace.prepare_motions(begin, y)
         if mobility(workspace.constraints, begin, y, workspace.program).left == 0:
             _check_reach(system, workspace, y.copy(), begin, end)
-
-
-def _check_limits(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
-    limit = system.mechanism.urdf.joint(motion.joint).limit
-    kind = system.mechanism.joint(motion.joint).kind
-    if limit is None or limit.lower is None or limit.upper is None or kind == "continuous":
-        return
-    unit = "m" if kind == "prismatic" else "rad"
-    profile = motion.profile()
-    for t in np.linspace(begin, end, _LOOKS):
-        position = profile(float(t))[0]
-        if not limit.lower <= position <= limit.upper:
-            raise MechanismError(
-                f"motion {name!r}: joint {motion.joint!r} must stay from {number(limit.lower)} to "
-                f"{number(limit.upper)} {unit} by its <limit>, got {number(position)} {unit} at t = "
-                f"{number(float(t))} s; change the motion, or the limit in the URDF or by "
-                f"mechanism.joints.{motion.joint}"
-            )
 
 
 def _check_reach(system: System, workspace: Workspace, y: Array, begin: float, end: float) -> None:

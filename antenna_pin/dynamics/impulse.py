@@ -46,6 +46,8 @@ Array = NDArray[np.float64]
 
 # Of the length of a row, what is left of one that the others hold; of rates, what round-off leaves of them.
 _HELD, _ROUND_OFF = 1e-9, 1e-11
+# Of the largest change of a rate that rows ask for: by how much one that is met is off.
+_MET = 1e-9
 
 
 class Push(NamedTuple):
@@ -72,6 +74,7 @@ class Pushed(NamedTuple):
         holds: Impulses on the child of the rows of elements that hold, (holds,) [N m s] ([N s]).
         lost: Energy that these take, (holds,) [J].
         works: Work of the prescribed motions, (motions,) [J].
+        met: Whether all rows that hold have their rates.
     """
 
     velocity: Array
@@ -80,6 +83,7 @@ class Pushed(NamedTuple):
     holds: Array
     lost: Array
     works: Array
+    met: bool
 
 
 def impulse(
@@ -138,7 +142,7 @@ def push_apart(
     for (k, found), force in zip(some, forces[end:], strict=True):
         # Of stops that share a push not in one way only, the least one may pull: then theirs as found.
         sizes[k] = force if np.all(forces[end:] >= 0.0) else found
-    velocity = v + change
+    velocity, size = v + change, float(np.abs(lacks).max(initial=0.0))
     work = 0.5 * forces[:end] * np.array([row @ (velocity + v) for row in rows])
     return Pushed(
         velocity=velocity,
@@ -146,7 +150,8 @@ def push_apart(
         rates=np.array([row @ velocity for row in own]),
         holds=forces[end - held : end] * _lengths(workspace, held),
         lost=-work[end - held : end],
-        works=work[: len(workspace.system.plan.motions) if workspace.system.plan else 0],
+        works=work[: len(workspace.system.motions)],
+        met=all(abs(row @ change - lack) <= _MET * size for row, lack in zip(rows, lacks, strict=True)),
     )
 
 

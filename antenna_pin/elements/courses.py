@@ -41,7 +41,7 @@ class Constant(Reference):
 class Ramp(Reference):
     """A value that grows at a rate, from a time on, for ever or for a while.
 
-    Its rate jumps: a motion cannot follow it from ``start`` on, unless the run begins there.
+    Its rate jumps where it starts and ends: an impulse of a motion that follows it.
 
     Attributes:
         begin: Value before it [rad] ([m]).

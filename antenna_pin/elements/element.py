@@ -129,6 +129,11 @@ class ForceElement:
         return math.inf
 
     @property
+    def edges(self) -> tuple[float, ...]:
+        """Times at which it changes by itself, later than zero [s]."""
+        return ()
+
+    @property
     def has_kinks(self) -> bool:
         """Whether its effort has kinks, where its kernel ``kink`` is zero: steps end there."""
         return False

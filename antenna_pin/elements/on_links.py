@@ -55,11 +55,6 @@ class OnLinks(ForceElement):
         """The joints that it sees and acts at."""
         return ()
 
-    @property
-    def edges(self) -> tuple[float, ...]:
-        """Times at which it changes by itself (:meth:`from_now_on`), later than zero [s]."""
-        return ()
-
     def from_now_on(self, t: float) -> dict[str, float]:
         """Return its numbers that change by themselves, as they are from a time on [s]."""
         return {}

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
 from antenna_pin.elements.course import Course, Swing
 from antenna_pin.elements.element import GROSS_WORK, WORK, Element, Integral
 from antenna_pin.elements.reference import Reference
+from antenna_pin.elements.term_jumps import TermJump, jumps
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import check, parameter
 from antenna_pin.readable import GIVEN, number
@@ -58,6 +59,10 @@ class PrescribedMotion(Course, Motion):
             such part, or it is given as numbers.
         time: Of the table, strictly increasing, at least two [s]. A run must lie within them.
         positions: Of the table, joined by cubics of continuous second derivative [rad] ([m]).
+        rate_jumps: What a jump of the rate is, by the reference or by a number that is set: an ``impulse`` of
+            the motion, whose work is the drive's, or ``refused``. A jump of the position is always refused.
+        offset: By how much events that set the rate have moved phi_0, so that the motion goes on from where
+            it is [rad] ([m]).
     """
 
     kernels: ClassVar[str] = "motion_kernels"
@@ -75,6 +80,8 @@ class PrescribedMotion(Course, Motion):
     file: str | None = None
     time: tuple[float, ...] | None = parameter("s", sizes=(0,), default=None, repr=False)
     positions: tuple[float, ...] | None = parameter("rad", sliding="m", sizes=(0,), default=None, repr=False)
+    rate_jumps: Literal["impulse", "refused"] = "impulse"
+    offset: float = field(default=0.0, repr=False)
 
     def __post_init__(self) -> None:
         """Check the parts."""
@@ -83,11 +90,27 @@ class PrescribedMotion(Course, Motion):
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
-        return {"powers": len(self.coefficients), **Course.values(self)}
+        course = Course.values(self)
+        return {"powers": len(self.coefficients), **course, "position": self.position + self.offset}
 
     def tail(self) -> tuple[float, ...]:
         """Return the polynomial's coefficients, and the terms of what it follows and of the table."""
         return (*self.coefficients, *Course.tail(self))
+
+    @property
+    def jumps(self) -> tuple[TermJump, ...]:
+        """Jumps of what it follows, in the order of time."""
+        return () if self.follows is None else jumps(self.follows.terms())
+
+    @property
+    def edges(self) -> tuple[float, ...]:
+        """Times at which its rate jumps, later than zero [s]."""
+        return tuple(sorted({one.time for one in self.jumps if one.time > 0.0}))
+
+    @classmethod
+    def own_keys(cls) -> tuple[str, ...]:
+        """Return the field that events write."""
+        return ("offset",)
 
     def words(self, slides: bool) -> str:
         """Return what it is in words."""

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.elements.own_load import NUMBERS_OF_LOAD, check_load, check_unloaded, numbers_of_load
+from antenna_pin.elements.sticking_friction_kernels import STANDS
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
@@ -34,7 +35,9 @@ class StickingFriction(ModalElement):
 
     and while it sticks it is held by a constraint, up to :math:`T_s`. It sticks where its rate passes zero
     and no more than that is needed; without a Stribeck rate g is zero as soon as it slips. Joints that rest
-    together are decided together.
+    together are decided together. At a joint whose rate motions prescribe it slips by the sign of that rate;
+    while such a joint stands no equation tells its torque, and it stays that of the way it came (none before
+    it has moved).
 
     Under load :math:`T_c = T_{c0} + \mu N` and :math:`T_s = T_{s0} + \mu_s N`, with N of the force F and the
     moment M that the joint carries now, in the middle of its bearing, friction included:
@@ -67,7 +70,7 @@ class StickingFriction(ModalElement):
     modes: ClassVar[tuple[str, ...]] = _MODES
     switches: ClassVar[int] = 2
     loaded: ClassVar[tuple[int, ...]] = (1,)
-    remembers: ClassVar[tuple[str, ...]] = ("where",)
+    remembers: ClassVar[tuple[str, ...]] = ("where", "prescribed")
     goes_by: ClassVar[Mapping[str, Remembered]] = {"where": "way"}
     goes_by_in: ClassVar[tuple[int, ...]] = (_STUCK,)
     holds: ClassVar[bool] = True
@@ -87,6 +90,7 @@ class StickingFriction(ModalElement):
     middle: float | None = parameter("m", default=None)
     on: bool = True
     where: float = field(default=0.0, repr=False)
+    prescribed: float = field(default=0.0, repr=False)
 
     def __post_init__(self) -> None:
         """Check the parameters together."""
@@ -114,6 +118,7 @@ class StickingFriction(ModalElement):
         return {
             "mode": self.mode,
             "where": self.where,
+            "prescribed": self.prescribed,
             "coulomb": self.coulomb,
             "static": static,
             "viscous": self.viscous,
@@ -140,6 +145,18 @@ class StickingFriction(ModalElement):
     def slips(self, direction: float) -> Change:
         """Return the change by which it slips one way."""
         return Change(_FORWARD if direction > 0.0 else _BACKWARD)
+
+    def follows(self, met: Met) -> Change:
+        """Return the change at a joint whose rate is prescribed: one that stands keeps its last way."""
+        if abs(met.rate) > 0.5 * STANDS:  # its functions pass at STANDS, by round-off less
+            mode = self.slips(met.rate).mode
+        else:
+            mode = self.mode if self.mode in (_FORWARD, _BACKWARD) else _UNDECIDED
+        return Change(mode, memory={"prescribed": 1.0})
+
+    def is_free(self) -> Change:
+        """Return the change once the joint's rate is prescribed no more."""
+        return Change(self.mode, memory={"prescribed": 0.0})
 
     def change_said(self, before: int) -> str:
         """Return what is recorded: that it sticks, or slips, having done something else."""

@@ -12,12 +12,13 @@ from typing import Any
 from antenna_pin._compile import inlined, record
 from antenna_pin.records import layout, words_of
 
-#: The mode, where it sticks; friction of slipping and up to which it sticks, viscous friction, Stribeck's
-#: curve; the same by the load; by what radial force, axial force and moment make this, the bearing's middle;
-#: and the load at the last evaluation.
+#: The mode, where it sticks, whether motions prescribe the joint's rate; friction of slipping and up to which
+#: it sticks, viscous friction, Stribeck's curve; the same by the load; by what radial force, axial force and
+#: moment make this, the bearing's middle; and the load at the last evaluation.
 LAYOUT = layout(
     ("mode", "i8"),
     ("where", "f8"),
+    ("prescribed", "f8"),
     ("coulomb", "f8"),
     ("static", "f8"),
     ("viscous", "f8"),
@@ -41,6 +42,10 @@ BACKWARD = 2
 STUCK = 3
 PUSHED = 4
 PULLED = 5
+
+#: Rate up to which a joint stands whose rate is prescribed: above the round-off of rates that rows hold
+#: [rad/s] ([m/s]).
+STANDS = 1e-10
 
 
 @inlined
@@ -97,10 +102,18 @@ def grip(words: Any, at: int) -> float:
 
 @inlined
 def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
-    """Rate in the direction of slipping; what is left of the grip while it sticks."""
+    """Rate in the direction of slipping; what is left of the grip while it sticks.
+
+    Where the rate is prescribed the function passes zero once the joint moves the other way: round-off of a
+    joint that stands changes nothing.
+    """
     law = record(words[at : at + SIZE], LAYOUT)
     _, _, rate, load = motion
     if k == 0:
+        if law.prescribed != 0.0:
+            if law.mode == UNDECIDED:
+                return float(STANDS - abs(rate)), 0.0
+            return float(_direction(law.mode) * rate + STANDS), 0.0
         if law.mode == FORWARD:
             return float(rate), 0.0
         if law.mode == UNDECIDED:

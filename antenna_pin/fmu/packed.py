@@ -116,11 +116,19 @@ def place_of(session: Session, name: str) -> str:
 
     Raises:
         UnknownNameError: Neither is of that name.
+        InvalidParameterError: It is a motion's position, which would jump at each step.
     """
     if name in session.command:
         return session.command.place(name)
     if name not in session.settable:
         raise UnknownNameError("fmu", "input", name, [*session.command, *session.settable])
+    element, _, key = name.rpartition(".")
+    if key == "position" and any(element == f"drives.{one.name}" for one in session.system.motions):
+        rule = (
+            "left out: an input is held over a step, and a motion's position cannot jump; take "
+            f"{element}.rate, with which the motion goes on from where it is, or a pd drive"
+        )
+        raise InvalidParameterError("fmu", name, rule, said="a motion's position")
     return name
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -17,6 +17,8 @@ __all__ = ["ALL", "joint_limits", "with_urdf_limits"]
 #: Name of the table that stands for a stop at each joint with limits that has no stop of its own.
 ALL = "*"
 _SIDES = ("lower", "upper")
+# Kinds of drives that prescribe their joint's motion.
+_MOTIONS = ("motion", "distance")
 _UNITS = {"revolute": "rad", "prismatic": "m"}
 
 
@@ -56,7 +58,8 @@ def with_urdf_limits(data: Mapping[str, Any]) -> Any:
 
     A stop with neither ``lower`` nor ``upper`` gets both from the ``<limit>`` of its joint, as
     ``mechanism.joints`` changes it; the table ``[stops."*"]`` becomes a stop at each joint with limits that
-    has none, and ``stops = true`` rigid stops there, of restitution 0.
+    has none, and ``stops = true`` rigid stops there, of restitution 0; rigid ones at no joint that a motion
+    moves, itself or by couplings.
 
     Args:
         data: All of the scenario, not yet validated.
@@ -76,7 +79,7 @@ def with_urdf_limits(data: Mapping[str, Any]) -> Any:
     done: dict[str, Any] = {}
     for name, table in stops.items():
         if name == ALL:
-            done |= _everywhere(stops, limits)
+            done |= _everywhere(stops, limits, _moved(data))
         elif name in open_:
             done[name] = {**table, **limits.get(str(table.get("joint", name)), {})}
         else:
@@ -98,8 +101,27 @@ def _changed(data: Mapping[str, Any]) -> dict[str, dict[str, float]]:
     return found
 
 
-def _everywhere(stops: Mapping[str, Any], limits: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
-    """Return the stops that the table for all joints stands for."""
+def _moved(data: Mapping[str, Any]) -> set[str]:
+    """Return the joints that motions move, their own or those of the joints that they are coupled to."""
+    found = {
+        str(drive.get("joint", name))
+        for name, one in tables(data.get("drives")).items()
+        if (drive := tables(one)).get("kind") in _MOTIONS
+    }
+    couplings = [(name, tables(one)) for name, one in tables(data.get("couplings")).items()]
+    for _ in couplings:  # each may follow one that follows another
+        found |= {
+            str(coupling.get("follower", name))
+            for name, coupling in couplings
+            if coupling.get("leader") in found and coupling.get("second", coupling["leader"]) in found
+        }
+    return found
+
+
+def _everywhere(
+    stops: Mapping[str, Any], limits: Mapping[str, Mapping[str, float]], moved: Set[str]
+) -> dict[str, Any]:
+    """Return the stops that the table for all joints stands for, rigid ones not at joints that are moved."""
     table = stops[ALL]
     if not isinstance(table, Mapping):
         refuse("must be a table", "stops", ALL, value=table)
@@ -111,4 +133,5 @@ def _everywhere(stops: Mapping[str, Any], limits: Mapping[str, Mapping[str, floa
     if not limits:
         refuse("must stand for a joint, but none of the URDF has a <limit>", "stops", ALL)
     taken = {str(tables(one).get("joint", name)) for name, one in stops.items() if name != ALL} | stops.keys()
+    taken |= moved if table.get("kind") == "rigid" else set()
     return {joint: {**table, **own} for joint, own in limits.items() if joint not in taken}

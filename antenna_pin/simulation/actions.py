@@ -8,18 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Adjustments, Workspace, audit
+from antenna_pin.dynamics import Adjustments, NotFollowedError, Workspace, audit, check_restraint
 from antenna_pin.elements import OnLinks
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
+from antenna_pin.simulation.due import ZERO
+from antenna_pin.simulation.ending import RefusedError
 from antenna_pin.simulation.events import Event, Jump, Set, Stop
-from antenna_pin.simulation.modes import ZERO, Modes
+from antenna_pin.simulation.modes import Modes
+from antenna_pin.simulation.motions import Motions
 from antenna_pin.simulation.now import Sight
 from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 from antenna_pin.simulation.passages import Passage, passages_of
 from antenna_pin.simulation.samples import Samples
-from antenna_pin.simulation.sticking import RefusedError
 from antenna_pin.simulation.watch import Crossing, Watch
 
 __all__ = ["Actions", "Happening"]
@@ -57,6 +59,7 @@ class Actions:
         happened: Events that have happened, in their order.
         adjustments: Elements as they are.
         modes: Those that have modes.
+        motions: Those that prescribe motions.
         passages: What has happened at each instant, for who takes it from there; None if nobody does.
     """
 
@@ -79,6 +82,7 @@ class Actions:
         self.happened: list[Happening] = []
         self.adjustments = Adjustments(workspace.system, workspace.program)
         self.modes = Modes(workspace, self.adjustments)
+        self.motions = Motions(workspace, self.adjustments)
         self.passages: list[Passage] | None = None
 
     def take(self, crossings: Sequence[Crossing]) -> str | None:
@@ -99,7 +103,7 @@ class Actions:
             if isinstance(event.action, Switch):
                 switches.append(event)
             elif isinstance(event.action, Edge):
-                self._edge(event.action)
+                changes = self._edge(event.action) or changes
             else:
                 changes = self._happen(event, count) or changes
                 if isinstance(event.action, Stop) and count >= event.after and self._counts:
@@ -118,12 +122,19 @@ class Actions:
         """Whether an event of the user's is recorded now: what is set at zero holds from the start."""
         return self._is_new and self._stepper.t > 0.0
 
-    def _edge(self, action: Edge) -> None:
-        self._change(action.place)
-        self._renew()
+    def _edge(self, action: Edge) -> bool:
+        """Let an element change by itself; return whether velocities may have jumped."""
+        drives = self.motions.is_one(action.place)
+        if drives:
+            self.motions.renew(self._stepper.t)
+            self._drive()
+        else:
+            self._change(action.place)
+            self._renew()
         self._stepper.refresh()
         self._watch.renew()
         self._samples.add(self._stepper.t, self._here.copy())
+        return drives
 
     def _happen(self, event: Event, count: int) -> bool:
         """Let an event of the user's happen; return whether it changes anything."""
@@ -165,19 +176,49 @@ class Actions:
             kept = self.adjustments.kept()
             element, _, key = action.place.rpartition(".")
             try:
-                self.adjustments.set(action.place, action.value)
+                for place, value in self._set_by(action).items():
+                    self.adjustments.set(place, value)
                 self.modes.arm(element, key, self._stepper.t, self._here)
             except InvalidParameterError:
                 self.adjustments.go_back(kept)
                 raise
             finally:
                 self._renew()
+            if self.motions.is_one(element):
+                energy -= self._drive()
         else:
             self._jump(name, action)
         energy += self._energy()
         self._stepper.refresh()
         self._watch.renew()
         return energy
+
+    def _set_by(self, action: Set) -> Mapping[str, float]:
+        """Return what is to be set, by place, for a motion to continue from where it is.
+
+        Raises:
+            InvalidParameterError: A motion would jump.
+            NotFollowedError: A joint would be held where motions move it.
+        """
+        element, _, key = action.place.rpartition(".")
+        if self.motions.is_one(element):
+            return self.motions.goes_on(action.place, action.value, self._stepper.t)
+        if key == "on" and action.value:
+            held = self._workspace, self.adjustments, self._stepper.t, self._here, element
+            check_restraint(*held, [one.name for one in self._workspace.system.holds])
+        return {action.place: action.value}
+
+    def _drive(self) -> float:
+        """Give all the rates that motions have from now on; return their work [J]."""
+        if self.passages is not None:
+            raise NotFollowedError(
+                "a motion's rate jumps, through which no derivatives are carried; take a smooth course, or "
+                "differences of runs"
+            )
+        work = self.modes.drive(self._stepper.t, self._here)
+        self._renew()
+        self._control.spin = self._workspace.system.turn_on(self._stepper.start)
+        return work
 
     def look_by(self, watch: Watch) -> None:
         """Do from now on what the events of another watch ask for."""
@@ -237,7 +278,8 @@ class Actions:
 
     def _renew(self) -> None:
         self._control.renew(self.adjustments.elements.values())
-        self._samples.program = self._workspace.program.copy()
+        self.motions.renew(self._stepper.t)
+        self._samples.program = self.motions.whole()
 
     def set(self, place: str, value: float) -> None:
         """Change a number of a drive or a spring."""

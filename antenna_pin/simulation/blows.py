@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import layout_kernels
 from antenna_pin.dynamics import Adjustments, Push, Workspace, apart, kernels, push_apart
 from antenna_pin.dynamics.acting import Acting
-from antenna_pin.elements import LOSS, Change, Met, Modal, StickingFriction
+from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Change, Met, Modal, Motion, StickingFriction
+from antenna_pin.errors import MechanismError
 from antenna_pin.simulation.own_actions import STILL
 from antenna_pin.simulation.passages import Struck
 
@@ -68,15 +68,19 @@ class Blows:
             for place, one in acting.items()
         }
         self._slots = {place: int(heads[place]["v"]) for place in acting}
-        plan = workspace.system.plan
-        self._works: list[int] = []
-        if plan is not None:
-            driven = plan.words[plan.parts.motions].view(layout_kernels.DRIVEN)
-            self._works = [at + int(x) for x in driven["x"]]
+        #: Of each motion of the plan where its work and its gross work stand in a state.
+        self._works = [
+            [at + one.x + Motion.integrals.index(which) for which in (WORK, GROSS_WORK)]
+            for one in workspace.system.motions
+        ]
 
     def taken(self, y: Array) -> float:
         """Return what these elements have lost so far, but for works of motions [J]."""
-        return float(sum(y[k] for k in self.losses.values()) - sum(y[k] for k in self._works))
+        return float(sum(y[k] for k in self.losses.values()) - self.worked(y))
+
+    def worked(self, y: Array) -> float:
+        """Return the work of motions so far [J]."""
+        return float(sum(y[k] for k, _ in self._works))
 
     def _element(self, place: str) -> Modal:
         element = self._adjustments.elements[place]
@@ -114,7 +118,14 @@ class Blows:
         found = push_apart(self._workspace, t, y, pushes, free)
         nq, nv = self._workspace.model.nq, self._workspace.model.nv
         y[nq : nq + nv] = found.velocity
-        y[self._works] += found.works
+        if not found.met:
+            raise MechanismError(
+                "impulse: motions, closures, couplings and locks ask for rates that exclude each other; "
+                "take one of them away"
+            )
+        for (work, gross), done in zip(self._works, found.works.tolist(), strict=True):
+            y[work] += done
+            y[gross] += abs(done)
         results, struck = {}, []
         sizes = dict(zip(ways, found.pushes, strict=False))
         rates = dict(zip((*ways, *resting), found.rates, strict=True))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
 from antenna_pin.engine.watch_kernels import CHECK_POINT, FIRST_POINT, SECOND_POINT, THIRD_POINT
 from antenna_pin.roots import least_between
+from antenna_pin.simulation.crossing import Looks
 
 __all__ = ["with_dips"]
 
@@ -15,20 +16,22 @@ __all__ = ["with_dips"]
 _OFF, _MOST = 0.01, 512
 
 
-def with_dips(f: Callable[[float], float], looks: Sequence[float]) -> tuple[list[float], list[float]]:
-    """Return fractions of a step, ascending, at which a function tells where it is least, and its values.
+def with_dips(f: Callable[[float], float], look: Looks) -> Looks:
+    """Return a function whose rate is not known at as many points of a step as show where it is least.
 
     Points are doubled until a cubic spline through them foretells those between; then each least value among
     them is located.
 
     Args:
         f: Of a fraction of the step.
-        looks: Values known, at the step's beginning first and at its end last.
+        look: At points that are known, the step's ends among them.
     """
     from scipy.interpolate import CubicSpline
 
+    if max(look.values) == min(look.values):
+        return look
     thetas = np.array([0.0, FIRST_POINT, SECOND_POINT, CHECK_POINT, THIRD_POINT, 1.0])
-    values = np.array([looks[0], *map(f, thetas[1:-1].tolist()), looks[-1]])
+    values = np.array([look.values[0], *map(f, thetas[1:-1].tolist()), look.values[-1]])
     while len(thetas) < _MOST:
         between = 0.5 * (thetas[1:] + thetas[:-1])
         found = np.array([f(theta) for theta in between.tolist()])
@@ -44,4 +47,4 @@ def with_dips(f: Callable[[float], float], looks: Sequence[float]) -> tuple[list
         if value < values[i]:
             at = int(np.searchsorted(thetas, low))
             thetas, values = np.insert(thetas, at, low), np.insert(values, at, value)
-    return thetas.tolist(), values.tolist()
+    return Looks(thetas.tolist(), values.tolist(), [0.0] * len(thetas))

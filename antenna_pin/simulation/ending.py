@@ -3,12 +3,35 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, ClassVar
 
+from antenna_pin.dynamics import acting_in
 from antenna_pin.engine import loop_kernels as kernels
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["message_of", "no_step", "too_deep"]
+__all__ = ["NeverSettlesError", "RefusedError", "message_of", "no_step", "too_deep", "undetermined"]
+
+
+class NeverSettlesError(Exception):
+    """Changes of mode at one instant would never end; of which element."""
+
+    outcome: ClassVar[Outcome] = Outcome.NO_PROGRESS
+
+    @property
+    def seen(self) -> str:
+        """Return the reason as part of a message."""
+        return f", {self} comes to no mode in which it stays"
+
+
+class RefusedError(NeverSettlesError):
+    """Setting of an element that the position of its joint forbids; the reason."""
+
+    outcome: ClassVar[Outcome] = Outcome.REFUSED
+
+    @property
+    def seen(self) -> str:
+        """Return the reason as part of a message."""
+        return f", {self}"
 
 
 def no_step(run: Any, reason: int) -> tuple[Outcome, str]:
@@ -34,6 +57,21 @@ def too_deep(run: Any) -> tuple[Outcome, str]:
     c = run.steps.contact
     of_joint = run.search.reasons[c] == "maximum_depth"
     return (Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE), f", {run.search.words(c)}"
+
+
+def undetermined(run: Any) -> str:
+    """Return of which frictions the torque is not determined while their joint stands; "" if of none."""
+    names = [
+        one.label
+        for one in acting_in(run.system)
+        if getattr(run.actions.adjustments.elements[one.place], "prescribed", False)
+    ]
+    if not names:
+        return ""
+    return (
+        f"; {', '.join(names)}: the joint is held to a motion, and while it stands the torque of friction is "
+        "not determined: recorded is that of the way it came"
+    )
 
 
 def message_of(run: Any, outcome: Outcome, what: str) -> tuple[Outcome, str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from antenna_pin.dynamics import System, Workspace, acting_in, check_begins, first_modes
+from antenna_pin.dynamics import System, Workspace, acting_in, check_begins, check_restraints, first_modes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints.pose_kernels import place_journal
@@ -33,6 +33,7 @@ def check_start(system: System, y: np.ndarray) -> None:
     system.mechanism.check_pose(y[: system.model.nq], "initial pose")
     first_modes(system, y)
     check_begins(system, y)
+    check_restraints(system, y)
     table = np.zeros(system.rows, CONTACT)
     Workspace(system).locate(y, table)
     for joint in system.clearances:

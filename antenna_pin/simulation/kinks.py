@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from antenna_pin.dynamics import System, acting_in
-from antenna_pin.elements import OnLinks
 from antenna_pin.simulation.events import Angle, Event, Rate, Stop, Time
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.own_actions import Edge, Kink
@@ -62,11 +61,11 @@ def ends_of(system: System) -> tuple[Event, ...]:
 
 
 def edges_of(system: System) -> tuple[Event, ...]:
-    """Return the events at which elements change by themselves: where pulses begin and end."""
+    """Return the events at which elements change by themselves: pulses begin and end, motions jump."""
     return tuple(
         Event(name=f"{one.label} changes", when=Time(*edges), action=Edge(one.place))
         for one in acting_in(system)
-        if isinstance(one.element, OnLinks) and (edges := one.element.edges)
+        if (edges := one.element.edges)
     )
 
 

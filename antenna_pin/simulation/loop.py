@@ -22,11 +22,12 @@ from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics.workspace import ON_SURFACE
 from antenna_pin.engine import change_kernels
 from antenna_pin.engine import loop_kernels as kernels
+from antenna_pin.errors import MechanismError
 from antenna_pin.integrate import method_named
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.ending import message_of, no_step, too_deep
+from antenna_pin.simulation.ending import NeverSettlesError, message_of, no_step, too_deep, undetermined
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.events import Event, Set
 from antenna_pin.simulation.oversight import Oversight
@@ -36,7 +37,6 @@ from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.search import ContactSearch
 from antenna_pin.simulation.singular import Singularities
 from antenna_pin.simulation.standing import state_of, take_up
-from antenna_pin.simulation.sticking import NeverSettlesError
 from antenna_pin.simulation.stretches import Parts, Stretches, stepper_of
 from antenna_pin.simulation.switches import own_events
 from antenna_pin.simulation.ticks import Ticks
@@ -223,7 +223,7 @@ class Run:
         self.samples.finish(self.stepper.t, self.here.copy())
         if self.singular is not None:
             self.message += self.singular.words()
-        self.message += self.oversight.words(self.outcome)
+        self.message += undetermined(self) + self.oversight.words(self.outcome)
 
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""
@@ -336,11 +336,13 @@ class Run:
 
     @contextmanager
     def _settling(self) -> Iterator[None]:
-        """End the run where modes of elements come to no end."""
+        """End the run where modes of elements come to no end, or a motion cannot be followed."""
         try:
             yield
         except NeverSettlesError as error:
             self._stop(error.outcome, error.seen)
+        except MechanismError as error:
+            self._stop(Outcome.REFUSED, f", {error}")
 
     def _stop(self, outcome: Outcome | None, what: str = "") -> bool:
         """End the run for a reason; return whether there is none."""

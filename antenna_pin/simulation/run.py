@@ -37,6 +37,7 @@ from antenna_pin.simulation.first import check_lengths, check_sizes, check_spans
 from antenna_pin.simulation.from_scenario import as_run, both, controllers_of, events_of, settings_of
 from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.motions import check_sets
 from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.samples import check_room
 from antenna_pin.state import State
@@ -154,6 +155,8 @@ def prepared(
     if span is not None:
         check_motions(system, y, here, begin + span)
     check_events(events, system, y)
+    if start is None:  # else numbers may be others by now: the run itself tells
+        check_sets(events, system, y)
     check_controllers(controllers, system)
     return Ready(system, scenario, used, tuple(events), controllers, begin, span, first)
 
@@ -267,6 +270,7 @@ def check_scenario(scenario: Scenario) -> None:
     check_lengths(system, y)
     check_motions(system, y, 0.0, span)
     check_events(events_of(scenario), system, y)
+    check_sets(events_of(scenario), system, y)
     check_controllers(controllers_of(scenario), system)
     if used.engine == "compiled":
         check_compiled(system)

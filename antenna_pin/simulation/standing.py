@@ -38,6 +38,7 @@ def take_up(run: Any, state: State) -> None:
         if run.actions.adjustments.values.get(place) != value:
             run.actions.set(place, value)
     run.stepper.restart(state.time, state.y)
+    run.actions.motions.renew(state.time)
     run.control.spin = run.system.turn_on(run.stepper.start)
     run.control.sizes.take_up(state.sizes)
     run.search.ignore[:] = state.changed

@@ -16,6 +16,9 @@ a joint begins to slip. As all are turned over together, nothing hangs on their 
 alike. Where friction falls at once there may be several solutions, or none: then turning over may not end,
 and that is said.
 
+A joint whose rate motions prescribe, its own or that of others by couplings and loops, does not stick:
+its friction slips by the sign of that rate, and stays as it was while the joint stands.
+
 A joint that others hold at rest, as in a closed loop with more sticking joints than it has freedoms, has all
 its friction pushing once its row has carried that much, and stays; so all must be overcome before one moves.
 Of a joint that sticks and stands at its stop either may carry the load: the motion is unique, not the share.
@@ -29,23 +32,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import Adjustments, Workspace, impulse, kernels
+from antenna_pin.dynamics import Adjustments, Workspace, impulse, kernels, prescribing
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import Change, Met, RigidStop, StickingFriction, kind_of
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.elements.rigid_stop import LOADED
 from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK, UNDECIDED
+from antenna_pin.simulation.ending import NeverSettlesError
 from antenna_pin.simulation.own_actions import Switch
-from antenna_pin.trajectory import Outcome
 
-__all__ = ["NeverSettlesError", "RefusedError", "Settling", "Shift"]
+__all__ = ["Settling", "Shift"]
 
 Array = NDArray[np.float64]
 
@@ -62,28 +65,6 @@ _PATIENCE = 4
 _LOCATED = 1e-9
 # Of what a joint would yield to a torque alone: what round-off leaves of that where others hold it.
 _HELD = 1e-9
-
-
-class NeverSettlesError(Exception):
-    """Changes of mode at one instant would never end; of which element."""
-
-    outcome: ClassVar[Outcome] = Outcome.NO_PROGRESS
-
-    @property
-    def seen(self) -> str:
-        """Return the reason as part of a message."""
-        return f", {self} comes to no mode in which it stays"
-
-
-class RefusedError(NeverSettlesError):
-    """Setting of an element that the position of its joint forbids; the reason."""
-
-    outcome: ClassVar[Outcome] = Outcome.REFUSED
-
-    @property
-    def seen(self) -> str:
-        """Return the reason as part of a message."""
-        return f", {self}"
 
 
 class Shift(NamedTuple):
@@ -111,6 +92,7 @@ class Settling:
         self._acting = {place: acting[place] for place in (*self._dry, *self._stops)}
         names = [one.name for one in workspace.system.holds]
         self._hold = {place: names.index(place) for place in self._acting}
+        self._others = [place for place in names if place not in self._acting]
         self._slot = {
             place: workspace.system.mechanism.joint(str(one.element.acts_at)).v.start
             for place, one in self._acting.items()
@@ -163,6 +145,12 @@ class Settling:
         resting = []
         for place, one in met.items():
             element = self._element(place)
+            if prescribing(self._workspace, self._adjustments, t, y, self._slot[place], self._others):
+                self._turn(place, element.follows(one))
+                continue
+            if element.prescribed:
+                self._turn(place, element.is_free())
+                element = self._element(place)
             comes = place in comes_to_rest and element.mode != UNDECIDED  # else it was switched on
             if comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
                 resting.append(place)
@@ -182,7 +170,7 @@ class Settling:
             if self._stop_of(place).mode != FREE:
                 self._turn(place, self._stop_of(place).lets_go())
         self._stop(t, y, resting)
-        for place in let_go:
+        for place in let_go.intersection(resting):
             self._push(place, t, y)
         if resting or sides:
             self._agree(t, y, resting, sides, met, let_go | self._gone)

@@ -194,8 +194,9 @@ class Watch:
         for nodes in dict.fromkeys(self.events[k].nodes for k in self._functions):
             self._look(nodes, looks)
         for k in self._functions:
-            if isinstance(self.events[k].action, Switch) and not any(looks[k].rates):
-                looks[k] = self._closely(k, looks[k])
+            look = looks[k]
+            if isinstance(self.events[k].action, Switch) and not any(look.rates):
+                looks[k] = with_dips(lambda theta, k=k: self._whens[k](self._at(theta)), look)  # type: ignore[misc]
         brackets = [bracket for k in self._functions if (bracket := self._bracket(k, looks[k])) is not None]
         brackets.sort(key=lambda bracket: bracket.guess)
         found: list[Crossing] = []
@@ -241,13 +242,6 @@ class Watch:
                     look.thetas.append(i / nodes)
                     look.values.append(self._whens[k](moment))
                 look.rates.append(0.0 if rated is None else rated(moment))
-
-    def _closely(self, k: int, look: Looks) -> Looks:
-        """Return a function whose rate is not known at as many points as show where it is least."""
-        if max(look.values) == min(look.values):
-            return look
-        thetas, values = with_dips(lambda theta: self._whens[k](self._at(theta)), look.values)
-        return Looks(thetas, values, [0.0] * len(thetas))
 
     def _bracket(self, k: int, look: Looks) -> Bracket | None:
         """Return where in the trial step an event's function passes zero first; None if nowhere."""

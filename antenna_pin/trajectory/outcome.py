@@ -41,7 +41,10 @@ class Outcome(Enum):
         "the loops cannot be closed from here on, in a singular position or out of reach; change motions or "
         "dimensions"
     )
-    REFUSED = "what an event sets cannot be where the run is then; what was computed before is kept"
+    REFUSED = (
+        "what an event sets, or a motion asks for, cannot be where the run is then; what was computed before "
+        "is kept"
+    )
     OUT_OF_LAW_RANGE = (
         "a contact left the range of its law; choose a law that reaches deeper, or lower the load"
     )

@@ -183,6 +183,17 @@ def test_what_goes_wrong_is_told_in_the_log(unit):
     assert any("currentCommunicationPoint must be 0.001 s" in line for line in again.said)
 
 
+def test_the_position_of_a_motion_is_no_input(tmp_path):
+    """It would jump from one step to the next; the line names the rate in its place."""
+    moved = antenna("drives.elevation={kind='motion', rate=0.1, replace=true}", case="ideal")
+    given = {"outputs": ["elevation.angle"]}
+    with pytest.raises(
+        AntennaPinError, match=r"fmu: drives\.elevation\.position .* take drives\.elevation\.rate"
+    ):
+        export_fmu(moved, tmp_path / "a.fmu", inputs=["drives.elevation.position"], **given)
+    assert export_fmu(moved, tmp_path / "b.fmu", inputs=["drives.elevation.rate"], **given).exists()
+
+
 def test_its_description(scenario, unit):
     description, _, path = unit
     assert description.fmiVersion == "3.0" and description.coSimulation.canGetAndSetFMUstate

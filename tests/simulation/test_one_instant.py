@@ -181,7 +181,7 @@ def test_stops_of_different_restitution_on_a_free_base() -> None:
     }
     made = wheels("free", ("a", "b"), (1, 1), elements={"stops": stops})
     run = run_of(made, [-1.0, -1.0], [1.0, 1.0], duration=1.5)
-    # The base, with the wheels' masses on it, keeps the momentum of both wheels: J w + 0.5 (w + u_k) = 1 in all.
+    # The base, with the wheels' masses on it, keeps the momentum: J w + sum of 0.5 (w + u_k) = 1.
     base = 1.0 + 2 * 2 * 0.2**2
     w0, u = 0.0, np.array([-1.0, -0.2])
     w = (w0 * (base + 1.0) + 0.5 * 2.0 - 0.5 * u.sum()) / (base + 1.0)

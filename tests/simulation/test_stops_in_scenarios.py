@@ -101,6 +101,14 @@ def test_true_stands_for_rigid_stops_at_the_limits_of_the_urdf(tmp_path):
         load_scenario(plain, overrides=["stops=yes"])
 
 
+def test_stops_everywhere_leave_out_joints_that_motions_move(tmp_path):
+    """A rigid stop there holds what is held already; one that gives way may stand there."""
+    moved = f'{SLIDER}[drives.slide]\nkind = "motion"\nrate = "0.1 m/s"\n'
+    assert load_scenario(written(tmp_path, f"stops = true\n{moved}")).stops == {}
+    law = '[stops."*"]\nstiffness = "1e5 N/m"\nrestitution = 0.5\n'
+    assert list(load_scenario(written(tmp_path, moved + law)).stops) == ["slide"]
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [
