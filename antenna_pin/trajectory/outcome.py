@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-__all__ = ["ENDED_WELL", "Counts", "Outcome"]
+__all__ = ["ENDED_WELL", "REACHED_END", "Counts", "Outcome"]
 
 
 class Outcome(Enum):
@@ -49,6 +49,12 @@ class Outcome(Enum):
         "longer describe it; stiffen the law, lower the load or raise maximum_depth"
     )
 
+    LEDGER_OPEN = (
+        "the run reached its end, but energy or momentum came from nowhere, or went there; look for a motion "
+        "that jumps, an element or function that misstates its energy, tighten integrator.rtol, or give "
+        "integrator.ledger_tolerance the error that is expected"
+    )
+
     @property
     def may_go_on(self) -> bool:
         """Whether the run was stopped on its way, and its checkpoint is kept to go on from."""
@@ -76,5 +82,7 @@ class Counts:
     compile_seconds: float = 0.0
 
 
-#: Those of a run that came to its end: every number of its result is one.
+#: Those of a run that came to its end, and whose numbers can be relied on.
 ENDED_WELL = (Outcome.COMPLETED, Outcome.STOPPED)
+#: Those of a run that came to its end: every number of its result is one.
+REACHED_END = (*ENDED_WELL, Outcome.LEDGER_OPEN)
