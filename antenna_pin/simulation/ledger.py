@@ -295,6 +295,6 @@ class Audit:
         by = "integrator.ledger_tolerance allows" if settings.ledger_tolerance else "integrator.rtol explains"
         said = events_between(self._run, first.before, first.time)
         movers = [self._names[k] for k in first.movers if k >= 0]
-        moved = f", most changed {' and '.join(movers)}" if movers else ""
+        moved = f"; changed most: {', '.join(movers)}" if movers else ""
         since = "" if math.isnan(first.before) else f" since {first.before:.9g} s"
         return Opening(first.time, f"{text}, where {by} {bound}; happened{since}: {said}{moved}")

@@ -29,7 +29,7 @@ from antenna_pin.trajectory.labelled import Unlabelled
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Recording", "at_present", "labelled_at", "recorded", "series_at"]
+__all__ = ["Recording", "at_present", "labelled_at", "open_ledger", "recorded", "series_at"]
 
 Values = Mapping[str, Any]
 
@@ -71,6 +71,16 @@ def at_present(run: Run) -> xr.Dataset:
     ((_, values),) = recording.blocks()
     run.outcome, run.message = outcome  # what is recorded of an instant is no judgement of the run
     return recording.unlabelled(values, {}).labelled()
+
+
+def open_ledger(run: Run) -> str:
+    """Return how a run's ledger does not close, in words, by the samples that it has; "" if it does."""
+    outcome, message = run.outcome, run.message
+    for _ in Recording(run).blocks():
+        pass
+    found = run.message if run.outcome is Outcome.LEDGER_OPEN else ""
+    run.outcome, run.message = outcome, message
+    return found
 
 
 def series_at(run: Run, chunk: Chunk) -> Values:

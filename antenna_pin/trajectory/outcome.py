@@ -60,6 +60,11 @@ class Outcome(Enum):
         """Whether the run was stopped on its way, and its checkpoint is kept to go on from."""
         return self in (Outcome.INTERRUPTED, Outcome.TIME_LIMIT)
 
+    @property
+    def verdict(self) -> str:
+        """How a run is to be introduced that has no whole result: ``ended early`` or ``does not balance``."""
+        return "does not balance" if self is Outcome.LEDGER_OPEN else "ended early"
+
 
 @dataclass(frozen=True, slots=True)
 class Counts:
