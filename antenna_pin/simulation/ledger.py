@@ -12,11 +12,14 @@ with the relative tolerance r of a step and N accepted steps.
 - S is what velocities that are wrong by their error scales amount to, :math:`\max_t \sum_i M_{ii} |v_i| s_i`
   with the inertia at the start: what moves far below its scale is hardly controlled.
 - T is the energy of a motion as large as its scales, of velocity and of position,
-  :math:`\sum_i \tfrac12 M_{ii} (s_i^2 + \omega_i^2 p_i^2)`, where :math:`\omega_i^2` is the largest
-  acceleration over the largest displacement: what moves within the tolerance is not controlled at all.
-- The last term is round-off of the largest number in the ledger.
+  :math:`\sum_i \tfrac12 (M_{ii} s_i^2 + k_i p_i^2)`: what moves within the tolerance is not controlled.
+  :math:`k_i` is the stiffness that the largest displacement :math:`d_i` shows, the largest
+  :math:`M_{ii} |a_i| / d_i`, at most :math:`2 E / d_i^2`.
+- The last term is round-off: :math:`E_0` is the largest number in the ledger, or the energy of a motion at
+  the scales of velocity if that is more.
 
-Of momentum E is the largest sum of magnitudes over the bodies; S and T are zero.
+Of momentum E is the largest sum of magnitudes over the bodies; S and T are zero, and :math:`E_0` holds the
+momentum of the base at its scales, of angular momentum also the linear one times the distance to the origin.
 """
 
 from __future__ import annotations
@@ -80,7 +83,9 @@ class Audit:
         """Begin without a sample."""
         self._run = run
         self._start: dict[str, Any] = {}
-        self._most = dict.fromkeys(("round_off", "kinetic", "stored", "gross", "slip", "energy_error"), 0.0)
+        self._most = dict.fromkeys(
+            ("round_off", "kinetic", "stored", "gross", "slip", "energy_error", "distance"), 0.0
+        )
         self._most |= {f"{name}_{of}": 0.0 for name in _MOMENTA for of in ("drift", "scale", "size")}
         self._energy, self._momenta = Trail(), {name: Trail() for name in _MOMENTA}
         self._names: list[str] = []
@@ -111,6 +116,7 @@ class Audit:
             kinetic=audit["kinetic"],
             stored=np.maximum(springs, potential),
             slip=slip,
+            distance=np.linalg.norm(seen.q[:, :3], axis=1),
             energy_error=error,
             round_off=np.array(
                 [np.abs(values[name]).max(initial=0.0) for name in _ENERGIES if name in values]
@@ -195,7 +201,8 @@ class Audit:
     @property
     def round_off(self) -> float:
         """Error that is round-off of the ledger's numbers [J]."""
-        return self._roundings * self._most["round_off"]
+        unit = 0.5 * self._start["slip"] @ self._start["scales"][1]
+        return self._roundings * float(max(self._most["round_off"], unit))
 
     @property
     def _roundings(self) -> float:
@@ -221,11 +228,14 @@ class Audit:
     @property
     def _least(self) -> float:
         """The energy of all that moves at its scales [J]."""
-        start = self._start
+        start, energy = self._start, self.scale[0]
         position, velocity = start["scales"]
-        squares = np.zeros_like(position)
-        np.divide(start["sharpest"], start["farthest"], out=squares, where=start["farthest"] > 0.0)
-        return float(0.5 * (start["inertia"] * (velocity**2 + squares * position**2)).sum())
+        stiffness = np.zeros_like(position)
+        moved = start["farthest"] > np.finfo(float).eps * position
+        way = start["farthest"][moved]
+        by_force = start["inertia"][moved] * start["sharpest"][moved] / way
+        stiffness[moved] = np.fmin(by_force, 2.0 * energy / way**2)
+        return float(0.5 * (start["inertia"] * velocity**2 + stiffness * position**2).sum())
 
     def energy_bound(self) -> float:
         """Return the error of the balance that is explained [J]."""
@@ -237,8 +247,13 @@ class Audit:
         Args:
             name: ``linear`` or ``angular``.
         """
-        scale, size = (self._most[f"{name}_{of}"] for of in ("scale", "size"))
-        return self._explained(scale) + self._roundings * (scale + size)
+        most, base = self._most, self._start["slip"][:6]  # of a free base; others keep no momentum
+        scale = most[f"{name}_scale"]
+        own = base[:3] if name == "linear" else base[3:]
+        largest = scale + most[f"{name}_size"] + float(own.max(initial=0.0))
+        if name == "angular":
+            largest += most["distance"] * (most["linear_scale"] + most["linear_size"])
+        return self._explained(scale) + self._roundings * largest
 
     @property
     def at_rest(self) -> bool:
