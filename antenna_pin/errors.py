@@ -74,6 +74,10 @@ class LongRunWarning(UserWarning):
     """At its present pace a run will take long: how long, and what makes it slow."""
 
 
+class LedgerOpenWarning(UserWarning):
+    """The energy or the momentum of a run does not balance, by more than its tolerance explains."""
+
+
 class InvalidParameterError(AntennaPinError, ValueError):
     """A parameter breaks a rule of the thing it describes.
 

@@ -96,6 +96,10 @@ class RunSettings:
         max_steps: Trial steps in all after which a run ends; None for no limit [-].
         max_wall_time: Wall time after which a run ends [s]; None for no limit.
         max_expected_steps: A run that at its pace would need more trial steps to its end, ends [-].
+        ledger_tolerance: Error of the energy balance, relative to the largest gross work, kinetic or stored
+            energy, beyond which a run ends as ``LEDGER_OPEN``; that of a momentum that is kept likewise [-].
+            None for what ``rtol`` explains, 1e-3 with fixed steps.
+        ledger_alarm: Whether a run whose ledger does not close ends as ``LEDGER_OPEN``.
         scales: What the tolerance is relative to.
         output_rate: Samples per time, beside those at events [Hz].
         output_times: Samples at these times beside those, ascending [s].
@@ -113,6 +117,8 @@ class RunSettings:
     max_steps: int | None = parameter("1", rule="1 or more", default=None)
     max_wall_time: float | None = parameter("s", rule="positive", default=None)
     max_expected_steps: float = parameter("1", rule="positive", default=1e9)
+    ledger_tolerance: float | None = parameter("1", rule="positive", default=None)
+    ledger_alarm: bool = True
     scales: ErrorScales = field(default_factory=ErrorScales)
     output_rate: float = parameter("Hz", rule="positive", default=1000.0)
     output_times: tuple[float, ...] = parameter("s", rule="zero or more", sizes=(0,), default=())

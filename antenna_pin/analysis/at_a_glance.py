@@ -28,6 +28,8 @@ _JOINTS = 3
 _LINES = 9
 # Less time than this, of compiling, is nothing to tell of [s].
 _COMPILED = 0.1
+# Relative error up to which a balance closes, in results that do not say what their tolerance explains [-].
+_CLOSED = 1e-3
 # Angles and ways smaller than round-off of these are none.
 _SCALES = {"rad": 1.0, "m": 1.0}
 
@@ -277,14 +279,24 @@ def _books(data: xr.Dataset, summary: Mapping[str, Any]) -> Line:
             if name in data
         ]
         done = ", ".join(each) + "; " if each else ""
-    text = f"{done}balance closes to {readable(kept['energy_error'], 'J', 2)}"
+    closes = "balance is off by" if _is_open(kept, "energy", "error") else "balance closes to"
+    text = f"{done}{closes} {readable(kept['energy_error'], 'J', 2)}"
     if kept["energy_error_relative"] is not None:
         text += f", {number(kept['energy_error_relative'], 2)} of the {kept['energy_scale_of']}"
     drifts = [kept[f"{name}_momentum_drift_relative"] for name in ("linear", "angular")]
     if all(one is not None for one in drifts):
         linear, angular = (number(one, 2) for one in drifts)
-        text += f"; momentum kept to {linear} (linear), {angular} (angular)"
+        is_open = any(_is_open(kept, f"{name}_momentum", "drift") for name in ("linear", "angular"))
+        text += f"; momentum {'off by' if is_open else 'kept to'} {linear} (linear), {angular} (angular)"
     return Line("energy", text)
+
+
+def _is_open(kept: Mapping[str, Any], what: str, of: str) -> bool:
+    """Whether an error is larger than explained; in a result that does not say what is, than a thousandth."""
+    tolerance, relative = kept.get(f"{what}_tolerance"), kept[f"{what}_{of}_relative"]
+    if tolerance is None:
+        return relative is not None and not relative <= _CLOSED
+    return not kept[f"{what}_{of}"] <= tolerance
 
 
 def _counted(count: int, one: str, many: str = "") -> str:

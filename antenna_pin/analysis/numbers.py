@@ -54,7 +54,7 @@ def numbers_of(
     """
     samples = len(sample_times(run.data, "analyse"))
     found: dict[str, Any] = {"case": run.data.attrs.get("case", ""), "outcome": run.outcome.name}
-    notes = [] if run.completed else [f"the run ended early: {run.message}"]
+    notes = [] if run.completed else [f"the run {run.outcome.verdict}: {run.message}"]
     if samples < 2:
         notes.append("one sample: no deviation, no frequencies")
     if ideal is not None and samples > 1:

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.trajectory import Trajectory
 
-REFUSED, ENDED_EARLY = 2, 3
+REFUSED, ENDED_EARLY, UNBALANCED = 2, 3, 4
 
 #: To which the number of the signal is added that has stopped a command.
 SIGNALLED = 128
@@ -99,10 +99,10 @@ def say(line: str) -> None:
     typer.echo(printable(line))
 
 
-def complain(message: str) -> None:
-    """Print one line on the error stream, if somebody still reads it."""
+def complain(message: str, colour: str | None = None) -> None:
+    """Print one line on the error stream, if somebody still reads it; in a colour, on a screen."""
     with contextlib.suppress(OSError):
-        typer.echo(f"antenna-pin: {one_line(' '.join(message.split()))}", err=True)
+        typer.secho(f"antenna-pin: {one_line(' '.join(message.split()))}", err=True, fg=colour)
 
 
 def refuse(message: str) -> NoReturn:

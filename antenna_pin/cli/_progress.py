@@ -200,7 +200,7 @@ def study_bar(title: str, shown: bool) -> Iterator[Callable[[Standing], None] | 
     def report(now: Standing) -> None:
         words = "checking" if now.stage == "check" else "runs"
         failed = (
-            f"{now.failed} {'refused' if now.stage == 'check' else 'ended early'}" if now.failed else "runs"
+            f"{now.failed} {'refused' if now.stage == 'check' else 'not completed'}" if now.failed else "runs"
         )
         bar.update(tasks["check"], visible=now.stage == "check")
         bar.update(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import signal
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -64,12 +65,14 @@ class RunStore:
 
     def _made(self, scenario: Scenario) -> Trajectory:
         """Run a scenario and save the result; what Ctrl-C cuts short is saved, too, and ends the command."""
+        from antenna_pin.errors import LedgerOpenWarning
         from antenna_pin.simulation import simulate
         from antenna_pin.trajectory import Trajectory
 
         path = self._free(scenario)
         complain(f"{stem(scenario)}: running {scenario.duration:g} s")
         with contextlib.ExitStack() as stack:
+            warnings.simplefilter("ignore", LedgerOpenWarning)  # said below
             with progress_bar(stem(scenario), self.progress) as report:
                 run = simulate(scenario, progress=report)
                 stack.enter_context(not_interrupted())
@@ -80,7 +83,7 @@ class RunStore:
             raise Ended if ended_by() != signal.SIGINT else KeyboardInterrupt
         if not run.completed:
             self.early = True
-            complain(f"{stem(scenario)}: {run.message} (the result up to there is in {path} and is drawn)")
+            complain(f"{stem(scenario)}: {run.message} (the result is in {path} and is drawn)")
         return Trajectory.load(path)  # as it is next time: what the file adds decides which figures there are
 
     def _free(self, scenario: Scenario) -> Path:

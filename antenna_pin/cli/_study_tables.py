@@ -109,7 +109,7 @@ def print_outcomes(name: str, table: xr.Dataset) -> None:
 
 
 def failures(table: xr.Dataset) -> Iterator[tuple[int, str, str, str]]:
-    """Yield the runs that did not reach their end: number, values of the parameters, outcome, message."""
+    """Yield runs that ended early or do not balance: number, values of the parameters, outcome, message."""
     import numpy as np
 
     outcomes = table["outcome"].values

@@ -93,7 +93,7 @@ def pointing(
     errors, notes = [], []
     for path, run in zip(files, runs, strict=True):
         if not run.completed:
-            notes.append(f"{path}: the run ended early: {run.message}")
+            notes.append(f"{path}: the run {run.outcome.verdict}: {run.message}")
         compared = run if reference is None else _covered(run, reference, path, notes)
         antenna = _antenna(run, body, boresight, up)
         errors.append(pointing_error(compared, reference, antenna=antenna, command=command))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import shlex
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,6 +15,7 @@ from antenna_pin.cli._answers import say_answer
 from antenna_pin.cli._common import (
     ENDED_EARLY,
     SIGNALLED,
+    UNBALANCED,
     CaseOption,
     Engine,
     Geometry,
@@ -34,6 +36,7 @@ from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, rows_of, 
 from antenna_pin.cli._progress import progress_bar
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import flat
+from antenna_pin.errors import LedgerOpenWarning
 from antenna_pin.interruption import ended_by
 from antenna_pin.numerals import decimal_in
 
@@ -152,6 +155,7 @@ def run(
     with contextlib.ExitStack() as stack:
         with progress_bar(stem(chosen), progress and not quiet) as report:
             more: dict[str, Any] = {"out": path, "checkpoint": interval, "resume": resume is not None}
+            warnings.simplefilter("ignore", LedgerOpenWarning)  # said at the end
             try:
                 trajectory = simulate(chosen, duration=span, progress=report, **more)
             except UnsavedError as error:
@@ -178,6 +182,9 @@ def run(
             if outcome != "COMPLETED" and not quiet:
                 say(trajectory.message)
             return
+        if outcome == "LEDGER_OPEN":
+            complain(f"{stem(chosen)}: {trajectory.message} (the result is in {path})", colour="red")
+            raise typer.Exit(UNBALANCED)
         way_on = f"; go on by --resume {path}" if trajectory.outcome.may_go_on else ""
         complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path}{way_on})")
     raise typer.Exit(SIGNALLED + ended_by() if outcome == "INTERRUPTED" else ENDED_EARLY)

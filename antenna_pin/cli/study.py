@@ -52,7 +52,7 @@ _FAILURES = 20
 def show(
     store: StoreArgument,
     failed: Annotated[
-        bool, typer.Option("--failed", help="List all runs that did not reach their end.")
+        bool, typer.Option("--failed", help="List all runs that did not reach their end, or do not balance.")
     ] = False,
     as_json: JsonOption = False,
     csv: CsvOption = None,
@@ -80,7 +80,12 @@ def show(
     if bad:
         shown = bad if failed else bad[:_FAILURES]
         rows_ = [[str(run), values, outcome, message] for run, values, outcome, message in shown]
-        print_rows(f"{name}: what did not reach its end", ("run", "", "outcome", "why"), rows_, numbers=False)
+        print_rows(
+            f"{name}: what did not reach its end, or does not balance",
+            ("run", "", "outcome", "why"),
+            rows_,
+            numbers=False,
+        )
         if len(bad) > len(shown):
             typer.echo(f"... and {len(bad) - len(shown)} more; --failed lists all")
     if is_grid(table):

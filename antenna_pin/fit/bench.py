@@ -16,7 +16,7 @@ from antenna_pin.nonlinear import Flow
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.from_scenario import controllers_of, events_of, settings_of
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.record import labelled_at
+from antenna_pin.simulation.record import labelled_at, open_ledger
 from antenna_pin.simulation.run import First, prepared
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.state import State
@@ -36,11 +36,13 @@ class Ran(NamedTuple):
         chunk: Its samples.
         end: The state that it came to.
         failed: Why it did not come to its end, in words; "" if it did.
+        unbalanced: How its energy or momentum does not balance, in words; "" if both do.
     """
 
     chunk: Chunk
     end: State
     failed: str
+    unbalanced: str = ""
 
 
 class Bench:
@@ -101,7 +103,8 @@ class Bench:
             raise KeyboardInterrupt
         self._latest = run
         ended = run.outcome in ENDED_WELL and run.stepper.t >= until - _ROUND_OFF
-        return Ran(run.samples.held, run.present(), "" if ended else run.message)
+        unbalanced = open_ledger(run) if ended else ""
+        return Ran(run.samples.held, run.present(), "" if ended else run.message, unbalanced)
 
     def counted(self, chunk: Chunk) -> Chunk:
         """Return one state twice, all that is integrated along a run larger by 1 in the second.

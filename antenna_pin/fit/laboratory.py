@@ -37,6 +37,8 @@ class Laboratory:
         """Begin without rigs."""
         self.executor, self.notebook, self.progress = executor or Here(), notebook, progress
         self.made = 0
+        #: How the energy or momentum of runs does not balance, in words, one entry a run.
+        self.unbalanced: list[str] = []
         self._rigs: tuple[Rig, ...] = ()
         self._known: dict[Asked, tuple[Readings, ...]] = {}
 
@@ -75,8 +77,24 @@ class Laboratory:
                 self.notebook.write(one, found[one])
             if self.progress is not None:
                 self.progress(self.made)
+        self.unbalanced += [one.unbalanced for made in found.values() for one in made if one.unbalanced]
         self._known |= found
         answers = [self._known[one] for one in asked]
         for one in list(self._known)[: max(0, len(self._known) - _REMEMBERED)]:
             del self._known[one]
         return answers
+
+    def said_of_unbalanced(self, last: Sequence[Readings]) -> list[str]:
+        """Return a line if the energy or momentum of runs does not balance.
+
+        Args:
+            last: Of the runs with the fitted values.
+        """
+        if not self.unbalanced:
+            return []
+        mine = [one.unbalanced for one in last if one.unbalanced]
+        which = "those with the fitted values among them" if mine else "none with the fitted values"
+        return [
+            f"note: the energy or momentum of {len(self.unbalanced)} of {self.made} runs does not balance, "
+            f"{which}: {[*mine, *self.unbalanced][0]}"
+        ]

@@ -83,7 +83,7 @@ class Notebook:
 def _lists(found: Readings) -> dict[str, Any]:
     """Return what came of a run as JSON takes it."""
     lists: dict[str, Any] = _plain({name: getattr(found, name) for name in ("columns", "lead", "end")})
-    lists["failed"] = found.failed
+    lists |= {"failed": found.failed, "unbalanced": found.unbalanced}
     if found.slopes is not None:
         lists["slopes"] = _plain(found.slopes._asdict())
         lists["fitted"] = found.slopes.lead.shape[1]
@@ -107,7 +107,7 @@ def _readings(lists: dict[str, Any]) -> Readings:
         columns = tuple(one.reshape(-1, lists["fitted"]) for one in _arrays(slopes["columns"]))
         clock = None if slopes["clock"] is None else _arrays(slopes["clock"])
         found = found._replace(slopes=Slopes(columns, lead, end, clock))
-    return found._replace(failed=lists["failed"])
+    return found._replace(failed=lists["failed"], unbalanced=lists.get("unbalanced", ""))
 
 
 def _arrays(lists: list[Any]) -> tuple[np.ndarray, ...]:

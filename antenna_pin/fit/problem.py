@@ -128,6 +128,10 @@ class Problem:
         """How many runs have been made, of all records and pieces."""
         return self.laboratory.made
 
+    def unbalanced(self, whole: Array) -> list[str]:
+        """Return a line where energy or momentum of runs does not balance, at these values or others."""
+        return self.laboratory.said_of_unbalanced(self._readings([whole])[0])
+
     @property
     def count(self) -> int:
         """How many residuals there are."""

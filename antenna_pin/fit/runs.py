@@ -122,6 +122,7 @@ class Readings(NamedTuple):
         end: Of a piece that another follows: the way from that one's origin to its end; () of the last.
         failed: Why there is nothing, in words; "" if there is.
         slopes: Derivatives, if they were asked for.
+        unbalanced: How the run's energy or momentum does not balance, in words; "" if both do.
     """
 
     columns: tuple[Array, ...]
@@ -129,6 +130,7 @@ class Readings(NamedTuple):
     end: Array
     failed: str = ""
     slopes: Slopes | None = None
+    unbalanced: str = ""
 
 
 @functools.lru_cache(maxsize=16)
@@ -177,7 +179,9 @@ def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
     except AntennaPinError as error:
         return tuple(nothing(str(error)) for _ in asked.starts)
     return tuple(
-        Readings(tuple(read[k]), one.lead, one.end) if isinstance(one, _Made) else nothing(one)
+        Readings(tuple(read[k]), one.lead, one.end, unbalanced=one.ran.unbalanced)
+        if isinstance(one, _Made)
+        else nothing(one)
         for k, one in enumerate(made)
     )
 

@@ -145,7 +145,13 @@ def _found(problem: Problem) -> Fit:
         message=_ENDS.get(int(best.status), str(best.message)),
         evaluations=int(sum(end.nfev for _, end in ends if end is not None)),
         searches=tuple(searches),
-        notes=(*problem.notes, *grown, *_together(problem, bands, residuals), *_of_derivatives(problem)),
+        notes=(
+            *problem.notes,
+            *problem.unbalanced(whole),
+            *grown,
+            *_together(problem, bands, residuals),
+            *_of_derivatives(problem),
+        ),
     )
 
 

@@ -178,7 +178,7 @@ def on_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
         message=words,
         evaluations=len(points),
         searches=(Search(unknowns.start, whole, cost),),
-        notes=(*problem.notes, *_odd(bands.chi2, bands.freedoms)),
+        notes=(*problem.notes, *problem.unbalanced(whole), *_odd(bands.chi2, bands.freedoms)),
     )
 
 

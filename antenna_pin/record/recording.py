@@ -290,7 +290,7 @@ def _data(
     attributes = run.data.attrs
     warnings = list(seen["warnings"])
     if not run.completed:
-        warnings.append(f"the run ended before its time: {run.message}")
+        warnings.append(f"the run {run.outcome.verdict}: {run.message}")
     thinned = []
     if frames.rate < fps:
         thinned.append(f"{frames.rate:.3g} key frames per second in place of {fps:g} keep the file small")

@@ -61,10 +61,22 @@ def study_report(study: xr.Dataset, *, title: str | None = None, figures: bool =
 def _status(study: xr.Dataset, name: str) -> _Status:
     counts = Counter(map(str, np.ravel(study["outcome"].values)))
     count, pending = study["outcome"].size, counts["PENDING"]
+    unbalanced = counts["LEDGER_OPEN"]
     bad = count - pending - counts["COMPLETED"] - counts["STOPPED"]
-    ends = f"{bad} of them did not reach their end" if bad else "all of them reached their end"
+    early = bad - unbalanced
+    ends = f"{early} of them did not reach their end" if early else "all of them reached their end"
     said = f"{count - pending} of {count} runs made; {ends}"
-    outcome = "PENDING" if pending else "COMPLETED" if not bad else "SOME ENDED EARLY"
+    if unbalanced:
+        said += f"; the energy or momentum of {unbalanced} does not balance"
+    outcome = (
+        "PENDING"
+        if pending
+        else "COMPLETED"
+        if not bad
+        else "SOME ENDED EARLY"
+        if early
+        else "SOME DO NOT BALANCE"
+    )
     return _Status(name, outcome, said, not pending and not bad)
 
 
@@ -215,7 +227,7 @@ def _failures(study: xr.Dataset) -> Section:
     table = Table(
         columns=("run", "parameters", "outcome", "why"),
         rows=tuple(rows[:_MOST_FAILURES]),
-        caption=f"{len(rows)} runs that did not reach their end, or lack a response",
+        caption=f"{len(rows)} runs that did not reach their end, do not balance or lack a response",
         key="failures",
     )
     more = len(rows) - _MOST_FAILURES

@@ -175,7 +175,7 @@ class ByRuns:
         if run.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         if not run.completed:
-            raise SensitivityError(f"sensitivities: {what} has not come to its end: {run.message}")
+            raise SensitivityError(f"sensitivities: {what} has no whole result: {run.message}")
         return run
 
     def over(self, parameters: Sequence[Parameter]) -> list[Slopes]:

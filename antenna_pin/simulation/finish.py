@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import json
 import time
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 from antenna_pin._compile_time import CompileClock
-from antenna_pin.errors import OutputError
+from antenna_pin.errors import LedgerOpenWarning, OutputError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.record import Recording, recorded
-from antenna_pin.trajectory import Trajectory, library_versions, write_blocks
+from antenna_pin.trajectory import Outcome, Trajectory, library_versions, write_blocks
 from antenna_pin.trajectory.labelled import Unlabelled
 
 if TYPE_CHECKING:
@@ -95,6 +96,8 @@ def finished(
         trajectory = _streamed(run, keeper, {"title": title, "case": case}, result, lean)
     if keeper is not None and not run.outcome.may_go_on:
         keeper.parts.remove()
+    if run.outcome is Outcome.LEDGER_OPEN:
+        warnings.warn(run.message, LedgerOpenWarning, stacklevel=3)
     return trajectory
 
 

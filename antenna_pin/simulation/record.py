@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from antenna_pin.simulation.blocks import blocks_of, count_of
 from antenna_pin.simulation.bristles import bristles_of
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.held import constraint_attributes
+from antenna_pin.simulation.ledger import Audit
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.motors import motors_of
 from antenna_pin.simulation.parts import Parts
@@ -23,21 +23,15 @@ from antenna_pin.simulation.seen import Seen
 from antenna_pin.simulation.sources import SERIES, TOTALS, episodes_of, sizes_of
 from antenna_pin.simulation.tick_record import labels_of_ticks, values_of_ticks
 from antenna_pin.trajectory import ENDED_WELL, Outcome
-from antenna_pin.trajectory.columns import ROUND_OFF, first_not_finite
+from antenna_pin.trajectory.columns import first_not_finite
 from antenna_pin.trajectory.labelled import Unlabelled
-from antenna_pin.trajectory.schema import VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Recording", "at_present", "labelled_at", "recorded", "series_at"]
+__all__ = ["Recording", "at_present", "labelled_at", "open_ledger", "recorded", "series_at"]
 
 Values = Mapping[str, Any]
-
-# Series of energies and works, which work is large or small beside.
-_ENERGIES = {one.name for one in VARIABLES.values() if one.units == "J" and "time" in one.dims} - {
-    "energy_error"
-}
 
 
 def recorded(run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False) -> Unlabelled:
@@ -77,6 +71,16 @@ def at_present(run: Run) -> xr.Dataset:
     ((_, values),) = recording.blocks()
     run.outcome, run.message = outcome  # what is recorded of an instant is no judgement of the run
     return recording.unlabelled(values, {}).labelled()
+
+
+def open_ledger(run: Run) -> str:
+    """Return how a run's ledger does not close, in words, by the samples that it has; "" if it does."""
+    outcome, message = run.outcome, run.message
+    for _ in Recording(run).blocks():
+        pass
+    found = run.message if run.outcome is Outcome.LEDGER_OPEN else ""
+    run.outcome, run.message = outcome, message
+    return found
 
 
 def series_at(run: Run, chunk: Chunk) -> Values:
@@ -134,8 +138,7 @@ class Recording:
         self._last: Seen | None = None
         self._totals: dict[str, Any] = {}
         self._peaks: dict[str, Any] = {}
-        self._audit: dict[str, Any] = {}
-        self._largest_energy = self._largest_kinetic = 0.0
+        self._audit = Audit(run)
 
     def blocks(self) -> Iterator[tuple[int, Values]]:
         """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""
@@ -152,8 +155,17 @@ class Recording:
                 self._labels = self._labels or _labels(seen)
                 self._sum_up(seen, values)
             self._last = seen
-            yield first, values
             first += len(seen.times)
+            if first == self.count:
+                self._close()
+            yield first - len(seen.times), values
+
+    def _close(self) -> None:
+        """Let a run that came to its end not count as one where its ledger does not close."""
+        run = self.run
+        if run.outcome in ENDED_WELL and (opening := self._audit.opening()) is not None:
+            run.outcome = Outcome.LEDGER_OPEN
+            run.message = f"at t = {opening.time:.9g} s {opening.text}: {run.outcome.value}"
 
     def _judge(self, seen: Seen, values: Values) -> None:
         """Let a run that came to its end not count as one where what is recorded of it is not finite."""
@@ -177,16 +189,7 @@ class Recording:
         for name, sizes in sizes_of(seen, values).items():
             most = sizes.max(axis=0)
             self._peaks[name] = np.maximum(self._peaks.get(name, most), most)
-        sizes = [np.abs(part).max(initial=0.0) for name, part in values.items() if name in _ENERGIES]
-        self._largest_energy = max(self._largest_energy, *map(float, sizes))
-        self._largest_kinetic = max(self._largest_kinetic, float(values["kinetic_energy"].max(initial=0.0)))
-        if not self._audit:
-            self._audit = {name: seen.kept_momentum(name)[0] for name in ("linear", "angular")}
-        for name in ("linear", "angular"):
-            drift = np.abs(seen.kept_momentum(name) - self._audit[name]).max()
-            for kind, most in (("drift", drift), ("scale", seen.found.audit[f"{name}_scale"].max())):
-                key = f"{name}_{kind}"
-                self._audit[key] = np.maximum(self._audit.get(key, most), most)
+        self._audit.add(seen, values, self._labels)
 
     def unlabelled(self, series: Values, about: Mapping[str, Any], *, lean: bool = False) -> Unlabelled:
         """Return the data of the blocks so far with these series; of the run, once all have been made.
@@ -204,7 +207,7 @@ class Recording:
             "end_time": float(self._last.times[-1]),
             "samples": self.count,
             "gap_difference": self.run.search.gap_difference,
-            "conservation": json.dumps(self._conservation()),
+            "conservation": json.dumps(self._audit.conservation()),
         }
         ticked = self.run.ticks.ticked
         values = {**series, **self._totals, **self._peaks, **episodes_of(self.run), **values_of_ticks(ticked)}
@@ -221,27 +224,6 @@ class Recording:
             free_base=system.mechanism.base == "free",
             lean=lean,
         )
-
-    def _conservation(self) -> dict[str, Any]:
-        """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
-        result: dict[str, Any] = {"energy_error": float(self._peaks["peak_energy_error"])}
-        gross = float(self._totals["total_gross_work"].sum() + self._totals["total_force_gross_work"].sum())
-        result["gross_work"] = gross
-        # Work that is zero to round-off is none to compare with: what is let go, or driven by springs.
-        done = gross > ROUND_OFF * self._largest_energy
-        result["energy_scale"] = gross if done else self._largest_kinetic
-        result["energy_scale_of"] = "gross work of the drives" if done else "largest kinetic energy"
-        moved = result["energy_scale"] > 0.0
-        result["energy_error_relative"] = result["energy_error"] / result["energy_scale"] if moved else None
-        conserved = self.run.system.keeps_momentum
-        for name in ("linear", "angular"):
-            scale, drift = (float(self._audit[f"{name}_{kind}"]) for kind in ("scale", "drift"))
-            result[f"{name}_momentum_drift"] = drift if conserved else None
-            result[f"{name}_momentum_scale"] = scale
-            result[f"{name}_momentum_drift_relative"] = drift / scale if conserved and scale > 0.0 else None
-        if not math.isfinite(result["energy_error"]):
-            result["energy_error_relative"] = None
-        return result
 
 
 def _labels(seen: Seen) -> dict[str, Any]:

@@ -39,7 +39,7 @@ class Standing:
         stage: ``check`` of what is to be run, or ``run``.
         done: Runs made or checked, of an earlier command too.
         count: Runs in all.
-        failed: Those of them that did not reach their end.
+        failed: Those of them that did not reach their end, or do not balance.
     """
 
     stage: str

@@ -90,7 +90,8 @@ class Study(RunsFile):
         sampling: How parameters with distributions are sampled.
         reference: What some responses compare a run with.
         responses: The numbers that are kept of each run, by name; or a list of measures.
-        results: Whose full result files are kept: ``none``, those of runs that ``failed``, or ``all``.
+        results: Whose full result files are kept: ``none``, those that ``failed`` (ended early or with
+            an open ledger), or ``all``.
         name: Of the study: that of its file.
         folder: Of the study file.
 

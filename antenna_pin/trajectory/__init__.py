@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from antenna_pin.trajectory.file import FORMAT, write_blocks
     from antenna_pin.trajectory.labelled import Column
     from antenna_pin.trajectory.meshes import Span, mesh_spans, mesh_touches, met_by_meshes
-    from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
+    from antenna_pin.trajectory.outcome import ENDED_WELL, REACHED_END, Counts, Outcome
     from antenna_pin.trajectory.plain import columns_of
     from antenna_pin.trajectory.read import (
         contact_ends,
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ENDED_WELL",
+    "REACHED_END",
     "FORMAT",
     "FORMATS",
     "KINDS",
@@ -87,7 +88,7 @@ loaded_when_used(
         "file": "FORMAT write_blocks",
         "labelled": "Column",
         "meshes": "Span mesh_spans mesh_touches met_by_meshes",
-        "outcome": "Counts ENDED_WELL Outcome",
+        "outcome": "Counts ENDED_WELL REACHED_END Outcome",
         "read": "contact_ends contact_joints contact_kinds contacts_of is_lean names_along series",
         "plain": "columns_of",
         "result": "Trajectory library_versions",

@@ -40,14 +40,17 @@ class _Conservation(BaseModel):
     energy_error: _Number | None
     gross_work: _Number | None
     energy_scale: _Number | None
-    energy_scale_of: Literal["gross work of the drives", "largest kinetic energy"]
+    energy_scale_of: Literal["gross work of the drives", "largest kinetic energy", "largest stored energy"]
     energy_error_relative: _Number | None
+    energy_tolerance: _Number | None = None  # of results before there was one
     linear_momentum_drift: _Number | None
     linear_momentum_scale: _Number | None
     linear_momentum_drift_relative: _Number | None
+    linear_momentum_tolerance: _Number | None = None
     angular_momentum_drift: _Number | None
     angular_momentum_scale: _Number | None
     angular_momentum_drift_relative: _Number | None
+    angular_momentum_tolerance: _Number | None = None
 
 
 class _Mechanism(BaseModel):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.trajectory.columns import Breach, Rule
-from antenna_pin.trajectory.outcome import ENDED_WELL
+from antenna_pin.trajectory.outcome import REACHED_END
 from antenna_pin.trajectory.read import contact_kinds, is_lean, names_along
 from antenna_pin.trajectory.schema import TIME, variables_of
 
@@ -41,11 +41,11 @@ def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
     columns += [
         (one.name, one.rule) for one in variables_of({str(dim) for dim in data.sizes}, free_base=True)
     ]
-    ended_well = data.attrs["outcome"] in {one.name for one in ENDED_WELL}
+    at_end = data.attrs["outcome"] in {one.name for one in REACHED_END}
     for name, rule in columns:
         if name not in data.variables:
             continue
-        finite = ended_well or name in _ALWAYS
+        finite = at_end or name in _ALWAYS
         problems = list(_in_column(data, name, rule, finite, slice(None)))
         if problems and rule.passive:  # which contacts it binds is looked up where that matters
             problems = list(_in_column(data, name, rule, finite, _kept(data, name)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-__all__ = ["ENDED_WELL", "Counts", "Outcome"]
+__all__ = ["ENDED_WELL", "REACHED_END", "Counts", "Outcome"]
 
 
 class Outcome(Enum):
@@ -53,10 +53,21 @@ class Outcome(Enum):
         "longer describe it; stiffen the law, lower the load or raise maximum_depth"
     )
 
+    LEDGER_OPEN = (
+        "the run reached its end, but energy or momentum came from nowhere, or went there; look for a motion "
+        "that jumps, an element or function that misstates its energy, tighten integrator.rtol, or give "
+        "integrator.ledger_tolerance the error that is expected"
+    )
+
     @property
     def may_go_on(self) -> bool:
         """Whether the run was stopped on its way, and its checkpoint is kept to go on from."""
         return self in (Outcome.INTERRUPTED, Outcome.TIME_LIMIT)
+
+    @property
+    def verdict(self) -> str:
+        """How a run is to be introduced that has no whole result: ``ended early`` or ``does not balance``."""
+        return "does not balance" if self is Outcome.LEDGER_OPEN else "ended early"
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,5 +91,7 @@ class Counts:
     compile_seconds: float = 0.0
 
 
-#: Those of a run that came to its end: every number of its result is one.
+#: Those of a run that came to its end, and whose numbers can be relied on.
 ENDED_WELL = (Outcome.COMPLETED, Outcome.STOPPED)
+#: Those of a run that came to its end: every number of its result is one.
+REACHED_END = (*ENDED_WELL, Outcome.LEDGER_OPEN)

@@ -14,6 +14,7 @@ from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.notebook import Notebook
 
 from .conftest import DAMPING, FIRST, STIFFNESS, closed_form
+from .conftest import FIT as FIT_OF_PENDULUM
 from .joint import FIT, TIMES, TRUTH, write_record
 
 DAMPER = """
@@ -252,3 +253,18 @@ def test_joints_of_pieces_are_no_part_of_what_hangs_together(write):
     problem = Problem(write(record='pieces = { length = "0.25 s" }'))
     joints = problem.count - 201
     np.testing.assert_array_equal(problem.rows.curve_numbers(), [0] * 201 + list(range(1, joints + 1)))
+
+
+def test_runs_whose_ledger_is_open_are_counted_and_told_of(write):
+    """At an order of 5 and a tolerance of 1e-6 none closes to 1e-15."""
+    strict = 'integrator.rtol = 1e-6\nintegrator.method = "dormand-prince-54"'
+    text = FIT_OF_PENDULUM.replace("integrator.rtol = 1e-10", strict)
+    assert not any("balance" in note for note in run_fit(write(text=text)).notes)
+    found = run_fit(write(text=text.replace(strict, f"{strict}\nintegrator.ledger_tolerance = 1e-15")))
+    (note,) = (note for note in found.notes if "balance" in note)
+    runs = found.problem.runs
+    assert note.startswith(
+        f"note: the energy or momentum of {runs} of {runs} runs does not balance, those with the fitted "
+        "values among them: at t = "
+    )
+    np.testing.assert_allclose(found.values, [STIFFNESS], rtol=1e-4)  # and fitted all the same
