@@ -54,7 +54,7 @@ def test_many_instants():
     times = run.data.tick_time.values
     assert np.all(np.abs(times - np.arange(MANY + 1) * PERIOD) <= np.spacing(times))
     # Up to three periods nothing is commanded; from there pushes go to and fro. Each lasts from instant to
-    # instant as doubles have them, up to 1.4e-14 s off: a walk of these is 1e-14 of the rate's 1e-5 in the end.
+    # instant as doubles have them, up to 1.4e-14 s off, which walks up to 1e-14 beside rates of 1e-5.
     pushes = TORQUE / WHEEL * np.where(np.arange(MANY) % 2 == 1, 1.0, -1.0)
     pushes[:3] = 0.0
     expected = np.concatenate([[0.0], np.cumsum(pushes * np.diff(times))])
