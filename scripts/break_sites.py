@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import ast
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
+from itertools import accumulate
 from pathlib import Path
 
 __all__ = ["Break", "draw", "rooms", "sites"]
 
+#: First and last character of a place, and what it becomes.
+Change = tuple[int, int, str]
 PACKAGE = "antenna_pin"
 TOP = "package"  # the room of the modules that are in none
 # Each for another of its kind.
@@ -115,44 +119,45 @@ def draw(root: Path, count: int, seed: int, room: str | None = None) -> list[Bre
 
 
 def _shuffled(root: Path, room: str, seed: int) -> Iterator[Break]:
+    every = list(_places(root, room))
+    random.Random(f"{seed} {room}").shuffle(every)
+    for file, change in every:
+        yield _made(file.read_text(encoding="utf-8"), change, room, file.relative_to(root))
+
+
+@cache
+def _places(root: Path, room: str) -> tuple[tuple[Path, Change], ...]:
     folder = root / PACKAGE
     files = sorted(folder.glob("*.py") if room == TOP else (folder / room).rglob("*.py"))
-    every = [one for file in files for one in sites(file.read_text(encoding="utf-8"), room, file, root)]
-    random.Random(f"{seed} {room}").shuffle(every)
-    yield from every
+    return tuple((file, one) for file in files for one in _changes(file.read_text(encoding="utf-8")))
 
 
-def sites(text: str, room: str, file: Path, root: Path) -> list[Break]:
+def sites(text: str, room: str, path: Path) -> list[Break]:
     """Return all breaks of a file's text."""
-    tree = ast.parse(text)
-    starts = [0]
-    for line in text.splitlines(keepends=True):
-        starts.append(starts[-1] + len(line))
-    lines = text.splitlines()
+    return [_made(text, change, room, path) for change in _changes(text)]
+
+
+def _made(text: str, change: Change, room: str, path: Path) -> Break:
+    begin, end, new = change
+    first, last = text.rfind("\n", 0, begin) + 1, text.find("\n", end)
+    before, after = text[first:begin], text[end : last if last >= 0 else len(text)]
+    public = frozenset(
+        node.name
+        for node in ast.parse(text).body
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_")
+    )
+    line = text.count("\n", 0, begin) + 1
+    return Break(room, path, line, begin, text[begin:end], new, before, after, public)
+
+
+def _changes(text: str) -> Iterator[Change]:
+    """Yield first and last character of what is changed, and what it becomes."""
+    lines = text.splitlines(keepends=True)
+    starts = [0, *accumulate(map(len, lines))]
 
     def at(line: int, column: int) -> int:
-        return starts[line - 1] + len(lines[line - 1].encode()[:column].decode())
-
-    public = {
-        node.name
-        for node in tree.body
-        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_")
-    }
-    found = []
-    for begin, end, new in _changes(tree, text, at):
-        old = text[begin:end]
-        first = text.rfind("\n", 0, begin) + 1
-        last = text.find("\n", end)
-        after = text[end : last if last >= 0 else len(text)]
-        line = text.count("\n", 0, begin) + 1
-        path = file.relative_to(root)
-        found.append(Break(room, path, line, begin, old, new, text[first:begin], after, frozenset(public)))
-    return found
-
-
-def _changes(tree: ast.Module, text: str, at: object) -> Iterator[tuple[int, int, str]]:
-    """Yield first and last character of what is changed, and what it becomes."""
-    assert callable(at)
+        row = lines[line - 1]
+        return starts[line - 1] + (column if row.isascii() else len(row.encode()[:column].decode()))
 
     def span(node: ast.AST) -> tuple[int, int]:
         return at(node.lineno, node.col_offset), at(node.end_lineno, node.end_col_offset)  # type: ignore[attr-defined]
@@ -165,7 +170,7 @@ def _changes(tree: ast.Module, text: str, at: object) -> Iterator[tuple[int, int
         # A part of a line may lean on brackets of what it stands in.
         return f"({source(node)})"
 
-    for node in _read(tree):
+    for node in _read(ast.parse(text)):
         if isinstance(node, ast.Constant):
             new = _constant(node.value)
             if new is not None:
@@ -190,8 +195,9 @@ def _changes(tree: ast.Module, text: str, at: object) -> Iterator[tuple[int, int
                 yield begin, end, f"{source(other)}{between}{source(one)}"
 
 
-def _operation(node: ast.BinOp, span: object, within: object) -> Iterator[tuple[int, int, str]]:
-    assert callable(span) and callable(within)
+def _operation(
+    node: ast.BinOp, span: Callable[[ast.AST], tuple[int, int]], within: Callable[[ast.expr], str]
+) -> Iterator[Change]:
     left, right = within(node.left), within(node.right)
     if _is_text(node.left) or _is_text(node.right):
         return  # of texts
@@ -225,15 +231,18 @@ def _constant(value: object) -> str | None:
     return None
 
 
-def _read(node: ast.AST) -> Iterator[ast.AST]:
+def _read(tree: ast.Module) -> Iterator[ast.AST]:
     """Yield the nodes of what is run, but for what the module's docstring leaves out."""
-    yield node
-    for name, value in ast.iter_fields(node):
-        if name in ("annotation", "returns", "type_params"):
-            continue
-        for child in value if isinstance(value, list) else [value]:
-            if isinstance(child, ast.AST) and not _is_left_out(child):
-                yield from _read(child)
+    nodes: list[ast.AST] = [tree]
+    while nodes:
+        node = nodes.pop()
+        yield node
+        below: list[ast.AST] = []
+        for name, value in ast.iter_fields(node):
+            if name not in ("annotation", "returns", "type_params"):
+                children = value if isinstance(value, list) else [value]
+                below += [one for one in children if isinstance(one, ast.AST) and not _is_left_out(one)]
+        nodes += reversed(below)
 
 
 def _is_left_out(node: ast.AST) -> bool:

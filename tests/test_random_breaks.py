@@ -1,6 +1,9 @@
 """Random breaks: what is drawn is Python that differs, and always the same."""
 
 import importlib
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -10,16 +13,15 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture(scope="module")
 def scripts():
-    """The module of sites, and the script."""
+    """The module of sites."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(ROOT / "scripts"))
-        yield importlib.import_module("break_sites"), importlib.import_module("random_breaks")
+        yield importlib.import_module("break_sites")
 
 
 def test_what_is_drawn_is_python_that_differs(scripts):
-    kind, _ = scripts
-    drawn = kind.draw(ROOT, 300, 0)
-    assert len(set(drawn)) == 300
+    kind = scripts
+    drawn = kind.draw(ROOT, 2 * len(kind.rooms(ROOT)), 0)
     assert {one.room for one in drawn} == set(kind.rooms(ROOT))
     for one in drawn:
         text = (ROOT / one.path).read_text(encoding="utf-8")
@@ -28,7 +30,7 @@ def test_what_is_drawn_is_python_that_differs(scripts):
 
 
 def test_a_longer_draw_begins_as_a_shorter_one(scripts):
-    kind, _ = scripts
+    kind = scripts
     assert kind.draw(ROOT, 70, 0)[:40] == kind.draw(ROOT, 40, 0) != kind.draw(ROOT, 40, 1)
     assert {one.room for one in kind.draw(ROOT, 5, 0, "fit")} == {"fit"}
 
@@ -49,8 +51,8 @@ def a(b, c, *, d: int = 1):
 
 
 def test_all_kinds_of_break_are_made_and_no_text_for_people(scripts):
-    kind, _ = scripts
-    made = {(one.old, one.new) for one in kind.sites(TEXT, "room", ROOT / "antenna_pin" / "a.py", ROOT)}
+    kind = scripts
+    made = {(one.old, one.new) for one in kind.sites(TEXT, "room", Path("antenna_pin/a.py"))}
     assert made == {
         ("-2.5", "(2.5)"),
         ("2.5", "3.75"),
@@ -72,21 +74,43 @@ def test_all_kinds_of_break_are_made_and_no_text_for_people(scripts):
     }
 
 
-def test_a_break_lives_if_all_tests_pass_and_the_tree_is_put_right(scripts, tmp_path):
-    kind, script = scripts
+TESTS = """
+from antenna_pin.room.a import size
+
+
+def test_size():
+    assert size() == 2
+"""
+
+
+PROGRAM = """
+import sys
+from pathlib import Path
+from break_sites import sites
+from random_breaks import test_files, verdict
+tree, path = Path(sys.argv[1]), Path("antenna_pin/room/a.py")
+own, other = sorted(sites((tree / path).read_text(), "room", path), key=lambda one: one.start)
+assert (own.old, other.old) == ("2", "3.0")
+assert test_files(tree, own) == (["tests/room/test_a.py"], [])
+for one, known in ((own, {}), (other, {}), (other, {other.key: "nobody calls it"})):
+    print(verdict(tree, one, known, 60.0), flush=True)
+"""
+
+
+def test_a_break_lives_if_all_tests_pass_and_the_tree_is_put_right(tmp_path):
     text = "def size():\n    return 2\n\n\ndef other():\n    return 3.0\n"
     for name, content in {
         "antenna_pin/__init__.py": "",
         "antenna_pin/room/__init__.py": "",
         "antenna_pin/room/a.py": text,
-        "tests/room/test_a.py": "from antenna_pin.room.a import size\n\n\ndef test_size():\n    assert size() == 2\n",
+        "tests/room/test_a.py": TESTS,
     }.items():
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(content, encoding="utf-8")
-    own, other = kind.sites(text, "room", tmp_path / "antenna_pin" / "room" / "a.py", tmp_path)
-    assert (own.old, other.old) == ("2", "3.0")
-    assert script.test_files(tmp_path, own) == (["tests/room/test_a.py"], [])
-    known = {other.key: "nobody calls it"}
-    assert script.verdict(tmp_path, other, known, 60.0) == "equivalent"
+    # In a process that has not imported the package.
+    command = [sys.executable, "-c", PROGRAM, str(tmp_path)]
+    env = {**os.environ, "PYTHONPATH": str(ROOT / "scripts")}
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["killed", "lived", "equivalent"]
     assert (tmp_path / "antenna_pin" / "room" / "a.py").read_text(encoding="utf-8") == text
