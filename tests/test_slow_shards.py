@@ -40,7 +40,7 @@ def test_other_tests_are_dealt_by_their_names():
 
 def test_recorded_durations_fit_into_shards():
     seconds = recorded_seconds()
-    assert len(seconds) > 20
+    assert len(seconds) > 10
     too_long = {name: time for name, time in seconds.items() if time > LONGEST}
     assert not too_long, "fewer of what they try, or split"
     # Two processes; a third of the time is left for tests shorter than those that are recorded.
@@ -93,3 +93,16 @@ def test_no_slow_test_begins_after_the_time(monkeypatch):
     monkeypatch.setattr(conftest, "_BEGUN", time.monotonic() - 1210.0)
     with pytest.raises(pytest.skip.Exception, match="did not begin within 20 min; run: scripts/test -m slow"):
         conftest.pytest_runtest_setup(slow)
+
+
+def test_durations_of_long_tests_are_recorded(monkeypatch, tmp_path):
+    """Those that passed now replace those of before; what has become short is left out."""
+    path = tmp_path / "seconds.json"
+    path.write_text('{"a": 20, "b": 30, "c": 40}')
+    monkeypatch.setattr(conftest, "SLOW_SECONDS", path)
+    passed = [
+        SimpleNamespace(nodeid=name, duration=time) for name, time in (("b", 5.0), ("c", 50.4), ("d", 12.0))
+    ]
+    reporter = SimpleNamespace(config=config(record=True), getreports={"passed": passed}.get)
+    conftest.pytest_terminal_summary(reporter)
+    assert recorded_seconds() == {"a": 20, "c": 50, "d": 12}
