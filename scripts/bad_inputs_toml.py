@@ -177,7 +177,6 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
             ("position", "journal_tilt = [0, 0, 0.1]", "got 0 and 0.1"),
         )
     ),
-    ("no law", _LAW, "", "normal is missing"),
     ("law unknown", "lankarani-nikravesh", "lankarani-nikravish", "did you mean lankarani-nikravesh"),
     ("law a number", _LAW, "normal = 3", "normal"),
     ("law without name", _LAW, "normal = { restitution = 0.8 }", "law"),

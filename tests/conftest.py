@@ -6,12 +6,14 @@ import base64
 import dataclasses
 import io
 import json
+import math
 import os
 import re
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
+import zlib
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -40,10 +42,83 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 _progress._FIRST = 1e6  # [s]
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put what runs whole commands first: a long test that one worker begins last, the other waits for."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keep the slow tests of one shard, and put long tests first: the worker that ends early would wait."""
+    if shard := config.getoption("--shard"):
+        number, count = map(int, shard.split("/"))
+        seconds = recorded_seconds()
+        kept, left_out = [], []
+        for item in items:
+            slow = item.get_closest_marker("slow")
+            here = not slow or shard_of(item.nodeid, count, seconds) == number
+            (kept if here else left_out).append(item)
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = kept
+        items.sort(key=lambda item: -seconds.get(item.nodeid, 0.0))
+        return
     here = Path(__file__).parent
     items.sort(key=lambda item: item.path.parent not in (here, here / "cli"))
+
+
+# --- shards of the slow tests ---
+
+#: Seconds of each slow test that takes at least LONG; ``scripts/test -m slow --record`` renews them.
+SLOW_SECONDS = Path(__file__).with_name("slow_seconds.json")
+LONG = 10.0  # [s]
+_BEGUN = time.monotonic()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options on slow tests."""
+    parser.addoption("--shard", metavar="K/N", help="of the slow tests only those of shard K of N")
+    parser.addoption(
+        "--minutes", type=float, default=math.inf, help="time after which no further slow test begins [min]"
+    )
+    parser.addoption("--record", action="store_true", help=f"write durations to {SLOW_SECONDS.name}")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Refuse a shard that does not exist."""
+    shard = config.getoption("--shard")
+    found = re.fullmatch(r"([1-9]\d*)/([1-9]\d*)", shard) if shard else None
+    if shard and not (found and int(found[1]) <= int(found[2])):
+        raise pytest.UsageError(f"--shard must be K/N with K from 1 to N, such as 2/6, got {shard!r}")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip a slow test that would begin after the time that is allowed."""
+    minutes = item.config.getoption("--minutes")
+    if item.get_closest_marker("slow") and time.monotonic() - _BEGUN > 60.0 * minutes:
+        pytest.skip(f"did not begin within {minutes:g} min; run: scripts/test -m slow '{item.nodeid}'")
+
+
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Write the durations of long tests that passed, if this is wanted."""
+    if terminalreporter.config.getoption("--record"):
+        passed = {one.nodeid: round(one.duration) for one in terminalreporter.getreports("passed")}
+        seconds = {name: time for name, time in recorded_seconds().items() if name not in passed}
+        seconds |= {name: time for name, time in passed.items() if time >= LONG}
+        SLOW_SECONDS.write_text(json.dumps(seconds, indent=0, sort_keys=True) + "\n", encoding="utf-8")
+
+
+def recorded_seconds() -> dict[str, float]:
+    """Return the duration of each long test [s]."""
+    return dict(json.loads(SLOW_SECONDS.read_text(encoding="utf-8")))
+
+
+def shard_of(name: str, count: int, seconds: Mapping[str, float]) -> int:
+    """Return the shard of a slow test, from 1 to count.
+
+    Long tests are dealt by their durations, the longest first, each to the shard with the least to do; all
+    others by a hash of their names.
+    """
+    loads = [0.0] * count
+    for other in sorted(seconds, key=lambda other: (-seconds[other], other)):
+        least = loads.index(min(loads))
+        if other == name:
+            return least + 1
+        loads[least] += seconds[other]
+    return zlib.crc32(name.encode()) % count + 1
 
 
 # --- the command line ---

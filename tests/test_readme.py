@@ -2,8 +2,10 @@
 
 A block that shows a file names it (```` ```python file=scripts/examples/x.py ````) and must equal it.
 Commands in ```` ```console ```` blocks are run from top to bottom, in a folder where ``scripts`` is that of
-the checkout, and what they print must agree but for what differs between machines; blocks marked ``slow``
-are run by the slow tests. To bring blocks up to date::
+the checkout, and what they print must agree but for what differs between machines: to three digits, or to
+those that the block is marked with (``digits=2``; ``digits=0`` is the order of magnitude), as the text after
+it says too. Blocks marked ``slow`` are run by the slow tests; one that is marked ``apart`` begins in an empty
+folder. To bring blocks up to date::
 
     python tests/test_readme.py --write [--slow] [PAGE.md ...]
 
@@ -22,6 +24,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -172,10 +175,32 @@ def in_shell(command: str, folder: Path, given: str = "") -> tuple[str, int]:
     return done.stdout, done.returncode
 
 
-def disagreement(command: str, shown: str, found: str) -> str:
+# A search ends by one of its tolerances: by which, and after how many runs, is a matter of round-off.
+_ENDED = re.compile(r"\d+ runs; the (?:parameters move|sum of squares falls) no more")
+
+
+def agree(a: float, b: float, digits: int) -> bool:
+    """Return whether numbers are the same to so many digits; to none: within a factor of ten."""
+    if digits == 0 and a and b:
+        return 0.1 <= a / b <= 10.0
+    # Single impacts are repeated to 1e-6 within 0.2 s; compilers may order sums otherwise.
+    return abs(a - b) <= 10.0**-digits * abs(a)
+
+
+def _bands(line: str) -> dict[int, float]:
+    """Return the band of each number of a line that has one behind it, as in ``2.00 m  ± 0.03 m``."""
+    numbers = list(_NUMBER.finditer(line))
+    return {
+        k: _value(band[0])
+        for k, (number, band) in enumerate(pairwise(numbers))
+        if "±" in line[number.end() : band.start()] and "±" not in line[: number.start()]
+    }
+
+
+def disagreement(command: str, shown: str, found: str, digits: int = 3) -> str:
     """Return the first line in which outputs differ by more than machines may, or ""."""
     own_numbers = any(name in command for name in _OWN_NUMBERS)
-    right, left = found.splitlines(), shown.splitlines()
+    right, left = (_ENDED.sub("ended", text).splitlines() for text in (found, shown))
     if command == "antenna-pin list":  # models may be added
         return "" if set(left) <= set(right) else "a model or case is not there"
     for one, other in zip(left, right, strict=False):
@@ -184,9 +209,10 @@ def disagreement(command: str, shown: str, found: str) -> str:
             return f"shown: {one}\nfound: {other}"
         if own_numbers or any(name in one for name in _ROUND_OFF):
             continue
-        for a, b in zip(_NUMBER.findall(one), _NUMBER.findall(other), strict=True):
-            # Single impacts are repeated to 1e-6 within 0.2 s; compilers may order sums otherwise.
-            if abs(_value(a) - _value(b)) > 1e-3 * abs(_value(a)):
+        bands = _bands(one) if digits < 3 else {}
+        pairs = zip(_NUMBER.findall(one), _NUMBER.findall(other), strict=True)
+        for k, (a, b) in enumerate((_value(a), _value(b)) for a, b in pairs):
+            if not (abs(a - b) <= bands[k] / 3.0 if k in bands else agree(a, b, digits)):
                 return f"shown: {one}\nfound: {other}"
     return "" if len(left) == len(right) else f"shown: {len(left)} lines\nfound: {len(right)} lines"
 
@@ -195,11 +221,26 @@ def is_slow(info: str) -> bool:
     return "slow" in info.split()
 
 
-def check_commands(path: Path, folder: Path, slow: bool) -> None:
-    problems = []
+def digits_of(info: str) -> int:
+    """Return to how many digits the numbers of a block hold on any machine."""
+    found = re.search(r"\bdigits=(\d)\b", info)
+    return int(found[1]) if found else 3
+
+
+def slow_parts(path: Path) -> list[list[tuple[str, str]]]:
+    """Return the slow blocks of a document, info and commands, by those that need files of one another."""
+    parts: list[list[tuple[str, str]]] = []
     for language, info, block in FENCE.findall(path.read_text()):
-        if language != "console" or is_slow(info) != slow:
-            continue
+        if language == "console" and is_slow(info):
+            if not parts or "apart" in info.split():
+                parts.append([])
+            parts[-1].append((info, block))
+    return parts
+
+
+def check_commands(blocks: list[tuple[str, str]], folder: Path) -> None:
+    problems = []
+    for info, block in blocks:
         for command, shown in commands(block):
             found, code = run(command, folder)
             if any(name in command for name in _TIMINGS):
@@ -207,20 +248,61 @@ def check_commands(path: Path, folder: Path, slow: bool) -> None:
             refused = shown.startswith("antenna-pin: ")
             if (code != 0) != refused:
                 problems.append(f"$ {command}\nexit code {code}\n{found}")
-            elif difference := disagreement(command, shown, found):
+            elif difference := disagreement(command, shown, found, digits_of(info)):
                 problems.append(f"$ {command}\n{difference}")
     assert not problems, "\n\n".join([*problems, "to update: python tests/test_readme.py --write"])
 
 
 @documents
 def test_commands_print_what_is_shown(path, tmp_path):
-    check_commands(path, tmp_path, slow=False)
+    every = FENCE.findall(path.read_text())
+    blocks = [(info, block) for language, info, block in every if language == "console" and not is_slow(info)]
+    check_commands(blocks, tmp_path)
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    "blocks",
+    [
+        pytest.param(part, id=f"{path.name}-{k}")
+        for path in DOCUMENTS
+        for k, part in enumerate(slow_parts(path), start=1)
+    ],
+)
+def test_slow_commands_print_what_is_shown(blocks, tmp_path):
+    check_commands(blocks, tmp_path)
+
+
+_HOLD = ("the order of magnitude", "one digit", "two digits")
+
+
 @documents
-def test_slow_commands_print_what_is_shown(path, tmp_path):
-    check_commands(path, tmp_path, slow=True)
+def test_numbers_that_move_from_machine_to_machine_say_so(path):
+    """A block that is marked is followed by a sentence on the digits that hold."""
+    text = path.read_text()
+    for block in FENCE.finditer(text):
+        if (digits := digits_of(block[2])) != 3:
+            behind = " ".join(text[block.end() :].split("\n\n")[:2][-1].split())
+            assert f"from machine to machine numbers hold to {_HOLD[digits]}" in behind.lower(), block[2]
+
+
+def test_numbers_hold_to_the_digits_that_are_marked():
+    shown = "a 1.000 N\n"
+    assert not disagreement("", shown, "a 1.0009 N\n")
+    assert disagreement("", shown, "a 1.002 N\n")
+    assert not disagreement("", shown, "a 1.009 N\n", 2)
+    assert disagreement("", shown, "a 1.02 N\n", 2)
+    assert not disagreement("", shown, "a 9.9 N\n", 0) and not disagreement("", shown, "a 0.11 N\n", 0)
+    assert disagreement("", shown, "a 11 N\n", 0) and disagreement("", shown, "a -1 N\n", 0)
+    assert digits_of(" slow digits=1") == 1 and digits_of(" slow") == 3
+    # A value to a third of its band.
+    fitted = "a  2.00 N m  ± 0.030 N m (95 %)\n"
+    assert not disagreement("", fitted, "a  2.009 N m  ± 0.040 N m (95 %)\n", 0)
+    assert disagreement("", fitted, "a  2.020 N m  ± 0.040 N m (95 %)\n", 0)
+    assert disagreement("", fitted, "a  2.000 N m  ± 0.040 N m (95 %)\n")
+    ended = "chi2 482.1; 97 runs; the parameters move no more\n"
+    assert not disagreement("", ended, "chi2 482.1; 102 runs; the sum of squares falls no more\n")
+    assert disagreement("", ended, "chi2 482.1; 97 runs; it was stopped\n")
 
 
 # --- links and pictures ---

@@ -94,6 +94,20 @@ def test_a_slow_oscillator_sees_the_area_alone():
     """Of a sawtooth of 10 ms, half a metre a second: omega times it, but for (omega 10 ms)^2."""
     found = shock_spectrum([0.0, 0.01], [0.0, 100.0], [0.1], quality=1e9)
     assert float(found["maximum"][0]) == pytest.approx(2 * math.pi * 0.1 * 0.5, rel=2.5e-3)  # 48 looks
+    # It swings by the velocity over omega, a quarter of a period after the end.
+    assert float(found["pseudo_velocity"][0]) == pytest.approx(0.5, rel=2.5e-3)
+
+
+def test_an_acceleration_the_other_way_has_the_spectrum_with_its_senses_exchanged():
+    """Of a pulse that dies out in a damped swing, whose first way after the end is the larger."""
+    t = np.linspace(0.0, 0.02, 41)
+    a = 100.0 * np.sin(np.pi * t / 0.02)
+    one, other = (shock_spectrum(t, sign * a, [10.0, 60.0, 90.0], quality=2.0) for sign in (1.0, -1.0))
+    np.testing.assert_array_equal(one["positive"], other["negative"])
+    np.testing.assert_array_equal(one["negative"], other["positive"])
+    assert (one["positive"] > 1.1 * one["negative"]).all()
+    for name in ("maximum", "residual", "pseudo_velocity"):
+        np.testing.assert_array_equal(one[name], other[name])
 
 
 def test_a_polygon_of_uneven_samples_is_answered_exactly():

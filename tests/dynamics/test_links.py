@@ -284,27 +284,3 @@ def test_bad_numbers_are_refused_in_one_line(make, said):
     with pytest.raises(AntennaPinError, match=said) as refused:
         make()
     assert "\n" not in str(refused.value)
-
-
-def test_short_pulses_are_lengthened_where_that_is_asked_for():
-    jet = thruster(
-        "a", starts=(0.1, 0.5), durations=(0.01, 0.2), minimum_on_time=0.03, minimum_impulse=0.1,
-        short_pulses="lengthen",
-    )  # fmt: skip
-    assert jet.minimum == 0.04
-    assert jet.pulses == ((0.1, 0.1 + 0.04), (0.5, 0.5 + 0.2))
-
-
-def test_errors_of_direction():
-    """By angle and azimuth as documented; drawn ones with the standard deviation that is given."""
-    tilted = thruster("a", misalignment=0.1, azimuth=0.5)
-    x, y, z = tilted.way
-    # About z the first axis that is most across it is x, and y comes next.
-    np.testing.assert_allclose(
-        (x, y, z), (np.sin(0.1) * np.cos(0.5), np.sin(0.1) * np.sin(0.5), np.cos(0.1)), rtol=0, atol=1e-15
-    )
-    drawn = np.array([thruster("a", misalignment=0.01, seed=seed).way for seed in range(400)])
-    # Of 400 normal numbers: a standard deviation is good to 1 in sqrt(800), here three of these.
-    np.testing.assert_allclose(drawn[:, :2].std(axis=0), 0.01, rtol=3.0 / np.sqrt(800.0))
-    np.testing.assert_allclose(np.linalg.norm(drawn, axis=1), 1.0, rtol=1e-15)
-    assert thruster("a", misalignment=0.01, seed=5).way == thruster("a", misalignment=0.01, seed=5).way

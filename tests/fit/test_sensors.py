@@ -110,6 +110,23 @@ def test_filtered_accelerometer_keeps_the_impulse_of_blows():
     assert np.trapezoid(read, rows) == pytest.approx(velocity[-1] - velocity[0], rel=1e-3)
 
 
+def test_a_filtered_accelerometer_turns_with_its_link():
+    """Means of the change of velocity, along the mean axes, are those of what it reads without a filter."""
+    at_tip = {"sensor": "accelerometer", "link": "bar", "point": [0, 0, "-0.4 m"], "sd": 1.0}
+    column = ColumnSpec(**at_tip, direction=(0.6, 0.0, 0.8), filter={"corner": "20 Hz", "order": 2})
+    plain = ColumnSpec(**at_tip, direction=(0.6, 0.0, 0.8))
+    grid = instants(column, TIME)
+    data = seen(load_scenario("pendulum", case="ideal"), grid, 0.3)
+    step = 1.0 / (PER_PERIOD * 20.0)
+    expected = filtered_points(reading(data, plain, "m/s^2", grid), step, 20.0, 2)
+    # After 0.15 s, 13 decay times, what the two begin with is 2e-6 of 7e-3. Means and averages of both ends
+    # are step^2 / 12 times a second derivative apart, up to 1e-5 and 4e-7 here; axes of a step's end would be
+    # off by half a step times the rate, 4e-4 of 9.8 / 3.
+    late = grid > 0.15
+    found = reading(data, column, "m/s^2", grid)
+    np.testing.assert_allclose(found[late], expected[late], rtol=0, atol=1e-5)
+
+
 # --- what curves are compared by ---
 
 

@@ -216,3 +216,15 @@ def test_a_shape_that_goes_with_a_part_must_have_a_place(tmp_path, place):
     rule = f"shape 'dish' of link 'reflector': <origin xyz> must be three finite numbers, got '{place}'"
     with pytest.raises(MechanismError, match=re.escape(rule)):
         build_system(load_scenario(folder, case="flexible"))
+
+
+@pytest.mark.parametrize("place", [None, (0.1, -0.2, 0.3)])
+def test_a_mode_without_shapes_is_drawn_as_a_small_ball_where_its_body_is(place: Any):
+    """Its radius is 8 % of the link's radius of gyration: of a link twice as large, twice as much."""
+    for size in (0.7, 1.4):
+        link = MassProperties.of(3.0, [1.0, 2.0, -1.0], 0.4 * 3.0 * size**2 * np.eye(3))
+        mode = EffectiveMode(frequency=3.0, mass=0.5, direction=(0.0, 0.0, 1.0), place=place)
+        (ball,) = mode.part("mode", link).drawn
+        assert ball.radius == pytest.approx(0.08 * np.sqrt(0.4) * size, rel=1e-14)
+        expected = link.centre if place is None else np.array(place)
+        np.testing.assert_array_equal(ball.placement[:3, 3], expected)

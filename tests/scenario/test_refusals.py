@@ -495,6 +495,13 @@ def test_refusals(folder, changes, message):
     assert folder.refusal(changes) == message
 
 
+@pytest.mark.parametrize("value", [0, 1, 0.0, "no", "off", "true", "1"], ids=repr)
+@pytest.mark.parametrize("place", ["initial.joints.azimuth.guess", "mechanism.joints.azimuth.sticks"])
+def test_true_or_false_is_nothing_else(folder, place, value):
+    """No word or number that other readers take for it, of fields with a default and without."""
+    assert folder.refusal({place: value}).startswith(f"{place} must be true or false, got {value!r}")
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -1,0 +1,257 @@
+"""Where Python can be broken by one small change, and random draws of these.
+
+Left out is what only people or type checkers read: docstrings, annotations, messages of errors, texts with
+fields, lists of public names, and whether zip is strict.
+"""
+
+from __future__ import annotations
+
+import ast
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import accumulate
+from pathlib import Path
+
+__all__ = ["Break", "draw", "rooms", "sites"]
+
+#: First and last character of a place, and what it becomes.
+Change = tuple[int, int, str]
+PACKAGE = "antenna_pin"
+TOP = "package"  # the room of the modules that are in none
+# Each for another of its kind.
+COMPARED: dict[type[ast.cmpop], str] = {
+    ast.Lt: ">=",
+    ast.LtE: ">",
+    ast.Gt: "<=",
+    ast.GtE: "<",
+    ast.Eq: "!=",
+    ast.NotEq: "==",
+    ast.Is: "is not",
+    ast.IsNot: "is",
+    ast.In: "not in",
+    ast.NotIn: "in",
+}
+UNITS = {
+    "s": "1/s",
+    "m": "rad",
+    "rad": "m",
+    "N": "N m",
+    "N m": "N",
+    "J": "W",
+    "kg": "N",
+    "Hz": "rad/s",
+    "m/s": "rad/s",
+    "rad/s": "m/s",
+    "m/s^2": "m/s",
+}
+# Machine code is tied to these files besides all kernels.
+_COMPILED = ("records.py", "registry.py", "_lanes.py", "_jit.py", "_intrinsics.py")
+
+
+@dataclass(frozen=True, slots=True)
+class Break:
+    """One wrong change of one place.
+
+    Attributes:
+        room: Folder of the package.
+        path: Of the file, from the root of the tree.
+        line: Of the place, from 1.
+        start: First character in the text.
+        old: What is there.
+        new: What it becomes.
+        before: Rest of the first line before it.
+        after: Rest of the last line behind it.
+        names: Public names of the module.
+    """
+
+    room: str
+    path: Path
+    line: int
+    start: int
+    old: str
+    new: str
+    before: str
+    after: str
+    names: frozenset[str]
+
+    @property
+    def plain(self) -> bool:
+        """Whether kernels have to run as plain Python, for theirs would be compiled anew."""
+        name = self.path.name
+        return name.endswith("kernels.py") or name in _COMPILED
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """File, line as it is and as it becomes, by which the list of equivalent ones knows it."""
+        lines = (f"{self.before}{text}{self.after}".strip() for text in (self.old, self.new))
+        return (str(self.path.relative_to(PACKAGE)), *lines)
+
+    def made(self, text: str) -> str:
+        """Return the text of the file with the change."""
+        return text[: self.start] + self.new + text[self.start + len(self.old) :]
+
+    def __str__(self) -> str:
+        _, old, new = self.key
+        return f"{self.path}:{self.line}: {old!r} -> {new!r}"
+
+
+def rooms(root: Path) -> list[str]:
+    """Return the rooms of the package that have tests of their own."""
+    folders = sorted(one.name for one in (root / PACKAGE).iterdir() if (root / "tests" / one.name).is_dir())
+    return [*folders, TOP]
+
+
+def draw(root: Path, count: int, seed: int, room: str | None = None) -> list[Break]:
+    """Return random breaks: rooms take turns, and a longer draw begins as a shorter one of the same seed."""
+    names = [room] if room else rooms(root)
+    turns = {name: _shuffled(root, name, seed) for name in names}
+    found: list[Break] = []
+    while len(found) < count and turns:
+        for name in list(turns):
+            one = next(turns[name], None)
+            if one is None:
+                del turns[name]
+            elif len(found) < count:
+                found.append(one)
+    return found
+
+
+def _shuffled(root: Path, room: str, seed: int) -> Iterator[Break]:
+    every = list(_places(root, room))
+    random.Random(f"{seed} {room}").shuffle(every)
+    for file, change in every:
+        yield _made(file.read_text(encoding="utf-8"), change, room, file.relative_to(root))
+
+
+@cache
+def _places(root: Path, room: str) -> tuple[tuple[Path, Change], ...]:
+    folder = root / PACKAGE
+    files = sorted(folder.glob("*.py") if room == TOP else (folder / room).rglob("*.py"))
+    return tuple((file, one) for file in files for one in _changes(file.read_text(encoding="utf-8")))
+
+
+def sites(text: str, room: str, path: Path) -> list[Break]:
+    """Return all breaks of a file's text."""
+    return [_made(text, change, room, path) for change in _changes(text)]
+
+
+def _made(text: str, change: Change, room: str, path: Path) -> Break:
+    begin, end, new = change
+    first, last = text.rfind("\n", 0, begin) + 1, text.find("\n", end)
+    before, after = text[first:begin], text[end : last if last >= 0 else len(text)]
+    public = frozenset(
+        node.name
+        for node in ast.parse(text).body
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_")
+    )
+    line = text.count("\n", 0, begin) + 1
+    return Break(room, path, line, begin, text[begin:end], new, before, after, public)
+
+
+def _changes(text: str) -> Iterator[Change]:
+    """Yield first and last character of what is changed, and what it becomes."""
+    lines = text.splitlines(keepends=True)
+    starts = [0, *accumulate(map(len, lines))]
+
+    def at(line: int, column: int) -> int:
+        row = lines[line - 1]
+        return starts[line - 1] + (column if row.isascii() else len(row.encode()[:column].decode()))
+
+    def span(node: ast.AST) -> tuple[int, int]:
+        return at(node.lineno, node.col_offset), at(node.end_lineno, node.end_col_offset)  # type: ignore[attr-defined]
+
+    def source(node: ast.AST) -> str:
+        begin, end = span(node)
+        return text[begin:end]
+
+    def within(node: ast.expr) -> str:
+        # A part of a line may lean on brackets of what it stands in.
+        return f"({source(node)})"
+
+    for node in _read(ast.parse(text)):
+        if isinstance(node, ast.Constant):
+            new = _constant(node.value)
+            if new is not None:
+                yield (*span(node), new)
+        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.Not):
+            yield (*span(node), within(node.operand))
+        elif isinstance(node, ast.BinOp):
+            yield from _operation(node, span, within)
+        elif isinstance(node, ast.BoolOp):
+            word = " or " if isinstance(node.op, ast.And) else " and "
+            yield (*span(node), f"({word.join(within(one) for one in node.values)})")
+            yield (*span(node), within(node.values[0]))
+        elif isinstance(node, ast.Compare) and len(node.ops) == 1:
+            word = COMPARED[type(node.ops[0])]
+            yield (*span(node), f"({within(node.left)} {word} {within(node.comparators[0])})")
+        elif isinstance(node, ast.Call) and len(node.args) >= 2:
+            one, other = node.args[:2]
+            apart = source(one) != source(other)
+            if apart and not any(isinstance(arg, ast.Starred | ast.GeneratorExp) for arg in (one, other)):
+                begin, end = span(one)[0], span(other)[1]
+                between = text[span(one)[1] : span(other)[0]]
+                yield begin, end, f"{source(other)}{between}{source(one)}"
+
+
+def _operation(
+    node: ast.BinOp, span: Callable[[ast.AST], tuple[int, int]], within: Callable[[ast.expr], str]
+) -> Iterator[Change]:
+    left, right = within(node.left), within(node.right)
+    if _is_text(node.left) or _is_text(node.right):
+        return  # of texts
+    pairs = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*"}
+    word = pairs.get(type(node.op))
+    if word is not None:
+        yield (*span(node), f"({left} {word} {right})")
+    if isinstance(node.op, ast.Mult | ast.Div):  # without a factor
+        yield (*span(node), left)
+    if isinstance(node.op, ast.MatMult | ast.Sub):  # turned round
+        sign = "@" if isinstance(node.op, ast.MatMult) else "-"
+        yield (*span(node), f"({right} {sign} {left})")
+
+
+def _is_text(node: ast.expr) -> bool:
+    return isinstance(node, ast.JoinedStr) or (
+        isinstance(node, ast.Constant) and not isinstance(node.value, int | float)
+    )
+
+
+def _constant(value: object) -> str | None:
+    """Return another constant of its kind; None where there is none."""
+    if isinstance(value, bool):
+        return str(not value)
+    if isinstance(value, int):
+        return str(value + 1)
+    if isinstance(value, float):
+        return repr(1.5 * value) if value else "1.0"
+    if isinstance(value, str) and value in UNITS:
+        return repr(UNITS[value])
+    return None
+
+
+def _read(tree: ast.Module) -> Iterator[ast.AST]:
+    """Yield the nodes of what is run, but for what the module's docstring leaves out."""
+    nodes: list[ast.AST] = [tree]
+    while nodes:
+        node = nodes.pop()
+        yield node
+        below: list[ast.AST] = []
+        for name, value in ast.iter_fields(node):
+            if name not in ("annotation", "returns", "type_params"):
+                children = value if isinstance(value, list) else [value]
+                below += [one for one in children if isinstance(one, ast.AST) and not _is_left_out(one)]
+        nodes += reversed(below)
+
+
+def _is_left_out(node: ast.AST) -> bool:
+    if isinstance(node, ast.Raise | ast.JoinedStr | ast.Import | ast.ImportFrom):
+        return True
+    if isinstance(node, ast.keyword):  # of zip: an assertion
+        return node.arg == "strict"
+    if isinstance(node, ast.Assign):
+        return any(isinstance(one, ast.Name) and one.id == "__all__" for one in node.targets)
+    if isinstance(node, ast.If):
+        return isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)

@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+"""Break the package at random, one small change at a time, and see whether the tests of the room notice.
+
+    scripts/random_breaks.py --count 300 --seed 0       hours; rooms take turns
+    scripts/random_breaks.py --count 5 --room fit       in one room
+    scripts/random_breaks.py --count 300 --list         what would be broken, and run nothing
+    scripts/random_breaks.py --only 17 40               some of those, by their numbers
+
+Numbers, signs, comparisons, indices, units, factors and arguments are changed where a room's Python has them
+(``break_sites.py``). A break is run against the tests that are not slow in ``tests/ROOM``: first those files
+that name something of the broken module, then all others. It is *killed* if one fails, *lived* if all pass,
+*equivalent* if ``random_breaks.toml`` says why nothing can notice it, *unclear* if the time ran out.
+What lives becomes a test, or the line goes. Each break is made in a copy of the tree in a temporary folder.
+Kernels run as plain Python where one of their files is broken, so that nothing is compiled.
+Exit code 1 if one in ten or more lived.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import tomllib
+from collections import Counter
+from pathlib import Path
+
+from break_sites import Break, draw, rooms
+
+ROOT = Path(__file__).resolve().parents[1]
+EQUIVALENT = Path(__file__).with_suffix(".toml")
+#: Imported once, before a process is made for each run of tests.
+PRELOADED = ("numpy", "scipy.optimize", "scipy.signal", "xarray", "numba", "pinocchio", "pydantic", "pytest")
+
+
+def test_files(tree: Path, broken: Break) -> tuple[list[str], list[str]]:
+    """Return the test files of a break that name something of its module, and the others of its room."""
+    folder = tree / "tests" / broken.room
+    own = sorted(folder.rglob("test_*.py")) if folder.is_dir() else []
+    top = sorted((tree / "tests").glob("test_*.py"))
+    names = {broken.path.stem.removesuffix("_kernels"), *broken.names}
+    pattern = re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(names)))})\b")
+
+    def named(files: list[Path]) -> list[str]:
+        found = [(len(pattern.findall(file.read_text(encoding="utf-8"))), file) for file in files]
+        found.sort(key=lambda one: (-one[0], one[1]))
+        return [str(file.relative_to(tree)) for count, file in found if count]
+
+    first = named(own) + (named(top) if not own else [])
+    rest = [str(file.relative_to(tree)) for file in own]
+    return first, [name for name in rest if name not in first]
+
+
+def run_tests(tree: Path, files: list[str], plain: bool, timeout: float) -> int | None:
+    """Return pytest's exit code on test files in a process of its own; None if it took too long."""
+    child = os.fork()
+    if child == 0:
+        os.setsid()
+        os.chdir(tree)
+        silent = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(silent, 1)
+        os.dup2(silent, 2)
+        os.environ |= {"PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
+        os.environ["NUMBA_DISABLE_JIT"] = str(int(plain))
+        os.environ.setdefault("ANTENNA_PIN_TEST_BROWSER", "skip")
+        sys.dont_write_bytecode = True
+        sys.path.insert(0, str(tree))
+        import numba
+        import pytest
+
+        numba.config.DISABLE_JIT = int(plain)
+        code = 99
+        try:
+            code = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-n", "0", *files]))
+        finally:
+            os._exit(code)
+    until = time.monotonic() + timeout
+    while time.monotonic() < until:
+        done, status = os.waitpid(child, os.WNOHANG)
+        if done:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.05)
+    os.killpg(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    return None
+
+
+def verdict(tree: Path, broken: Break, equivalent: dict[tuple[str, str, str], str], timeout: float) -> str:
+    """Make a break in the tree, run the tests of its room, and put the tree right again."""
+    if broken.key in equivalent:
+        return "equivalent"
+    path = tree / broken.path
+    text, stat = path.read_text(encoding="utf-8"), path.stat()
+    path.write_text(broken.made(text), encoding="utf-8")
+    until = time.monotonic() + timeout
+    try:
+        for files in test_files(tree, broken):
+            left = until - time.monotonic()
+            code = run_tests(tree, files, broken.plain, max(left, 1.0)) if files else 5
+            if code is None:
+                return "unclear"
+            if code not in (0, 5):  # all passed; nothing there
+                return "killed"
+    finally:
+        path.write_text(text, encoding="utf-8")
+        os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
+    return "lived"
+
+
+def main() -> int:
+    """Run the breaks that are asked for."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
+    parser.add_argument("--count", type=int, default=30, help="how many to draw")
+    parser.add_argument("--seed", type=int, default=0, help="of the draw")
+    parser.add_argument("--room", choices=rooms(ROOT), help="draw from one room only")
+    parser.add_argument("--only", type=int, nargs="+", metavar="N", help="run these of the drawn ones")
+    parser.add_argument("--list", action="store_true", help="print what is drawn, and run nothing")
+    parser.add_argument("--timeout", type=float, default=900.0, help="of the tests of one break [s]")
+    asked = parser.parse_args()
+    drawn = draw(ROOT, asked.count, asked.seed, asked.room)
+    numbers = asked.only or list(range(1, len(drawn) + 1))
+    if not all(1 <= number <= len(drawn) for number in numbers):
+        parser.error(f"--only must be of 1 to {len(drawn)}")
+    if asked.list:
+        for number in numbers:
+            print(f"{number:4}  {drawn[number - 1]}")
+        return 0
+    tables = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))["equivalent"]
+    equivalent = {(one["file"], one["old"], one["new"]): one["why"] for one in tables}
+    for name in PRELOADED:
+        __import__(name)
+    seen: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory(prefix="breaks-") as folder:
+        tree = Path(folder) / "tree"
+        leave = shutil.ignore_patterns(".git", ".*_cache", ".venv", "dist", "build")
+        shutil.copytree(ROOT, tree, ignore=leave, symlinks=True)
+        for number in numbers:
+            broken, began = drawn[number - 1], time.monotonic()
+            found = verdict(tree, broken, equivalent, asked.timeout)
+            seen[found] += 1
+            print(f"{number:4}  {found:10} {time.monotonic() - began:4.0f} s  {broken}", flush=True)
+    print(", ".join(f"{count} {name}" for name, count in sorted(seen.items())))
+    return int(10 * seen["lived"] >= max(1, seen["lived"] + seen["killed"]))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

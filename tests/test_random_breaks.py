@@ -1,0 +1,116 @@
+"""Random breaks: what is drawn is Python that differs, and always the same."""
+
+import importlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def scripts():
+    """The module of sites."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(ROOT / "scripts"))
+        yield importlib.import_module("break_sites")
+
+
+def test_what_is_drawn_is_python_that_differs(scripts):
+    kind = scripts
+    drawn = kind.draw(ROOT, 2 * len(kind.rooms(ROOT)), 0)
+    assert {one.room for one in drawn} == set(kind.rooms(ROOT))
+    for one in drawn:
+        text = (ROOT / one.path).read_text(encoding="utf-8")
+        assert text[one.start :].startswith(one.old) and one.new != one.old, str(one)
+        compile(one.made(text), str(one.path), "exec")
+
+
+def test_a_longer_draw_begins_as_a_shorter_one(scripts):
+    kind = scripts
+    assert kind.draw(ROOT, 70, 0)[:40] == kind.draw(ROOT, 40, 0) != kind.draw(ROOT, 40, 1)
+    assert {one.room for one in kind.draw(ROOT, 5, 0, "fit")} == {"fit"}
+
+
+TEXT = '''"""A docstring with 1."""
+__all__ = ["a"]
+x: float = -2.5
+unit = "N"
+name = "other"
+
+
+def a(b, c, *, d: int = 1):
+    """Return 2 of them."""
+    if not b and c[0] < 3:
+        raise ValueError(f"{b} is 4")
+    return b * c - f(b, c), b @ c, True
+'''
+
+
+def test_all_kinds_of_break_are_made_and_no_text_for_people(scripts):
+    kind = scripts
+    made = {(one.old, one.new) for one in kind.sites(TEXT, "room", Path("antenna_pin/a.py"))}
+    assert made == {
+        ("-2.5", "(2.5)"),
+        ("2.5", "3.75"),
+        ('"N"', "'N m'"),
+        ("1", "2"),
+        ("not b and c[0] < 3", "((not b) or (c[0] < 3))"),
+        ("not b and c[0] < 3", "(not b)"),
+        ("not b", "(b)"),
+        ("c[0] < 3", "((c[0]) >= (3))"),
+        ("0", "1"),
+        ("3", "4"),
+        ("b * c - f(b, c)", "((b * c) + (f(b, c)))"),
+        ("b * c - f(b, c)", "((f(b, c)) - (b * c))"),
+        ("b * c", "((b) / (c))"),
+        ("b * c", "(b)"),
+        ("b, c", "c, b"),
+        ("b @ c", "((c) @ (b))"),
+        ("True", "False"),
+    }
+
+
+TESTS = """
+from antenna_pin.room.a import size
+
+
+def test_size():
+    assert size() == 2
+"""
+
+
+PROGRAM = """
+import sys
+from pathlib import Path
+from break_sites import sites
+from random_breaks import test_files, verdict
+tree, path = Path(sys.argv[1]), Path("antenna_pin/room/a.py")
+own, other = sorted(sites((tree / path).read_text(), "room", path), key=lambda one: one.start)
+assert (own.old, other.old) == ("2", "3.0")
+assert test_files(tree, own) == (["tests/room/test_a.py"], [])
+for one, known in ((own, {}), (other, {}), (other, {other.key: "nobody calls it"})):
+    print(verdict(tree, one, known, 60.0), flush=True)
+"""
+
+
+def test_a_break_lives_if_all_tests_pass_and_the_tree_is_put_right(tmp_path):
+    text = "def size():\n    return 2\n\n\ndef other():\n    return 3.0\n"
+    for name, content in {
+        "antenna_pin/__init__.py": "",
+        "antenna_pin/room/__init__.py": "",
+        "antenna_pin/room/a.py": text,
+        "tests/room/test_a.py": TESTS,
+    }.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content, encoding="utf-8")
+    # In a process that has not imported the package.
+    command = [sys.executable, "-c", PROGRAM, str(tmp_path)]
+    env = {**os.environ, "PYTHONPATH": str(ROOT / "scripts")}
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["killed", "lived", "equivalent"]
+    assert (tmp_path / "antenna_pin" / "room" / "a.py").read_text(encoding="utf-8") == text
