@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.elements.own_load import NUMBERS_OF_LOAD, check_load, check_unloaded, numbers_of_load
-from antenna_pin.elements.sticking_friction_kernels import STANDS
+from antenna_pin.elements.sticking_friction_kernels import STANDSTILL_RATE
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.parameters import parameter
 
@@ -148,7 +148,7 @@ class StickingFriction(ModalElement):
 
     def follows(self, met: Met) -> Change:
         """Return the change at a joint whose rate is prescribed: one that stands keeps its last way."""
-        if abs(met.rate) > 0.5 * STANDS:  # its functions pass at STANDS, by round-off less
+        if abs(met.rate) > 0.5 * STANDSTILL_RATE:  # its functions pass at STANDSTILL_RATE, by round-off less
             mode = self.slips(met.rate).mode
         else:
             mode = self.mode if self.mode in (_FORWARD, _BACKWARD) else _UNDECIDED

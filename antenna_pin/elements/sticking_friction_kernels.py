@@ -45,7 +45,7 @@ PULLED = 5
 
 #: Rate up to which a joint stands whose rate is prescribed: above the round-off of rates that rows hold
 #: [rad/s] ([m/s]).
-STANDS = 1e-10
+STANDSTILL_RATE = 1e-10
 
 
 @inlined
@@ -112,8 +112,8 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
     if k == 0:
         if law.prescribed != 0.0:
             if law.mode == UNDECIDED:
-                return float(STANDS - abs(rate)), 0.0
-            return float(_direction(law.mode) * rate + STANDS), 0.0
+                return float(STANDSTILL_RATE - abs(rate)), 0.0
+            return float(_direction(law.mode) * rate + STANDSTILL_RATE), 0.0
         if law.mode == FORWARD:
             return float(rate), 0.0
         if law.mode == UNDECIDED:
