@@ -200,7 +200,8 @@ def with_element(rig: Scenario, family: str, kind: str) -> tuple[Scenario, dict[
     scenario = rig.with_overrides({f"{family}.{name}": table, **BESIDES.get((family, kind), {})})
     if family != "bearings":
         return scenario, {}
-    return scenario, {"v": pushed(scenario, 2, 0.02)}  # along the axis alone: all goes into the bearing
+    # Along the axis alone: all goes into the bearing, and a preload does not lift off.
+    return scenario, {"v": pushed(scenario, 2, 0.02 if kind == "preload" else 0.2)}
 
 
 def pushed(scenario: Scenario, axis: int, speed: float) -> np.ndarray:
