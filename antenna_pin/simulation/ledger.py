@@ -233,9 +233,10 @@ class Audit:
         stiffness = np.zeros_like(position)
         moved = start["farthest"] > np.finfo(float).eps * position
         way = start["farthest"][moved]
-        by_force = start["inertia"][moved] * start["sharpest"][moved] / way
-        stiffness[moved] = np.fmin(by_force, 2.0 * energy / way**2)
-        return float(0.5 * (start["inertia"] * velocity**2 + stiffness * position**2).sum())
+        with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is told by the outcome
+            by_force = start["inertia"][moved] * start["sharpest"][moved] / way
+            stiffness[moved] = np.fmin(by_force, 2.0 * energy / way / way)
+            return float(0.5 * (start["inertia"] * velocity**2 + stiffness * position**2).sum())
 
     def energy_bound(self) -> float:
         """Return the error of the balance that is explained [J]."""

@@ -91,14 +91,14 @@ def _events(run: Run, before: float, time: float) -> Iterator[str]:
     for one in run.actions.happened:
         if here(one.time):
             yield f"event {one.name!r}"
-    for one in run.actions.modes.changed:
-        if here(one.time):
-            yield one.name
-    for one in run.episodes:
-        name = run.system.contact_names[int(one["contact"])]
-        if here(float(one["onset"])):
+    for changed in run.actions.modes.changed:
+        if here(changed.time):
+            yield changed.name
+    for episode in run.episodes:
+        name = run.system.contact_names[int(episode["contact"])]
+        if here(float(episode["onset"])):
             yield f"contact {name} begins"
-        if here(float(one["release"])):
+        if here(float(episode["release"])):
             yield f"contact {name} ends"
 
 
