@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from antenna_pin.constraints.closure import CLOSURES, OPPOSITE, Anchor, Closure, ClosureKind, Holds
     from antenna_pin.constraints.coupling import Coupling, check_order, spread
     from antenna_pin.constraints.plan import DrivenJoint, Plan, make_plan, on_body
-    from antenna_pin.constraints.restraints import motions_that_prescribe
+    from antenna_pin.constraints.restraints import motions_that_prescribe, rows_that_share
     from antenna_pin.constraints.search import Unclosed, find_configuration, worst_row
     from antenna_pin.constraints.solver import Constraints
 
@@ -41,6 +41,7 @@ __all__ = [
     "make_plan",
     "mobility",
     "motions_that_prescribe",
+    "rows_that_share",
     "on_body",
     "redundancies",
     "spread",
@@ -54,7 +55,7 @@ loaded_when_used(
         "closure": "Anchor CLOSURES Closure ClosureKind Holds OPPOSITE",
         "coupling": "Coupling check_order spread",
         "plan": "DrivenJoint Plan make_plan on_body",
-        "restraints": "motions_that_prescribe",
+        "restraints": "motions_that_prescribe rows_that_share",
         "search": "Unclosed find_configuration worst_row",
         "solver": "Constraints",
     },

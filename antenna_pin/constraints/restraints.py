@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from antenna_pin.constraints.factor_kernels import NOTHING
 from antenna_pin.constraints.solver import Constraints
 
-__all__ = ["motions_that_prescribe"]
+__all__ = ["motions_that_prescribe", "rows_that_share"]
 
 Array = NDArray[np.float64]
 
@@ -52,3 +52,20 @@ def _combination(rows: Array, at: int) -> Array | None:
     unit = rows / lengths[:, None]
     found = np.linalg.lstsq(unit.T, wanted, rcond=_RANK)[0] if len(rows) else np.zeros(0)
     return found if np.abs(unit.T @ found - wanted).max() < _RANK else None
+
+
+def rows_that_share(constraints: Constraints) -> tuple[int, ...]:
+    """Return the elements, by the number of their row, whose load other rows could carry as well.
+
+    Args:
+        constraints: With the rows of the state written.
+    """
+    rows = constraints.every_row
+    lengths = np.linalg.norm(rows, axis=1)
+    some = np.flatnonzero(lengths > NOTHING * constraints.plan.length)
+    if not len(some):
+        return ()
+    _, sizes, ways = np.linalg.svd((rows[some] / lengths[some, None]).T)
+    loads = ways[np.count_nonzero(sizes > _RANK) :]  # that balance each other
+    shares = np.abs(loads).max(axis=0, initial=0.0) > _RANK
+    return tuple(int(k) - constraints.rows for k in some[shares] if k >= constraints.rows)

@@ -138,6 +138,8 @@ def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, fl
             change = one.element.first(met) if one.element.acts else one.element.first_off(met)
             if change is not None:
                 found.change(one.place, change)
+                for other in change.switches_off:  # what a latch holds at the start it has captured
+                    found.set(f"{other}.on", False)
     return tuple(found.values.items())
 
 

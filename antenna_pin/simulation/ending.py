@@ -60,18 +60,23 @@ def too_deep(run: Any) -> tuple[Outcome, str]:
 
 
 def undetermined(run: Any) -> str:
-    """Return of which frictions the torque is not determined while their joint stands; "" if of none."""
+    """Return of which elements the load is not determined while their joint stands; "" if of none."""
     names = [
         one.label
         for one in acting_in(run.system)
         if getattr(run.actions.adjustments.elements[one.place], "prescribed", False)
     ]
-    if not names:
-        return ""
-    return (
+    said = (
         f"; {', '.join(names)}: the joint is held to a motion, and while it stands the torque of friction is "
         "not determined: recorded is that of the way it came"
+        if names
+        else ""
     )
+    if shares := sorted(run.actions.modes.shares):
+        said += (
+            f"; {', '.join(shares)}: one freedom is held by several, the share of its load is not determined"
+        )
+    return said
 
 
 def message_of(run: Any, outcome: Outcome, what: str) -> tuple[Outcome, str]:

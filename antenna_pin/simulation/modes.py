@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.constraints import rows_that_share
 from antenna_pin.dynamics import Adjustments, Workspace, acting_in, first_modes
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.dynamics.restraints import check_restraint
@@ -65,6 +66,8 @@ class Modes:
         self.grazed: set[tuple[str, int]] = set()
         self._rest = Settling(workspace, adjustments, self._acting)
         self._blows = Blows(workspace, adjustments, self._acting)
+        #: What has held a freedom together with others, by name: how they share its load is not determined.
+        self.shares: set[str] = set()
         self._limit = _AT_MOST * (1 + len(self._acting))
         self._instant, self._taken = math.nan, 0
 
@@ -161,9 +164,20 @@ class Modes:
             else:
                 break
             changed = True
+        if changed and self._holds:
+            self._see_shares(t, y)
         if not changed and (past := next((one for one in located if self._due.is_past(one, t, y)), None)):
             raise NeverSettlesError(past.place)
         return changed
+
+    def _see_shares(self, t: float, y: Array) -> None:
+        """Note which elements hold a freedom together with others."""
+        constraints = self._workspace.constraints
+        assert constraints is not None
+        constraints.residuals(t, y, self._workspace.program)
+        names = [self._holds[k] for k in rows_that_share(constraints)]
+        names += [place for place in self._acting if self._rest.pushes(place)]
+        self.shares.update(self._acting[name].label for name in names if name in self._acting)
 
     def _make(self, phase: int, together: Sequence[Passing], t: float, y: Array) -> None:
         """Make the changes of one round, with their impulses, and record them."""

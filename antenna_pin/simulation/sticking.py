@@ -105,6 +105,10 @@ class Settling:
         """Whether there are any."""
         return bool(self._acting)
 
+    def pushes(self, place: str) -> bool:
+        """Return whether an element is friction that pushes with all it has at a joint that others hold."""
+        return place in self._dry and self._element(place).mode in (PUSHED, PULLED)
+
     def decides(self, place: str, number: int) -> bool:
         """Return whether what passes by a function of an element is decided here."""
         return place in self._acting and (place in self._dry or number == LOADED)
