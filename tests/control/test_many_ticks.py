@@ -42,7 +42,8 @@ def test_many_instants():
     """The rate is the sum of the pushes, and one push or none; the way that of every other push."""
     square = Square()
     settings = RunSettings(output_rate=1.0)
-    simulate(rig(), duration=0.01, controllers={"square": square}, settings=settings)  # all is loaded
+    short = simulate(rig(), duration=0.5, controllers={"square": square}, settings=settings)
+    assert short.data.ticks.values.tolist() == [1001]  # all is loaded, the labelled data too
     before = largest()
     run = simulate(rig(), duration=MANY * PERIOD, controllers={"square": square}, settings=settings)
     assert run.completed, run.message
