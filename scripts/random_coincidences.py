@@ -203,7 +203,7 @@ class Mechanism:
             else:
                 drives[f"d_{joint}"] = ConstantDrive(joint=joint, value=0.5 * n["drive"], on=on)
         for place in [f"frictions.f_{joint}"] if late and "friction" in dealt else []:
-            events.append(Event(name=f"late_{joint}", when=Time(0.0), action=Set(place, True)))
+            events.append(Event(name=f"late_{joint}", when=Time(0.0), action=Set(f"{place}.on", True)))
         if "event" in dealt:
             self._event(joint, width, angle, events)
 

@@ -142,7 +142,9 @@ def push_apart(
     for (k, found), force in zip(some, forces[end:], strict=True):
         # Of stops that share a push not in one way only, the least one may pull: then theirs as found.
         sizes[k] = force if np.all(forces[end:] >= 0.0) else found
-    velocity, size = v + change, float(np.abs(lacks).max(initial=0.0))
+    velocity = v + change
+    length = 1.0 if workspace.system.plan is None else workspace.system.plan.length
+    near = _MET * float(np.abs(lacks).max(initial=0.0)) + _ROUND_OFF * length
     work = 0.5 * forces[:end] * np.array([row @ (velocity + v) for row in rows])
     return Pushed(
         velocity=velocity,
@@ -151,7 +153,7 @@ def push_apart(
         holds=forces[end - held : end] * _lengths(workspace, held),
         lost=-work[end - held : end],
         works=work[: len(workspace.system.motions)],
-        met=all(abs(row @ change - lack) <= _MET * size for row, lack in zip(rows, lacks, strict=True)),
+        met=all(abs(row @ change - lack) <= near for row, lack in zip(rows, lacks, strict=True)),
     )
 
 

@@ -59,6 +59,8 @@ _AT_STOP, _HOP, _LEAST_HOP = 1e-11, 4.0 * np.finfo(float).eps, 1e-20
 # Of a stop's load and acceleration, over the largest there are: round-off, ten times as much each time that
 # it is turned over.
 _SLACK = 1e-13
+# An acceleration that is none [rad/s^2] ([m/s^2]).
+_NO_MOTION = 1e-12
 # Rounds in which turning over all makes those that do not keep their rule no fewer.
 _PATIENCE = 4
 # Of a grip: by what a torque at which a joint lets go, which is located, may be off.
@@ -313,9 +315,9 @@ class Settling:
         size = float(np.abs(loads).max(initial=0.0))
         if self._stop_of(place).mode != FREE:
             pushes = (1.0 if side == LOWER else -1.0) * float(loads[self._hold[place]])
-            return pushes < -slack[place] * size
+            return pushes < -max(slack[place] * size, _NO_MOTION / self._alone(place, y))
         most = float(np.abs(self._rates[: self._workspace.model.nv]).max())
-        return self._off(place, side) < -slack[place] * (most + self._alone(place, y) * size)
+        return self._off(place, side) < -slack[place] * (most + self._alone(place, y) * size) - _NO_MOTION
 
     def _errs(self, place: str, y: Array, loads: Array, let_go: set[str]) -> bool:
         """Return whether a joint that sticks carries too much, or one that slips goes the other way.

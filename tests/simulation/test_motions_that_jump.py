@@ -286,7 +286,7 @@ def test_a_run_ends_where_an_event_would_move_a_motion_at_once():
     event = Event(name="e", when=Angle("trolley", 0.05), action=Set("drives.trolley.amplitude", 0.3))
     run = ran(crane(SINE), v=0.2 * np.pi, events=[event])
     assert run.outcome is Outcome.REFUSED
-    assert "event 'e': drives.trolley.amplitude" in run.message
+    assert "event 'e' sets drives.trolley.amplitude = 0.3: " in run.message
     assert "got 0.1 m" in run.message
     assert run.data["q"].values[-1, 0] == pytest.approx(0.05, abs=1e-12)
 
