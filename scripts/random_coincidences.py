@@ -211,7 +211,7 @@ class Mechanism:
         kind, limit = self.kinds["window"], self.limit
         return {
             "to the stop": (0.01, limit - 0.01),
-            "point": (0.0, limit - (0.02 if self.numbers["point"] < 0.5 else 0.0)),
+            "point": (0.0, limit - (0.02 if "stop" in self.dealt else 0.0)),
             "around the stop": (0.02, limit),
             "before the stop": (0.01, limit - 0.05),
         }[kind]
@@ -256,7 +256,6 @@ _NUMBERS = (
     "off",
     "sine",
     "drive",
-    "point",
 )
 
 

@@ -59,6 +59,8 @@ _AT_STOP, _HOP, _LEAST_HOP = 1e-11, 4.0 * np.finfo(float).eps, 1e-20
 # Of a stop's load and acceleration, over the largest there are: round-off, ten times as much each time that
 # it is turned over.
 _SLACK = 1e-13
+# When the next derivative is looked for [s].
+_SOON = 1e-6
 # An acceleration that is none [rad/s^2] ([m/s^2]).
 _NO_MOTION = 1e-12
 # Rounds in which turning over all makes those that do not keep their rule no fewer.
@@ -274,7 +276,7 @@ class Settling:
     ) -> None:
         """Turn over what does not keep its rule, until all do."""
         rows = (*resting, *sides)
-        slack = dict.fromkeys(sides, _SLACK)
+        slack, foreseen = dict.fromkeys(sides, _SLACK), set[str]()
         fewest, patience = len(rows) + 1, _PATIENCE
         for _ in range(8 * (1 + len(rows)) ** 2):
             loads = self._loads(t, y)
@@ -283,8 +285,20 @@ class Settling:
             # Those that push against others turn over as they are looked at.
             pushing = [one for one in resting if self._element(one).mode in (PUSHED, PULLED)]
             count = len(wrong) + sum(not self._push(place, t, y) for place in pushing)
+            if count == 0 and (soon := self._soon_at_stops(sides, foreseen, t, y)):
+                foreseen.update(soon)
+                for place in soon:
+                    self._turn(place, self._stop_of(place).rests(sides[place]))
+                    slack[place] = max(slack[place], _LOCATED)
+                fewest, patience = len(rows) + 1, _PATIENCE
+            elif count == 0:
+                # What slips against a stop that now holds the joint pushes.
+                slips = [one for one in resting if self._element(one).mode in (FORWARD, BACKWARD)]
+                if not sides or not any([self._push(place, t, y) for place in slips]):
+                    return
+                fewest, patience = len(rows) + 1, _PATIENCE
             if count == 0:
-                return
+                continue
             if count < fewest:
                 fewest, patience = count, _PATIENCE
             else:
@@ -302,6 +316,30 @@ class Settling:
                     self._turn(place, self._element(place).sticks(met[place]))
                     let_go.add(place)
         raise NeverSettlesError(rows[0])
+
+    def _soon_at_stops(self, sides: Mapping[str, int], foreseen: set[str], t: float, y: Array) -> list[str]:
+        """Return joints at their stops that do not accelerate, but for round-off, and soon go into them.
+
+        As where friction lets go of a joint that its growing load presses to the stop.
+        """
+        model, nq = self._workspace.model, self._workspace.model.nq
+        most = _LOCATED * float(np.abs(self._rates[: model.nv]).max(initial=0.0))
+        still = [
+            place
+            for place, side in sides.items()
+            if place not in foreseen
+            and self._stop_of(place).mode == FREE
+            and abs(self._off(place, side)) <= most + _LOCATED
+        ]
+        if not still:
+            return []
+        later, v = y.copy(), y[nq : nq + model.nv]
+        later[:nq] = pin.integrate(model, y[:nq], _SOON * v)
+        later[nq : nq + model.nv] += _SOON * self._rates[: model.nv]
+        self._loads(t + _SOON, later)
+        found = [place for place in still if self._off(place, sides[place]) < -_NO_MOTION - _SOON * most]
+        self._loads(t, y)
+        return found
 
     def _alone(self, place: str, y: Array) -> float:
         """Return the acceleration of a joint over a torque there, with nothing held."""

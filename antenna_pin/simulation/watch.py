@@ -140,9 +140,9 @@ class Watch:
         for k in self._functions:
             event, memory = self.events[k], self._memories[k]
             if isinstance(event.action, Switch):
-                loaded = event.when.hold >= 0  # type: ignore[attr-defined]
                 value = abs(self._whens[k](self.moment))
                 own = max(_LEAST, 4.0 * value) if value <= noise else 0.0
+                loaded = event.when.hold >= 0 and value > noise  # type: ignore[attr-defined]
                 stays = loaded or (event.action.place, event.action.number) in grazed
                 memory.side, memory.noise = (1.0, 0.0) if stays else (0.0, own)
                 self._renew(k)
@@ -291,6 +291,8 @@ class Watch:
                 if fresh and ra * rb < 0.0:  # out, and back already
                     a = root_between(rate, a, b, absolute=1e-15, ends=(ra, rb))
                     fa = f(a)
+                if switches and least <= fa <= 0.0 and not fresh:
+                    return self._leaves(k, (a, fa), (b, fb))
                 if event.counts(new) and (side * fa > 0.0 or not fresh):
                     return Bracket(k, a, b, fa, fb, noise, look.stays(i, new))
                 if switches and new < 0.0:
@@ -319,6 +321,20 @@ class Watch:
                 return Bracket(k, 0.5 * b, b, value, fb, 0.0, 0.5 * b)
             b, fb = 0.5 * b, value
         return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
+
+    def _leaves(self, k: int, zero: tuple[float, float], below: tuple[float, float]) -> Bracket:
+        """Return where a function of an element that is zero but for round-off comes to be below that.
+
+        Args:
+            k: Number of its event.
+            zero: Fraction at which it is zero, and its value there.
+            below: Fraction at which it has passed, and its value there.
+        """
+        (a, fa), (b, fb) = zero, below
+        at = root_between(
+            lambda x: self._whens[k](self._at(x)) + GRAZE, a, b, absolute=1e-15, ends=(fa + GRAZE, fb + GRAZE)
+        )
+        return Bracket(k, at, at, 0.0, 0.0, 0.0, at, -1.0)
 
     def _located(self, one: Bracket) -> Crossing:
         """Return the crossing between two fractions: its signs there differ, or it is zero at the first."""
