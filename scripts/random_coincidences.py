@@ -239,7 +239,7 @@ class Mechanism:
                 q[slot.q.start : slot.q.start + 2] = np.cos(self.start), np.sin(self.start)
                 change = np.finfo(float).eps * bits.choice([-2.0, 2.0]) if last_bits else 0.0
                 v[slot.v.start] = self.rate * (1.0 + change)
-        settings = RunSettings(engine=engine, output_rate=20.0, max_step=0.05)
+        settings = RunSettings(engine=engine, output_rate=20.0)
         return made, simulate(made, q=q, v=v, duration=DURATION, settings=settings, events=events)
 
 
