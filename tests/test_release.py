@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -38,6 +39,8 @@ FILES = ("pyproject.toml", "CITATION.cff", ".zenodo.json", "CHANGELOG.md")
 def test_another_version_or_day_in_one_file_is_told(release, tmp_path, key, value, fault):
     for name in FILES:
         (tmp_path / name).write_text((ROOT / name).read_text())
+    released = re.sub(r"## \[Unreleased\].*?(?=## \[\d)", "", (ROOT / "CHANGELOG.md").read_text(), flags=re.S)
+    (tmp_path / "CHANGELOG.md").write_text(released)
     said = json.loads((tmp_path / ".zenodo.json").read_text())
     (tmp_path / ".zenodo.json").write_text(json.dumps(said | {key: value}))
     assert release.metadata_faults(tmp_path) == [

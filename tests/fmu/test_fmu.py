@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from sessions import antenna
 
-from antenna_pin import start
+from antenna_pin import load_scenario, start
 from antenna_pin.errors import AntennaPinError, OutputError
 from antenna_pin.fmu import export_fmu
 from antenna_pin.fmu.si import powers_of
@@ -185,13 +185,11 @@ def test_what_goes_wrong_is_told_in_the_log(unit):
 
 def test_the_position_of_a_motion_is_no_input(tmp_path):
     """It would jump from one step to the next; the line names the rate in its place."""
-    moved = antenna("drives.elevation={kind='motion', rate=0.1, replace=true}", case="ideal")
-    given = {"outputs": ["elevation.angle"]}
-    with pytest.raises(
-        AntennaPinError, match=r"fmu: drives\.elevation\.position .* take drives\.elevation\.rate"
-    ):
-        export_fmu(moved, tmp_path / "a.fmu", inputs=["drives.elevation.position"], **given)
-    assert export_fmu(moved, tmp_path / "b.fmu", inputs=["drives.elevation.rate"], **given).exists()
+    moved = load_scenario("slider_crank")
+    given = {"outputs": ["crank.angle"]}
+    with pytest.raises(AntennaPinError, match=r"fmu: drives\.crank\.position .* take drives\.crank\.rate"):
+        export_fmu(moved, tmp_path / "a.fmu", inputs=["drives.crank.position"], **given)
+    assert export_fmu(moved, tmp_path / "b.fmu", inputs=["drives.crank.rate"], **given).exists()
 
 
 def test_its_description(scenario, unit):

@@ -364,7 +364,7 @@ def test_interrupted_one_sample_and_nothing_to_show(clearance_run, ideal_run):
         clearance_run, outcome=Outcome.INTERRUPTED, message="stopped by the user; what was computed is kept"
     )
     assert record(stopped).data["warnings"] == [
-        "the run ended before its time: stopped by the user; what was computed is kept"
+        "the run ended early: stopped by the user; what was computed is kept"
     ]
     single = dataclasses.replace(clearance_run, data=clearance_run.data.isel(time=slice(0, 1)))
     for view in ("mechanism", "joint"):
