@@ -297,7 +297,7 @@ class Actions:
         self._renew()
         self._stepper.refresh()
         self._watch.renew()
-        if self._resolve(()):
+        if self.modes and self.modes.is_due(self._stepper.t, self._here) and self._resolve(()):
             return
         if self._stepper.t <= self._samples.last or any(self._workspace.memory["touching"]):
             # What holds from now on is what is kept; the peaks of contacts find here what held at them.

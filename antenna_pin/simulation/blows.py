@@ -116,13 +116,13 @@ class Blows:
         others = {place: self._met(place, t, y) for place in (*resting, *loose)}
         free = [self._holds.index(place) for place in others]
         found = push_apart(self._workspace, t, y, pushes, free)
-        nq, nv = self._workspace.model.nq, self._workspace.model.nv
-        y[nq : nq + nv] = found.velocity
         if not found.met:
             raise MechanismError(
                 "impulse: motions, closures, couplings and locks ask for rates that exclude each other; "
                 "take one of them away"
             )
+        nq, nv = self._workspace.model.nq, self._workspace.model.nv
+        y[nq : nq + nv] = found.velocity
         for (work, gross), done in zip(self._works, found.works.tolist(), strict=True):
             y[work] += done
             y[gross] += abs(done)

@@ -320,7 +320,8 @@ class Run:
         if following is None or self.outcome is not Outcome.COMPLETED:
             return
         if following <= t:
-            self.ticks.happen(t, self.here)
+            with self._settling():
+                self.ticks.happen(t, self.here)
             following = self.ticks.next
         if following is not None:
             self.watch.tick = following

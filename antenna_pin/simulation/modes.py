@@ -122,6 +122,10 @@ class Modes:
         """Return where in the state losses are booked, and what impulses took at the start of a run [J]."""
         return [(self._blows.losses[one.element], one.loss) for one in self.changed if one.time == 0.0]
 
+    def is_due(self, t: float, y: Array) -> bool:
+        """Return whether a function of any element passes at this state."""
+        return bool(self._due.passing(t, y, (), lambda place, number: False))
+
     # --- what happens at one instant ------------------------------------------------------------------------
 
     def resolve(self, located: Sequence[Switch], t: float, y: Array) -> bool:
