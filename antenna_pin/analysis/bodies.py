@@ -52,7 +52,7 @@ def mechanism_of(run: Trajectory | xr.Dataset) -> Mechanism:
         folder=data.attrs["urdf_folder"] or None,
         package_path=about.get("package_path", ()),
     )
-    return build_mechanism(urdf, about["base"], about["gravity"])
+    return build_mechanism(urdf, about["base"], about["gravity"], regular=False)
 
 
 def _picked(run: Trajectory | xr.Dataset, times: ArrayLike | None) -> xr.Dataset:

@@ -17,8 +17,8 @@ from antenna_pin.assemble.shaken import among_others
 from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
 from antenna_pin.control import measures_of
 from antenna_pin.dynamics import HeldKind, System, settled
-from antenna_pin.errors import NotSimulatedWarning
-from antenna_pin.mechanism import Urdf, WrittenUrdf, build_mechanism
+from antenna_pin.errors import MechanismError, NotSimulatedWarning
+from antenna_pin.mechanism import Mechanism, WrittenUrdf, build_mechanism
 from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
@@ -45,7 +45,9 @@ def build_system(scenario: Scenario) -> System:
     """
     urdf, parts = variant_and_parts(scenario)
     said = scenario.mechanism
-    mechanism = build_mechanism(urdf, said.base, said.gravity, armature_of(scenario))
+    mechanism = build_mechanism(
+        urdf, said.base, said.gravity, armature_of(scenario), regular=not scenario.couplings
+    )
     found = {table: elements_of(scenario, mechanism, table) for table in scenario.families}
     found = dict(among_others(scenario, found))
     drives, springs = found.pop("drives"), found.pop("springs")
@@ -53,7 +55,12 @@ def build_system(scenario: Scenario) -> System:
     frictions, sticking, left_out = frictions_of(scenario, mechanism, {**springs, **dry})
     if dry or sticking:
         found["frictions"] = {**dry, **sticking}
-    for line in (*said_of_file(as_written(scenario), urdf), *left_out):
+    if said.strict and mechanism.impossible:
+        raise MechanismError(
+            f"{urdf.where}: {mechanism.impossible[0]}; correct it, name the link in "
+            "mechanism.allow_impossible_inertia, or leave out mechanism.strict"
+        )
+    for line in (*said_of_file(as_written(scenario), mechanism), *left_out):
         warnings.warn(line, NotSimulatedWarning, stacklevel=2)
     types = types_as_written(scenario)
     system = System(
@@ -80,12 +87,21 @@ def build_system(scenario: Scenario) -> System:
     return system
 
 
-def said_of_file(written: WrittenUrdf, urdf: Urdf) -> tuple[str, ...]:
+def said_of_file(written: WrittenUrdf, mechanism: Mechanism) -> tuple[str, ...]:
     """Return what is said when a URDF is loaded: how much was passed over, what was taken for granted."""
+    urdf = mechanism.urdf
     lines = [written.said_of_passed_over()]
+    lines += [
+        f"{urdf.where}: no body has the inertia of {one}; it is taken as it is"
+        for one in mechanism.impossible
+    ]
     for names, said in (
         (urdf.unbounded, "no bounds in the <limit> of joints, which are taken as without"),
         (urdf.points, "no <inertia> beside the <mass> of links, which are taken as points"),
+        (
+            [f"{name} ({bounds})" for name, bounds in urdf.unlimited],
+            "bounds in the <limit> of continuous joints, which have none",
+        ),
     ):
         if names:
             more = len(names) - _NAMED

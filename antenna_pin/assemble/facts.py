@@ -36,7 +36,8 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     the search began, if that is more than 10 deg or as much of the mechanism's length: turns [rad] and ways
     [m]. A closure is ``turned`` if its second side's axis is taken the other way round than it is written.
     ``passed_over`` has lines of the URDF, by what stands there that means nothing to the mechanics,
-    ``unbounded`` the joints without bounds, ``points`` the links without moments of inertia.
+    ``unbounded`` the joints without bounds, ``points`` the links without moments of inertia, ``unlimited``
+    the continuous joints that state bounds, ``impossible`` what no body can have of inertia, in words.
 
     Raises:
         AntennaPinError: The scenario cannot be built, or its loops cannot be closed; one line that says why.
@@ -66,6 +67,8 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
         "passed_over": {kind.what: list(kind.lines) for kind in as_written(scenario).passed_over},
         "unbounded": list(system.mechanism.urdf.unbounded),
         "points": list(system.mechanism.urdf.points),
+        "unlimited": [f"{name} ({bounds})" for name, bounds in system.mechanism.urdf.unlimited],
+        "impossible": list(system.mechanism.impossible),
         **({} if system.plan is None or system.plan.count == 0 else _start(scenario, system, q)),
     }
 

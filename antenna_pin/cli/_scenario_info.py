@@ -140,6 +140,10 @@ def _of_file(facts: dict[str, Any]) -> Iterator[str]:
         yield f"without bounds in the URDF: {', '.join(facts['unbounded'])}"
     if facts["points"]:
         yield f"taken as points, without moments in the URDF: {', '.join(facts['points'])}"
+    if facts["unlimited"]:
+        yield f"continuous, whatever bounds the URDF states: {', '.join(facts['unlimited'])}"
+    for line in facts["impossible"]:
+        yield f"inertia that no body has: {line}"
 
 
 def _many(count: int, noun: str) -> str:

@@ -140,8 +140,11 @@ def _verdict(
     name: str, file: bool, case: str | None, settings: list[str] | None, roots: list[Path]
 ) -> tuple[str, list[str]]:
     """Return whether a URDF loads, in words, and what is to be said of it."""
-    from antenna_pin.assemble import as_written, urdf_variant
-    from antenna_pin.errors import MechanismError, UnknownNameError
+    import warnings
+
+    from antenna_pin.assemble import as_written, build_system, initial_state, urdf_variant
+    from antenna_pin.dynamics import System
+    from antenna_pin.errors import AntennaPinError, NotSimulatedWarning
     from antenna_pin.mechanism import WrittenUrdf
 
     details: list[str] = []
@@ -150,38 +153,49 @@ def _verdict(
             written = WrittenUrdf.load(name, package_path=roots)
             details = _said(written)
             made = written.variant()
-            mechanism = _built(made)
+            system = System(_built(made))
+            system.check_pose(system.neutral()[: system.model.nq], made.where)
         else:
             scenario = load(name, case, settings)
             written = as_written(scenario)
             details = _said(written)
             made = urdf_variant(scenario)
-            mechanism = _built(made, scenario.mechanism.base)
-    except (MechanismError, UnknownNameError) as error:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", NotSimulatedWarning)  # it is said below
+                system = build_system(scenario)
+            initial_state(scenario, system)
+    except AntennaPinError as error:
         return f"refused: {error}", details
     if made.unbounded:
         details.append(f"without bounds: {', '.join(made.unbounded)}")
     if made.points:
         details.append(f"taken as points: {', '.join(made.points)}")
+    if made.unlimited:
+        joints = ", ".join(f"{name} ({bounds})" for name, bounds in made.unlimited)
+        details.append(f"continuous, whatever bounds it states: {joints}")
+    details += [f"inertia that no body has: {line}" for line in system.mechanism.impossible]
     details += [f"not drawn: {link}: {problem}" for link, problem in made.undrawn]
     if missing := _missing(made):
         details.append(f"not there: {', '.join(missing)}")
     details += [f"not simulated: {line.removeprefix(f'{made.where}: ')}" for line in made.not_simulated]
-    freedoms = mechanism.model.nv
-    return f"loads: {freedoms} freedom{'s' * (freedoms != 1)} on a {mechanism.base} base", details
+    freedoms = system.model.nv
+    said = f"loads: {freedoms} freedom{'s' * (freedoms != 1)} on a {system.mechanism.base} base"
+    if count := len(system.couplings):
+        said += f", {count} coupled"
+    return said, details
 
 
 def _said(written: WrittenUrdf) -> list[str]:
     return [f"passed over: {kind.said()}" for kind in written.passed_over]
 
 
-def _built(made: Urdf, base: str | None = None) -> Mechanism:
-    """Return the mechanism on a base: a scenario's, or a free one, or a fixed one where that cannot be."""
+def _built(made: Urdf) -> Mechanism:
+    """Return the mechanism on a free base, or a fixed one where that cannot be."""
     from antenna_pin.errors import MechanismError
     from antenna_pin.mechanism import WORLD, build_mechanism
 
-    if base is not None or made.root == WORLD:
-        return build_mechanism(made, "free" if base == "free" else "fixed")
+    if made.root == WORLD:
+        return build_mechanism(made, "fixed")
     try:
         return build_mechanism(made, "free")
     except MechanismError as error:

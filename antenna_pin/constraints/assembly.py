@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.constraints.factor_kernels import DEPENDENT, NOTHING
@@ -62,7 +61,7 @@ def find_velocity(constraints: Constraints, y: Array, program: Array, free: Arra
     rows, columns = _connected(tied, np.abs(lack) > _SILENT * speed)
     if columns.any():
         free = free[:, columns]
-        mass = free.T @ pin.crba(model, constraints.data, y[:nq]) @ free
+        mass = free.T @ constraints.mass(y[:nq]) @ free
         root = np.linalg.cholesky(mass)
         reduced = np.linalg.solve(root, jacobian[np.ix_(rows, columns)].T).T
         change = np.linalg.lstsq(reduced, -lack[rows], rcond=1e-10)[0]
@@ -137,7 +136,7 @@ def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Ar
     model = constraints.model
     constraints.residuals(t, y, program)
     rows = constraints.jacobian.copy()
-    root = np.linalg.cholesky(pin.crba(model, constraints.data, y[: model.nq]))
+    root = np.linalg.cholesky(constraints.mass(y[: model.nq]))
     return _scaled(constraints, np.asarray(np.linalg.solve(root, rows.T).T, dtype=float))
 
 

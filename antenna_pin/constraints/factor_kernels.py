@@ -59,9 +59,38 @@ def add_multiple(factor: float, one: Any, at: int, out: Any, size: int) -> None:
 
 
 @kernel
+def brace(plan: Any, mass: Any) -> None:
+    """Add to a mass matrix, (nv, nv), in place, what couplings make of no consequence.
+
+    That is ``c j^T j`` for the row j of each coupling, with its mass c. As ``j a = 0``, neither accelerations
+    nor velocities that keep to it feel it, nor do multipliers. A tree that is singular without its couplings,
+    as a finger of knuckles without mass, is regular with it where it is regular with them.
+    """
+    head = plan_of(plan)
+    for k in range(head.couplings):
+        own = coupled_at(plan, k)
+        if own.brace == 0.0:
+            continue
+        factor = own.brace * (own.scale * (1.0 if own.slides != 0 else head.length)) ** 2
+        for a in range(3):
+            first = _slope(own, a)
+            for b in range(3):
+                mass[own.v[a], own.v[b]] += factor * first * _slope(own, b)
+
+
+@inlined
+def _slope(own: Any, k: int) -> float:
+    """What a coupling's row has of its follower, leader or second leader before it is scaled."""
+    if k == 0:
+        return 1.0
+    return -float(own.multiplier) if k == 1 else -float(own.second)
+
+
+@kernel
 def factorize(plan: Any, work: Any, mass: Any) -> None:
-    """Factorize rows that :func:`write_rows` has written, with the mass matrix, (nv, nv)."""
+    """Factorize rows that :func:`write_rows` has written, with the mass matrix, (nv, nv), which is braced."""
     head, found = plan_of(plan), found_in(plan, work)
+    brace(plan, mass)
     nv, span, rows, width, root = head.nv, head.span, head.rows, head.width, head.root
     left = work[head.reduced : head.reduced + nv * width]
     triangle = work[head.triangle : head.triangle + rows * width]

@@ -98,7 +98,8 @@ DRIVEN = layout(
 DRIVEN_WORDS = words_of(DRIVEN)
 
 #: A coupling: its row, whether its follower slides, multiplier and offset, by what the row is multiplied so
-#: that its larger number is the one that a motion's row has; of follower and leader, in this order, the
+#: that its larger number is the one that a motion's row has; the mass that its row is given [kg]
+#: (``factor_kernels.brace``), zero where the tree needs none; of follower and leader, in this order, the
 #: starts of q and v, and the place of the turned angle in x (-1: none). A leader that does not move has a
 #: multiplier of zero and the follower's places.
 COUPLED = layout(
@@ -108,6 +109,7 @@ COUPLED = layout(
     ("second", "f8"),
     ("offset", "f8"),
     ("scale", "f8"),
+    ("brace", "f8"),
     ("q", "i8", (3,)),
     ("v", "i8", (3,)),
     ("turn", "i8", (3,)),

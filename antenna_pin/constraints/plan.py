@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin._lanes import LANES
@@ -22,6 +23,8 @@ __all__ = ["DrivenJoint", "Plan", "make_plan", "on_body"]
 
 Array = NDArray[np.float64]
 
+# Least moment of a body over its largest, below which it is a rod.
+_THIN = 1e-9
 # Joints that do more than turn about their axis.
 _MORE = {"planar": PLANE, "floating": RIGID}
 
@@ -117,6 +120,16 @@ class Plan:
     def count(self) -> int:
         """Equations in all, but for what elements hold."""
         return len(self.motions) + len(self.couplings) + sum(map(len, self.rows.values()))
+
+    @property
+    def ties(self) -> Array:
+        """What couplings tie rates by, ties v = 0, (couplings, nv)."""
+        nv = int(self.words[: _layout.PLAN_WORDS].view(_layout.PLAN)[0]["nv"])
+        rows = np.zeros((len(self.couplings), nv))
+        for row, one in zip(rows, self.words[self.parts.couplings].view(_layout.COUPLED), strict=True):
+            for at, slope in zip(one["v"], (1.0, -one["multiplier"], -one["second"]), strict=True):
+                row[at] += slope
+        return rows
 
     def held(self) -> Iterator[tuple[str, int, tuple[str, ...]]]:
         """Yield of each coupling, then of each closure: its name, its first row, what its rows hold."""
@@ -249,7 +262,23 @@ def _coupled(
         record["scale"] = 1.0 / max(1.0, largest)
         record["q"], record["v"] = [slot.q.start for slot in slots], [slot.v.start for slot in slots]
         record["turn"] = [turns.get(name, -1) for name in names]
+    if len(records) and _may_be_singular(mechanism):
+        own = np.diag(pin.crba(mechanism.model, mechanism.model.createData(), pin.neutral(mechanism.model)))
+        for record in records:
+            slopes = np.array([1.0, record["multiplier"], record["second"]])
+            felt = own[record["v"]][slopes != 0.0] / slopes[slopes != 0.0] ** 2
+            row = record["scale"] * (1.0 if record["slides"] else length)
+            record["brace"] = (float(felt.max()) or float(own.max())) / row**2
     return records
+
+
+def _may_be_singular(mechanism: Mechanism) -> bool:
+    """Whether a body is no more than a frame, a point or a rod, so that joints may move without inertia."""
+    for body in list(mechanism.model.inertias)[1:]:
+        moments = np.linalg.eigvalsh(body.inertia)
+        if not (body.mass > 0.0 and moments[0] > _THIN * moments[-1]):
+            return True
+    return False
 
 
 def _place_numbers(head: NDArray[np.void], bodies: int, rows: int, nv: int) -> int:

@@ -129,6 +129,13 @@ class Constraints:
         rows_kernels.write_rows(t, y, program, self.plan.words, self.work)
         return self.found
 
+    def mass(self, q: Array) -> Array:
+        """Return the mass matrix as constraints have it, (nv, nv): braced by couplings where it needs it."""
+        matrix: Array = np.triu(pin.crba(self.model, self.data, q))
+        matrix += np.triu(matrix, 1).T
+        factor_kernels.brace(self.plan.words, matrix)
+        return matrix
+
     def factorize(self, q: Array) -> None:
         """Factorize the rows that were written last."""
         factor_kernels.factorize(self.plan.words, self.work, pin.crba(self.model, self.data, q))

@@ -116,7 +116,7 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     if unclosed is not None:
         raise MechanismError(_not_closed(system, unclosed, held_q))
     system.turn_on(y)
-    system.mechanism.check_pose(y[: system.model.nq], "initial pose")
+    system.check_pose(y[: system.model.nq], "initial pose")
     _write_follower_rates(system, y, held_v)
     trial = y.copy()
     unclosed = find_velocity(constraints, trial, program, _free(system, y, {*held_v, BASE}))

@@ -282,10 +282,11 @@ def _held_rows(
 
 def _root(workspace: Workspace, y: Array) -> Array:
     """Return L of the mass matrix M = L L^T, (nv, nv)."""
-    model = workspace.model
-    mass: Any = pin.crba(model, workspace.data, y[: model.nq])
-    root: Array = np.linalg.cholesky(np.triu(mass) + np.triu(mass, 1).T)
-    return root
+    q, constraints = y[: workspace.model.nq], workspace.constraints
+    if constraints is not None:
+        return np.asarray(np.linalg.cholesky(constraints.mass(q)))
+    mass: Any = pin.crba(workspace.model, workspace.data, q)
+    return np.asarray(np.linalg.cholesky(np.triu(mass) + np.triu(mass, 1).T))
 
 
 def _nearest(root: Array, rows: list[Array], lacks: list[float]) -> tuple[Array, Array]:

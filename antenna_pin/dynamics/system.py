@@ -129,6 +129,8 @@ class System:
         self.on_bearings = on_bearings(mechanism, self.families, names, self.held)
         self.free_with_axis = kinds_about_axis(self.held, self.on_bearings)
         self._compose()
+        if self.plan is not None and self.plan.couplings:
+            mechanism.check_regular(self.plan.ties)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take up what was pickled; where compiled functions of a user's stand is another place here."""
@@ -281,6 +283,18 @@ class System:
     def others(self) -> tuple[str, ...]:
         """The families that it has besides drives, springs and forces."""
         return tuple(table for table in self.families if table not in ("drives", "springs", "forces"))
+
+    def check_pose(self, q: NDArray[np.float64], where: str) -> None:
+        """Refuse a configuration, (nq,), in which a joint can move without any inertia, couplings held.
+
+        Args:
+            q: Configuration.
+            where: What a message begins with.
+
+        Raises:
+            MechanismError: It names the joint.
+        """
+        self.mechanism.check_pose(q, where, None if self.plan is None else self.plan.ties)
 
     def slides(self, joint: str) -> bool:
         """Whether a joint slides along its axis rather than turning about it."""

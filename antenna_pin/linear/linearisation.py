@@ -142,7 +142,7 @@ def linearise(at: At) -> Linearisation:
     system, y = at.system, at.y
     model = system.model
     nq, nv = model.nq, model.nv
-    system.mechanism.check_pose(y[:nq], "linearise")
+    system.check_pose(y[:nq], "linearise")
     _check_loads(system, at.rest)
     forces = Forces(system, at.time, y, at.memory, at.loads, at.adjusted)
     derived = forces.derivatives()

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import _inertia
 from antenna_pin.mechanism._robot import Robot
 
 
-def check(
-    robot: Robot, where: str, allow_impossible_inertia: Collection[str], rounding: Mapping[str, float]
-) -> None:
+def check(robot: Robot, where: str, allow_impossible_inertia: Collection[str]) -> None:
     """Refuse what is not a mechanism.
-
-    The inertia of the root's body is not judged here: it acts on a free base only.
 
     Args:
         robot: Its links and joints.
         where: Name of the file, for messages.
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
-        rounding: By link, how much of that rule may be broken by rounding [kg m^2].
     """
     links = [link.name for link in robot.links]
     for name in allow_impossible_inertia:
@@ -29,9 +24,6 @@ def check(
     _check_tree(robot, where)
     _check_mimics(robot, where)
     _inertia.check_masses(robot, where)
-    for first, group in _inertia.rigid_groups(robot).items():
-        if first != root_link(robot):
-            _inertia.check_inertia(group, where, allow_impossible_inertia, rounding)
 
 
 def root_link(robot: Robot) -> str:

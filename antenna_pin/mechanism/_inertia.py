@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,15 +113,26 @@ def check_masses(robot: Robot, where: str) -> None:
             )
 
 
-def check_inertia(
-    group: RigidGroup, where: str, allow_impossible: Collection[str], rounding: Mapping[str, float]
-) -> None:
-    """Refuse principal moments of a group about its mass centre that no body can have.
+class Impossible(NamedTuple):
+    """A body with principal moments of inertia about its mass centre that no body can have.
+
+    Attributes:
+        said: What it is and why not, in words.
+        negative: Whether one of them is negative: its joints may then move without inertia.
+    """
+
+    said: str
+    negative: bool
+
+
+def impossible_inertia(
+    group: RigidGroup, allowed: Collection[str], rounding: Mapping[str, float]
+) -> Impossible | None:
+    """Return what no body can have of a group's principal moments of inertia; None if one may have them.
 
     Args:
         group: The links.
-        where: Name of the file, for messages.
-        allow_impossible: Links that may break the triangle rule, each with those that it is fixed to.
+        allowed: Links that may break the triangle rule, each with those that it is fixed to.
         rounding: By link, how much of that rule may be broken by the rounding of what is written [kg m^2].
     """
     mass, _, inertia = group.composite()
@@ -128,15 +140,13 @@ def check_inertia(
     inexact = max(INEXACT * max(abs(low), abs(high)), mass * POINT**2)
     moments = f"{low:.6g}, {middle:.6g}, {high:.6g} kg m^2"
     if not low >= -inexact:
-        raise MechanismError(
-            f"{where}: {group.called}: principal moments of inertia must not be negative, got {moments}; "
-            "correct them"
-        )
+        return Impossible(f"{group.called}: a negative principal moment of inertia: {moments}", True)
     excess = high - (low + middle)
     rounded = sum(rounding.get(link.name, 0.0) for link in group.links)
-    if excess > max(inexact, rounded) and not any(link.name in allow_impossible for link in group.links):
-        raise MechanismError(
-            f"{where}: {group.called}: the largest principal moment of inertia must not exceed the "
-            f"sum of the other two, got {moments}: too large by {excess:.6g}; correct it, or name the link "
-            "in allow_impossible_inertia"
+    if excess > max(inexact, rounded) and not any(link.name in allowed for link in group.links):
+        return Impossible(
+            f"{group.called}: the largest principal moment of inertia exceeds the sum of the other two: "
+            f"{moments}, by {excess:.6g}",
+            False,
         )
+    return None

@@ -17,13 +17,16 @@ from antenna_pin.mechanism._format import FORMAT, MOMENTS, SHAPES, half_unit, nu
 from antenna_pin.mechanism._source import name_of, tag_of
 from antenna_pin.parameters import LARGEST
 
-__all__ = ["Findings", "WITH_AXIS", "clean", "for_pinocchio"]
+__all__ = ["NO_BOUND", "Findings", "WITH_AXIS", "clean", "for_pinocchio"]
 
 _SHAPES = ("visual", "collision")
 
 # Joints that turn or slide about an axis of their own, and those with bounds.
 WITH_AXIS = ("continuous", "prismatic", "revolute")
 _BOUNDED = ("prismatic", "revolute")
+
+#: Bound from which on it is none [rad], [m]: programs write 1e16 or the largest number that they have.
+NO_BOUND = 1e9
 
 # Bounds in place of none, for a reader that takes none for 0.
 _FAR = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
@@ -38,6 +41,7 @@ class Findings:
         unbounded: Revolute and prismatic joints whose ``<limit>`` leaves them no bounds, or that have none.
         rounding: By link, by how much the rounding of its moments can break the triangle rule [kg m^2].
         points: Links with a mass and no ``<inertia>``, which are taken as points.
+        unlimited: Continuous joints whose ``<limit>`` states bounds, and those.
         undrawn: Link of each visual shape that cannot be drawn, and why.
     """
 
@@ -45,6 +49,7 @@ class Findings:
     unbounded: list[str] = field(default_factory=list)
     rounding: dict[str, float] = field(default_factory=dict)
     points: list[str] = field(default_factory=list)
+    unlimited: list[tuple[str, str]] = field(default_factory=list)
     undrawn: list[tuple[str, str]] = field(default_factory=list)
 
     def pass_over(self, what: str, element: Any) -> None:
@@ -307,9 +312,17 @@ def _clean_limit(limit: Any, found: Findings) -> None:
             got = "without" if key not in limit.attrib else "with an unsound"
             found.pass_over(f"<limit> {got} {key}", limit)
             limit.set(key, "0")
-    if limit.getparent().get("type") == "continuous":
+    joint = limit.getparent()
+    if joint.get("type") == "continuous":
+        if _leaves_a_way(limit):
+            bounds = f"{limit.get('lower', '0')} to {limit.get('upper', '0')} rad"
+            found.unlimited.append((str(joint.get("name")), bounds))
         for key in ("lower", "upper"):
             limit.attrib.pop(key, None)
+    for key in ("lower", "upper"):
+        numbers = numbers_in(limit.get(key)) or ()
+        if len(numbers) == 1 and NO_BOUND <= abs(numbers[0]) < math.inf:
+            limit.set(key, "inf" if numbers[0] > 0.0 else "-inf")
 
 
 def _leaves_a_way(limit: Any) -> bool:
@@ -327,4 +340,4 @@ def _leaves_a_way(limit: Any) -> bool:
             return True
         bounds += numbers
     low, high = bounds
-    return low < high and not (low == -math.inf and high == math.inf)
+    return low < high and not (low <= -NO_BOUND and high >= NO_BOUND)

@@ -47,7 +47,7 @@ def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) ->
     """Return a checked URDF in numbers, which nobody changes, and as Pinocchio reads it."""
     clean, findings = judged(_xml.read(text, where), where)
     robot = robot_of(clean, _source.write(clean), where)
-    _checks.check(robot, where, allow_impossible_inertia, findings.rounding)
+    _checks.check(robot, where, allow_impossible_inertia)
     return Reading(robot, _plain.for_pinocchio(clean), findings)
 
 

@@ -72,7 +72,43 @@ def idle_joint(model: Any, q: Array) -> Idle | None:
     return None
 
 
-def check_regular(model: Any, where: str, moved: Mapping[str, RigidGroup], base: str) -> None:
+def regular_with(model: Any, q: Array, ties: Array) -> bool:
+    """Whether motions that keep to ties have inertia in a pose, all of them.
+
+    Args:
+        model: Pinocchio's.
+        q: Configuration (nq,).
+        ties: What rates of joints are tied by, ties v = 0, (k, nv): those of couplings.
+    """
+    data = model.createData()
+    matrix = np.triu(pin.crba(model, data, q))
+    matrix += np.triu(matrix, 1).T
+    pin.forwardKinematics(model, data, q)
+    carried = [pin.Inertia(inertia) for inertia in model.inertias]
+    scale = np.zeros(model.nv)
+    for i in range(model.njoints - 1, 0, -1):
+        whole, own = carried[i], slice(model.idx_vs[i], model.idx_vs[i] + model.nvs[i])
+        about = 0.5 * float(np.trace(whole.inertia)) + whole.mass * float(whole.lever @ whole.lever)
+        scale[own] = np.where(_turns(model.joints[i]), about, whole.mass)
+        carried[model.parents[i]] += data.liMi[i].act(whole)
+    unit = np.sqrt(np.where(scale > 0.0, scale, 1.0))
+    # In rates times the root of the inertia of all that a joint carries; ties among those that carry some.
+    rows = ties / unit
+    rows /= np.linalg.norm(rows, axis=1)[:, None]
+    free = np.linalg.svd(rows)[2][np.linalg.matrix_rank(rows) :].T
+    least = np.linalg.eigvalsh(free.T @ (matrix / np.outer(unit, unit)) @ free)
+    return bool(not len(least) or least[0] > _NO_INERTIA)
+
+
+def check_regular(
+    model: Any,
+    where: str,
+    moved: Mapping[str, RigidGroup],
+    base: str,
+    ties: Array | None = None,
+    *,
+    everywhere: bool = False,
+) -> None:
     """Refuse a tree with a joint that moves without any inertia in every pose.
 
     In some poses one may, as the first hinge of a universal joint whose cross has no mass while a thin rod
@@ -83,13 +119,21 @@ def check_regular(model: Any, where: str, moved: Mapping[str, RigidGroup], base:
         where: Name of the file, for messages.
         moved: The links that each joint moves as one body, by the joint's name.
         base: Name of the joint of a free base.
+        ties: What couplings tie rates by, ties v = 0, (k, nv).
+        everywhere: Whether all of these poses must do: what has a negative moment may do in some by chance.
     """
     idle: Idle | None = None
     for q in _poses(model):
-        idle = idle_joint(model, q)
-        if idle is None:
-            return
-    assert idle is not None
+        found = idle_joint(model, q)
+        if found is None or (ties is not None and len(ties) and regular_with(model, q, ties)):
+            if not everywhere:
+                return
+        else:
+            idle = found
+            if everywhere:
+                break
+    if idle is None:
+        return
     raise MechanismError(f"{where}: {said_of_idle(model, idle, moved, base)}")
 
 

@@ -17,8 +17,8 @@ from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism._edits import plane_names
-from antenna_pin.mechanism._inertia import RigidGroup, check_inertia, rigid_groups
-from antenna_pin.mechanism._regular import check_regular, idle_joint, said_of_idle
+from antenna_pin.mechanism._inertia import RigidGroup, impossible_inertia, rigid_groups
+from antenna_pin.mechanism._regular import check_regular, idle_joint, regular_with, said_of_idle
 from antenna_pin.mechanism._size import check_size
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z
 from antenna_pin.mechanism.urdf import Urdf
@@ -92,6 +92,9 @@ class Mechanism:
         base_body: Name of the body that is the base.
         bodies: Names of the moving bodies in the model's order, so body ``i`` is moved by joint ``i + 1``; a
             free base comes first. A body bears the name of its first link that has an inertial.
+        impossible: What no body can have of the inertia of those that act, in words, a line a body.
+        everywhere: Whether one of them has a negative moment: that all joints have inertia to move is looked
+            at in several poses then.
     """
 
     __repr__ = brief
@@ -103,6 +106,8 @@ class Mechanism:
     joints: dict[str, JointSlot]
     base_body: str
     bodies: tuple[str, ...]
+    impossible: tuple[str, ...] = ()
+    everywhere: bool = False
 
     def joint(self, name: str) -> JointSlot:
         """Return a moving joint by name."""
@@ -120,7 +125,19 @@ class Mechanism:
         self.urdf.link(link)
         return int(self.model.getFrameId(link, pin.FrameType.BODY))
 
-    def check_pose(self, q: NDArray[np.float64], where: str) -> None:
+    def check_regular(self, ties: NDArray[np.float64]) -> None:
+        """Refuse a mechanism with a joint that can move without any inertia in every pose.
+
+        Args:
+            ties: What couplings tie rates by, ties v = 0, (k, nv).
+
+        Raises:
+            MechanismError: It names the joint.
+        """
+        moved = _moved(self.urdf, rigid_groups(self.urdf.robot))
+        check_regular(self.model, self.urdf.where, moved, _ROOT_JOINT, ties, everywhere=self.everywhere)
+
+    def check_pose(self, q: NDArray[np.float64], where: str, ties: NDArray[np.float64] | None = None) -> None:
         """Refuse a configuration in which a joint can move without any inertia.
 
         There is one where a body that is a point, a rod or a mere frame is carried by several joints.
@@ -128,12 +145,13 @@ class Mechanism:
         Args:
             q: Configuration (nq,).
             where: What a message begins with.
+            ties: What couplings tie rates by, ties v = 0, (k, nv); None without any.
 
         Raises:
             MechanismError: It names the joint.
         """
         idle = idle_joint(self.model, q)
-        if idle is not None:
+        if idle is not None and not (ties is not None and len(ties) and regular_with(self.model, q, ties)):
             moved = _moved(self.urdf, rigid_groups(self.urdf.robot))
             said = said_of_idle(self.model, idle, moved, _ROOT_JOINT)
             raise MechanismError(f"{where}: in this pose {said}; or take another pose")
@@ -155,6 +173,8 @@ def build_mechanism(
     base: Base = "free",
     gravity: Sequence[float] = (0.0, 0.0, 0.0),
     armature: Mapping[str, float] = MappingProxyType({}),
+    *,
+    regular: bool = True,
 ) -> Mechanism:
     """Build the Pinocchio model of a URDF.
 
@@ -166,6 +186,8 @@ def build_mechanism(
         gravity: (3,) in world axes [m/s^2].
         armature: Moment of inertia that a joint feels by its rate alone [kg*m^2], by the names of revolute
             and continuous joints: ratio^2 times that of a motor's rotor. Nothing reacts on what carries it.
+        regular: Whether a joint that can move without any inertia in every pose is refused here; where
+            couplings are added to those of the URDF, :meth:`Mechanism.check_regular` knows them.
     """
     if base not in ("free", "fixed"):
         raise InvalidParameterError("build_mechanism", "base", "'free' or 'fixed'", base)
@@ -173,12 +195,18 @@ def build_mechanism(
     if acceleration.shape != (3,) or not np.all(np.isfinite(acceleration)):
         raise InvalidParameterError("build_mechanism", "gravity", "three finite numbers [m/s^2]", gravity)
     model, groups, moved = _read(urdf, base)
+    found = (
+        impossible_inertia(group, urdf.allow_impossible_inertia, urdf.rounding)
+        for first, group in groups.items()
+        if base == "free" or first != urdf.root
+    )
+    impossible = tuple(one for one in found if one is not None)
     model = model.copy()
     model.gravity = pin.Motion(acceleration, np.zeros(3))
     moving = list(model.names)[1:]
     joints = {name: _slot(model, urdf, name) for name in moving if name != _ROOT_JOINT}
     _put_armature(model, joints, armature)
-    return Mechanism(
+    made = Mechanism(
         name=urdf.name,
         model=model,
         urdf=urdf,
@@ -186,15 +214,30 @@ def build_mechanism(
         joints=joints,
         base_body=groups[urdf.root].name,
         bodies=tuple(moved[name].name for name in moving),
+        impossible=tuple(one.said for one in impossible),
+        everywhere=any(one.negative for one in impossible),
     )
+    if regular:
+        made.check_regular(_ties_of(made))
+    return made
+
+
+def _ties_of(mechanism: Mechanism) -> NDArray[np.float64]:
+    """Return what the couplings of a URDF tie rates by, (k, nv)."""
+    rows = []
+    for name, mimic in mechanism.urdf.mimics.items():
+        row = np.zeros(mechanism.model.nv)
+        for joint, factor in ((name, 1.0), (mimic["leader"], -mimic["multiplier"])):
+            if joint in mechanism.joints:
+                row[mechanism.joints[joint].v.start] += factor
+        rows.append(row)
+    return np.array(rows).reshape(-1, mechanism.model.nv)
 
 
 @functools.lru_cache(maxsize=4)  # of variants that are made once and used by many systems
 def _read(urdf: Urdf, base: Base) -> tuple[Any, Mapping[str, RigidGroup], Mapping[str, RigidGroup]]:
     """Return Pinocchio's model of a URDF, looked at and to be copied; bodies by link; what joints move."""
     groups = rigid_groups(urdf.robot)
-    if base == "free":
-        check_inertia(groups[urdf.root], urdf.where, urdf.allow_impossible_inertia, urdf.rounding)
     try:
         model = pin.buildModelFromXML(
             urdf.simulated, *((pin.JointModelFreeFlyer(),) if base == "free" else ())
@@ -208,9 +251,7 @@ def _read(urdf: Urdf, base: Base) -> tuple[Any, Mapping[str, RigidGroup], Mappin
         raise MechanismError(f"{urdf.where}: nothing moves: the base is fixed and so is every joint")
     check_size(urdf.where, model.nv)
     _check_mass(model, urdf)
-    moved = _moved(urdf, groups)
-    check_regular(model, urdf.where, moved, _ROOT_JOINT)
-    return model, groups, moved
+    return model, groups, _moved(urdf, groups)
 
 
 def _put_armature(model: Any, joints: Mapping[str, JointSlot], armature: Mapping[str, float]) -> None:

@@ -72,6 +72,7 @@ class Urdf:
             it leaves none.
         rounding: By link with an inertia, how much of the triangle rule its written digits leave [kg m^2].
         points: Links with a mass and no ``<inertia>``, which are taken as points at their inertial's origin.
+        unlimited: Continuous joints whose ``<limit>`` states bounds, and those: they have none.
         undrawn: Link of each visual shape that cannot be drawn, and why.
     """
 
@@ -87,6 +88,7 @@ class Urdf:
     unbounded: tuple[str, ...] = field(init=False, repr=False)
     rounding: Mapping[str, float] = field(init=False, repr=False)
     points: tuple[str, ...] = field(init=False, repr=False)
+    unlimited: tuple[tuple[str, str], ...] = field(init=False, repr=False)
     undrawn: tuple[tuple[str, str], ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -99,6 +101,7 @@ class Urdf:
             ("unbounded", tuple(reading.findings.unbounded)),
             ("rounding", reading.findings.rounding),
             ("points", tuple(reading.findings.points)),
+            ("unlimited", tuple(reading.findings.unlimited)),
             ("undrawn", tuple(reading.findings.undrawn)),
         ):
             object.__setattr__(self, name, value)

@@ -51,7 +51,8 @@ class MechanismSpec(Spec):
         gravity: In world axes [m/s^2].
         package_path: Folders of packages of ``package://``, relative to the scenario's; then come
             ROS_PACKAGE_PATH and the folders above the URDF.
-        allow_impossible_inertia: Links whose inertia may break the triangle inequality.
+        allow_impossible_inertia: Links whose inertia may break the triangle inequality without a word.
+        strict: Whether a URDF is refused whose inertia no body can have, rather than taken with a warning.
         links: What differs in links, by name.
         joints: What differs in joints, by name.
     """
@@ -61,6 +62,7 @@ class MechanismSpec(Spec):
     gravity: Annotated[Vector3, Vector("m/s**2")] = (0.0, 0.0, 0.0)
     package_path: tuple[str, ...] = ()
     allow_impossible_inertia: tuple[str, ...] = ()
+    strict: bool = False
     links: dict[str, LinkSpec] = Field(default_factory=dict)
     joints: dict[str, JointSpec] = Field(default_factory=dict)
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Set
+import math
+from collections.abc import Mapping, Sequence, Set
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -19,6 +20,8 @@ ALL = "*"
 _SIDES = ("lower", "upper")
 # Kinds of drives that prescribe their joint's motion.
 _MOTIONS = ("motion", "distance")
+# Bound from which on it is none, as for the mechanism.
+_NO_BOUND = 1e9
 _UNITS = {"revolute": "rad", "prismatic": "m"}
 
 
@@ -36,21 +39,35 @@ def joint_limits(urdf: str) -> dict[str, tuple[float, float]]:
 
 def _limits(urdf: str) -> dict[str, tuple[str, float, float]]:
     """Return type, lower and upper limit of each joint between limits, by name."""
+    return _read_limits(urdf)[0]
+
+
+def _read_limits(urdf: str) -> tuple[dict[str, tuple[str, float, float]], list[str]]:
+    """Return kind, lower and upper limit of joints between limits; which continuous ones state some."""
     found: dict[str, tuple[str, float, float]] = {}
+    around: list[str] = []
     if "<limit" not in urdf or "<!DOCTYPE" in urdf:
-        return found
+        return found, around
     try:
         joints = ET.fromstring(urdf).findall("joint")  # noqa: S314 - entities need a DOCTYPE
     except ET.ParseError:
-        return found
+        return found, around
     for joint in joints:
-        limit, kind = joint.find("limit"), str(joint.get("type"))
-        if limit is not None and kind in _UNITS:
+        limit, kind, name = joint.find("limit"), str(joint.get("type")), str(joint.get("name"))
+        if limit is not None and kind in (*_UNITS, "continuous"):
             with contextlib.suppress(ValueError):  # what is no number was refused before, or does not count
                 lower, upper = float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0))
-                if lower < upper:
-                    found[str(joint.get("name"))] = (kind, lower, upper)
-    return found
+                if not lower < upper or (lower <= -_NO_BOUND and upper >= _NO_BOUND):
+                    continue
+                if kind == "continuous":
+                    around.append(name)
+                else:
+                    lower, upper = (
+                        math.copysign(math.inf, one) if abs(one) >= _NO_BOUND else one
+                        for one in (lower, upper)
+                    )
+                    found[name] = (kind, lower, upper)
+    return found, around
 
 
 def with_urdf_limits(data: Mapping[str, Any]) -> Any:
@@ -79,7 +96,7 @@ def with_urdf_limits(data: Mapping[str, Any]) -> Any:
     done: dict[str, Any] = {}
     for name, table in stops.items():
         if name == ALL:
-            done |= _everywhere(stops, limits, _moved(data))
+            done |= _everywhere(stops, limits, _moved(data), _read_limits(data["urdf_text"])[1])
         elif name in open_:
             done[name] = {**table, **limits.get(str(table.get("joint", name)), {})}
         else:
@@ -119,7 +136,10 @@ def _moved(data: Mapping[str, Any]) -> set[str]:
 
 
 def _everywhere(
-    stops: Mapping[str, Any], limits: Mapping[str, Mapping[str, float]], moved: Set[str]
+    stops: Mapping[str, Any],
+    limits: Mapping[str, Mapping[str, float]],
+    moved: Set[str],
+    around: Sequence[str],
 ) -> dict[str, Any]:
     """Return the stops that the table for all joints stands for, rigid ones not at joints that are moved."""
     table = stops[ALL]
@@ -131,7 +151,11 @@ def _everywhere(
                 "must be left out: it is for each joint with limits in the URDF, at these", "stops", ALL, key
             )
     if not limits:
-        refuse("must stand for a joint, but none of the URDF has a <limit>", "stops", ALL)
+        said = "none of the URDF has a <limit> with bounds"
+        if around:
+            said += f"; continuous joints have none, whatever theirs states: {', '.join(around)}"
+            said += "; give these stops of their own, or make them revolute in the URDF"
+        refuse(f"must stand for a joint, but {said}", "stops", ALL)
     taken = {str(tables(one).get("joint", name)) for name, one in stops.items() if name != ALL} | stops.keys()
     taken |= moved if table.get("kind") == "rigid" else set()
     return {joint: {**table, **own} for joint, own in limits.items() if joint not in taken}

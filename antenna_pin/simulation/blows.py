@@ -18,6 +18,7 @@ from antenna_pin.dynamics import Adjustments, Push, Workspace, apart, kernels, p
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Change, Met, Modal, Motion, StickingFriction
 from antenna_pin.errors import MechanismError
+from antenna_pin.simulation.due import met_at
 from antenna_pin.simulation.own_actions import STILL
 from antenna_pin.simulation.passages import Struck
 
@@ -113,7 +114,7 @@ class Blows:
         ]
         resting, loose = self._one_sided()
         pushes += [Push(self._slots[place], way, 0.0) for place, way in resting.items()]
-        others = {place: self._met(place, t, y) for place in (*resting, *loose)}
+        others = {place: met_at(self._workspace, self._acting[place], t, y) for place in (*resting, *loose)}
         free = [self._holds.index(place) for place in others]
         found = push_apart(self._workspace, t, y, pushes, free)
         if not found.met:
@@ -147,7 +148,7 @@ class Blows:
             if rates[place] > STILL and change is not None:
                 results[place] = Result(others[place], change)
         for place in loose:
-            element, rate = self._element(place), self._met(place, t, y).rate
+            element, rate = self._element(place), met_at(self._workspace, self._acting[place], t, y).rate
             if abs(rate) > STILL and isinstance(element, StickingFriction):
                 results[place] = Result(others[place], element.slips(rate))
         alone = len(struck) < 2 or apart(

@@ -19,7 +19,7 @@ from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.own_actions import GRAZE, Switch
 from antenna_pin.simulation.switches import hold_of
 
-__all__ = ["ZERO", "Due", "Passing", "Pending"]
+__all__ = ["ZERO", "Due", "Passing", "Pending", "met_at"]
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,12 @@ class Passing(NamedTuple):
     change: Change
 
 
+def met_at(workspace: Workspace, one: Acting, t: float, y: Array) -> Met:
+    """Return where an element finds its joint, and at what rate."""
+    angle, rate, _, _ = kernels.joint_motion(workspace.program, one.block, y, workspace.model.nq)
+    return Met(t, float(angle), float(rate), 0.0)
+
+
 class Due:
     """Finds what passes at a state.
 
@@ -68,8 +74,7 @@ class Due:
 
     def met(self, place: str, t: float, y: Array) -> Met:
         """Return how an element meets its joint."""
-        nq = self._workspace.model.nq
-        angle, rate, _, _ = kernels.joint_motion(self._workspace.program, self._acting[place].block, y, nq)
+        met, nq = met_at(self._workspace, self._acting[place], t, y), self._workspace.model.nq
         load = 0.0
         if self._element(place).holds:
             load = self._moment.set(t, y).load(self._holds.index(place))
@@ -79,7 +84,7 @@ class Due:
         inertia = 0.0
         if self._element(place).weighs:
             inertia = self._moment.set(t, y).inertia(self._acting[place].block)
-        return Met(t, float(angle), float(rate), load, own, inertia)
+        return met._replace(load=load, own=own, inertia=inertia)
 
     def pending(self, one: Switch, t: float, y: Array) -> Pending:
         """Return a function that was located, as it is."""

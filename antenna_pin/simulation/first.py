@@ -30,7 +30,7 @@ def check_sizes(system: System, state: State) -> None:
 
 def check_start(system: System, y: np.ndarray) -> None:
     """Refuse an initial pose that the parts cannot have, or in which a joint moves without any inertia."""
-    system.mechanism.check_pose(y[: system.model.nq], "initial pose")
+    system.check_pose(y[: system.model.nq], "initial pose")
     first_modes(system, y)
     check_begins(system, y)
     check_restraints(system, y)

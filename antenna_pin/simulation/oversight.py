@@ -75,7 +75,7 @@ class Oversight:
             interrupted: Whether the user has stopped it.
         """
         limit = self._control.limit(made.tried, t, made.wall - self._began)
-        if self._stiffness.look(t, y, made.tried, made.wall):
+        if self._stiffness.look(t, y, made.tried):
             warnings.warn(f"at t = {t:.9g} s the run is {self.advice}", StiffRunWarning, stacklevel=2)
         if self._expected.look(t, made):
             known = self._slow or self.advice

@@ -45,6 +45,7 @@ from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.elements.rigid_stop import LOADED
 from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK, UNDECIDED
+from antenna_pin.simulation.due import met_at
 from antenna_pin.simulation.ending import NeverSettlesError
 from antenna_pin.simulation.own_actions import Switch
 
@@ -142,7 +143,11 @@ class Settling:
             NeverSettlesError: There are no such modes, or none are found.
         """
         before = {place: self._adjustments.elements[place] for place in self._acting}
-        met = {place: self._met(place, t, y) for place in self._dry if self._element(place).on}
+        met = {
+            place: met_at(self._workspace, self._acting[place], t, y)
+            for place in self._dry
+            if self._element(place).on
+        }
         comes_to_rest = {one.place for one in located if one.place in met and one.number == 0}
         let_go = {one.place for one in located if one.place in met and one.number == 1}
         let_go = {place for place in let_go if self._element(place).mode == STUCK}
@@ -198,7 +203,7 @@ class Settling:
             stop = self._stop_of(place)
             if not stop.on:
                 continue
-            one = self._met(place, t, y)
+            one = met_at(self._workspace, self._acting[place], t, y)
             for side, gap, rate in (
                 (LOWER, one.angle - stop.lowest, one.rate),
                 (UPPER, stop.highest - one.angle, -one.rate),
@@ -235,11 +240,6 @@ class Settling:
             if names
             else ""
         )
-
-    def _met(self, place: str, t: float, y: Array) -> Met:
-        block, nq = self._acting[place].block, self._workspace.model.nq
-        angle, rate, _, _ = kernels.joint_motion(self._workspace.program, block, y, nq)
-        return Met(t, float(angle), float(rate), 0.0)
 
     def _turn(self, place: str, change: Change) -> None:
         if change.mode != self._adjustments.elements[place].mode or change.memory:  # type: ignore[attr-defined]

@@ -28,15 +28,16 @@ __all__ = ["Stiffness"]
 
 Array = NDArray[np.float64]
 
-_WINDOW = 400  # trial steps from one look to the next
-_SOON = 50  # and where steps are dear, if they have taken
-_PATIENCE = 0.05  # that much wall time [s]
+# Trial steps before the first state, and from one look to the next. Not wall time: what a run says
+# would hang on what else the machine does.
+_FIRST, _WINDOW = 50, 400
 _FEW = 10_000  # steps to the end that are not worth an advice
 # From a look that finds nothing to the next, in trial steps made: if steps are not held, and if they are, but
 # by a mode that is not at rest, which a burst may have stirred just then.
 _BETWEEN, _AGAIN = 1.4, 1.1
 # Step times eigenvalue: explicit methods are stable up to 2.5 to 6, and control holds steps about there.
-_STABLE = 1.5
+# Where the mean step is longer than that, the state is one of a moment, such as a blow.
+_STABLE, _UNSTABLE = 1.5, 8.0
 # Amplitude of a mode, in tolerances, that nobody sees: where stability holds steps, it is kept at 0.3 to
 # 25 (bursts and decays, order 5 and 8); one that is really there is of another order than the tolerance.
 _AT_REST = 100.0
@@ -47,7 +48,6 @@ class _Place(NamedTuple):
     """A state of the run, and what its equations depend on besides."""
 
     made: int
-    wall: float
     t: float
     y: Array
     memory: Array
@@ -75,21 +75,18 @@ class Stiffness:
         self._mark: _Place | None = None
         self._next = 0
 
-    def look(self, t: float, y: Array, made: int, wall: float) -> bool:
+    def look(self, t: float, y: Array, made: int) -> bool:
         """Look at the state that the run has come to, if it is time to; return whether anything is found now.
 
         Args:
             t: Time [s].
             y: State [q, v, x].
             made: Trial steps made so far.
-            wall: Wall time they took [s].
         """
         mark = self._mark
-        if self._over or made < (0 if mark is None else mark.made) + _SOON:
+        if self._over or made < (_FIRST if mark is None else mark.made + _WINDOW):
             return False
-        if mark is not None and made < mark.made + _WINDOW and wall < mark.wall + _PATIENCE:
-            return False
-        here = _Place(made, wall, t, y.copy(), self._run.memory.copy(), self._run.program.copy())
+        here = _Place(made, t, y.copy(), self._run.memory.copy(), self._run.program.copy())
         self._mark = here
         if mark is None or t <= mark.t or made < self._next:
             return False
@@ -144,7 +141,7 @@ class Stiffness:
             return nothing
         values, vectors = np.linalg.eig(square)
         largest = int(np.argmax(np.abs(values)))
-        if step * abs(values[largest]) < _STABLE:
+        if not _STABLE <= step * abs(values[largest]) <= _UNSTABLE:
             return nothing
         # How far the fast modes are from where they come to rest.
         flow = np.concatenate([y[nq : nq + nv], rates[0]])[columns]
