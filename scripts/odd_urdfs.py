@@ -8,6 +8,10 @@ FOLDER --check`` says what was passed over::
 
     scripts/odd_urdfs.py --count 200 --out odd
 
+With ``--hands`` they are hands (``hand_generator.py``): fingers that mimic, knuckles without mass, inertia
+that no body has. Each must load on a fixed base and have inertia to move by in its zero pose, but for one in
+forty that is no mechanism.
+
 Prints a line for each that does not load or is another mechanism, then the count beside that of Pinocchio
 alone. With ``--slips`` each file has one name that is written almost right (``<orgin>``, ``xzy``) and must be
 refused, in one line that names both; how many Pinocchio alone loads, as other mechanisms, is printed beside.
@@ -18,16 +22,21 @@ from __future__ import annotations
 
 import argparse
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
+from hand_generator import Hand, draw_hand
 from urdf_generator import OddUrdf, SlippedUrdf, draw_slip, draw_urdf
 
-from antenna_pin import AntennaPinError, Urdf, build_mechanism
+from antenna_pin import AntennaPinError, System, Urdf, build_mechanism
+from antenna_pin.errors import NotSimulatedWarning
 
-__all__ = ["problem_of", "problem_of_slip"]
+__all__ = ["problem_of", "problem_of_hand", "problem_of_slip"]
 
+# Of the hands that Pinocchio loads, how many must load here: the others are no mechanisms.
+_GOAL = 0.95
 _GRAVITY = (0.0, 0.0, -9.81)
 
 
@@ -58,6 +67,20 @@ def problem_of(drawn: OddUrdf, path: Path) -> str | None:
     return None
 
 
+def problem_of_hand(drawn: Hand) -> str | None:
+    """Return why a hand does not load as a mechanism that moves from its zero pose; None if it does."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NotSimulatedWarning)
+            system = System(
+                build_mechanism(Urdf.from_text(drawn.text, f"{drawn.name}.urdf"), "fixed", _GRAVITY)
+            )
+            system.check_pose(system.neutral()[: system.model.nq], "zero pose")
+    except AntennaPinError as error:
+        return str(error)
+    return None
+
+
 def problem_of_slip(drawn: SlippedUrdf) -> str | None:
     """Return how a URDF with a slip is not refused as it should be; None if it is.
 
@@ -82,6 +105,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--slips", action="store_true")
+    parser.add_argument("--hands", action="store_true")
     parser.add_argument("--out", type=Path, default=Path("odd_urdfs"), metavar="DIR")
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
@@ -92,6 +116,14 @@ def main() -> int:
             path, what = given.out / f"{slipped.name}.urdf", f"{slipped.written} for {slipped.meant}"
             path.write_text(slipped.text)
             problem = problem_of_slip(slipped)
+        elif given.hands:
+            hand = draw_hand(given.seed, number)
+            path, what = (
+                given.out / f"{hand.name}.urdf",
+                "as it should" if not hand.moves else "it should load",
+            )
+            path.write_text(hand.text)
+            problem = problem_of_hand(hand)
         else:
             drawn = draw_urdf(given.seed, number)
             path, what = given.out / f"{drawn.name}.urdf", ", ".join(drawn.oddities)
@@ -105,6 +137,11 @@ def main() -> int:
             alone += 1
         except ValueError:
             pass
+    if given.hands:
+        share = (given.count - failed) / alone
+        loaded = given.count - failed
+        print(f"{loaded} of {given.count} load, {100 * share:.1f} % of the {alone} that Pinocchio alone loads")
+        return 1 if share < _GOAL else 0
     done = "are refused by their slips" if given.slips else "load as what they mean"
     print(f"{given.count - failed} of {given.count} {done}; Pinocchio alone loads {alone}")
     return 1 if failed else 0

@@ -294,7 +294,8 @@ class System:
         Raises:
             MechanismError: It names the joint.
         """
-        self.mechanism.check_pose(q, where, None if self.plan is None else self.plan.ties)
+        ties = np.zeros((0, self.model.nv)) if self.plan is None else self.plan.ties
+        self.mechanism.check_pose(q, where, ties)
 
     def slides(self, joint: str) -> bool:
         """Whether a joint slides along its axis rather than turning about it."""

@@ -72,14 +72,19 @@ def idle_joint(model: Any, q: Array) -> Idle | None:
     return None
 
 
-def regular_with(model: Any, q: Array, ties: Array) -> bool:
-    """Whether motions that keep to ties have inertia in a pose, all of them.
+def idle_with(model: Any, q: Array, ties: Array) -> Idle | None:
+    """Return the joint that moves most where motions that keep to ties have no inertia in a pose.
+
+    It is that of :func:`idle_joint` where there are no ties; None if all such motions have inertia.
 
     Args:
         model: Pinocchio's.
         q: Configuration (nq,).
         ties: What rates of joints are tied by, ties v = 0, (k, nv): those of couplings.
     """
+    idle = idle_joint(model, q)
+    if idle is None or not len(ties):
+        return idle
     data = model.createData()
     matrix = np.triu(pin.crba(model, data, q))
     matrix += np.triu(matrix, 1).T
@@ -96,8 +101,14 @@ def regular_with(model: Any, q: Array, ties: Array) -> bool:
     rows = ties / unit
     rows /= np.linalg.norm(rows, axis=1)[:, None]
     free = np.linalg.svd(rows)[2][np.linalg.matrix_rank(rows) :].T
-    least = np.linalg.eigvalsh(free.T @ (matrix / np.outer(unit, unit)) @ free)
-    return bool(not len(least) or least[0] > _NO_INERTIA)
+    values, ways = np.linalg.eigh(free.T @ (matrix / np.outer(unit, unit)) @ free)
+    if not len(values) or values[0] > _NO_INERTIA:
+        return None
+    rates = np.abs(free @ ways[:, 0]) / unit
+    most = next(
+        i for i in range(1, model.njoints) if 0 <= int(np.argmax(rates)) - model.idx_vs[i] < model.nvs[i]
+    )
+    return Idle(most, bool(_turns(model.joints[most])[int(np.argmax(rates)) - model.idx_vs[most]]))
 
 
 def check_regular(
@@ -105,9 +116,9 @@ def check_regular(
     where: str,
     moved: Mapping[str, RigidGroup],
     base: str,
-    ties: Array | None = None,
+    ties: Array,
     *,
-    everywhere: bool = False,
+    negative: str = "",
 ) -> None:
     """Refuse a tree with a joint that moves without any inertia in every pose.
 
@@ -120,21 +131,22 @@ def check_regular(
         moved: The links that each joint moves as one body, by the joint's name.
         base: Name of the joint of a free base.
         ties: What couplings tie rates by, ties v = 0, (k, nv).
-        everywhere: Whether all of these poses must do: what has a negative moment may do in some by chance.
+        negative: What has a negative moment, in words; all of these poses must do then, not one by chance.
     """
     idle: Idle | None = None
     for q in _poses(model):
-        found = idle_joint(model, q)
-        if found is None or (ties is not None and len(ties) and regular_with(model, q, ties)):
-            if not everywhere:
+        found = idle_with(model, q, ties)
+        if found is None:
+            if not negative:
                 return
         else:
             idle = found
-            if everywhere:
+            if negative:
                 break
     if idle is None:
         return
-    raise MechanismError(f"{where}: {said_of_idle(model, idle, moved, base)}")
+    said = said_of_idle(model, idle, moved, base)
+    raise MechanismError(f"{where}: {negative}: {said}" if negative else f"{where}: {said}")
 
 
 def said_of_idle(model: Any, idle: Idle, moved: Mapping[str, RigidGroup], base: str) -> str:

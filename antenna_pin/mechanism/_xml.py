@@ -35,6 +35,8 @@ _SINGLE = {
 _LONGEST_NAME = 200
 
 
+# Elements of xacro that define something, and put nothing in their place.
+_DEFINITIONS = ("arg", "macro", "property")
 _EXPAND = "expand it first: xacro in.xacro > out.urdf"
 
 # Roots of other formats, and of files that go with a URDF.
@@ -101,9 +103,14 @@ def judge(robot: Any, where: str) -> None:
 
 
 def _refuse_xacro(robot: Any, where: str) -> None:
-    """Refuse macros among what is read; what stands in other elements is not looked at."""
+    """Refuse macros among what is read; what stands in other elements is not looked at.
+
+    Definitions that were left behind mean nothing: what used them is an expression or a macro's call.
+    """
     for part in robot.iterchildren(etree.Element):
         for element in part.iter(etree.Element) if part.tag in ("link", "joint") else (part,):
+            if is_xacro(element) and etree.QName(element).localname in _DEFINITIONS:
+                continue
             if is_xacro(element) or element.tag in ("include", "macro"):
                 name = etree.QName(element).localname
                 raise MechanismError(

@@ -18,7 +18,7 @@ from antenna_pin.brief import brief
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism._edits import plane_names
 from antenna_pin.mechanism._inertia import RigidGroup, impossible_inertia, rigid_groups
-from antenna_pin.mechanism._regular import check_regular, idle_joint, regular_with, said_of_idle
+from antenna_pin.mechanism._regular import check_regular, idle_with, said_of_idle
 from antenna_pin.mechanism._size import check_size
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z
 from antenna_pin.mechanism.urdf import Urdf
@@ -93,8 +93,7 @@ class Mechanism:
         bodies: Names of the moving bodies in the model's order, so body ``i`` is moved by joint ``i + 1``; a
             free base comes first. A body bears the name of its first link that has an inertial.
         impossible: What no body can have of the inertia of those that act, in words, a line a body.
-        everywhere: Whether one of them has a negative moment: that all joints have inertia to move is looked
-            at in several poses then.
+        negative: The first of them with a negative moment, or "".
     """
 
     __repr__ = brief
@@ -107,7 +106,7 @@ class Mechanism:
     base_body: str
     bodies: tuple[str, ...]
     impossible: tuple[str, ...] = ()
-    everywhere: bool = False
+    negative: str = ""
 
     def joint(self, name: str) -> JointSlot:
         """Return a moving joint by name."""
@@ -135,7 +134,7 @@ class Mechanism:
             MechanismError: It names the joint.
         """
         moved = _moved(self.urdf, rigid_groups(self.urdf.robot))
-        check_regular(self.model, self.urdf.where, moved, _ROOT_JOINT, ties, everywhere=self.everywhere)
+        check_regular(self.model, self.urdf.where, moved, _ROOT_JOINT, ties, negative=self.negative)
 
     def check_pose(self, q: NDArray[np.float64], where: str, ties: NDArray[np.float64] | None = None) -> None:
         """Refuse a configuration in which a joint can move without any inertia.
@@ -145,13 +144,13 @@ class Mechanism:
         Args:
             q: Configuration (nq,).
             where: What a message begins with.
-            ties: What couplings tie rates by, ties v = 0, (k, nv); None without any.
+            ties: What couplings tie rates by, ties v = 0, (k, nv); None for those of the URDF.
 
         Raises:
             MechanismError: It names the joint.
         """
-        idle = idle_joint(self.model, q)
-        if idle is not None and not (ties is not None and len(ties) and regular_with(self.model, q, ties)):
+        idle = idle_with(self.model, q, _ties_of(self) if ties is None else ties)
+        if idle is not None:
             moved = _moved(self.urdf, rigid_groups(self.urdf.robot))
             said = said_of_idle(self.model, idle, moved, _ROOT_JOINT)
             raise MechanismError(f"{where}: in this pose {said}; or take another pose")
@@ -215,7 +214,7 @@ def build_mechanism(
         base_body=groups[urdf.root].name,
         bodies=tuple(moved[name].name for name in moving),
         impossible=tuple(one.said for one in impossible),
-        everywhere=any(one.negative for one in impossible),
+        negative=next((one.said for one in impossible if one.negative), ""),
     )
     if regular:
         made.check_regular(_ties_of(made))

@@ -110,6 +110,8 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
             f"coal and the closed form differ by {readable(gaps, 'm', 2)} in the gaps, more than "
             f"{readable(GAPS_WITHIN, 'm')}."
         )
+    for said in json.loads(data.attrs["mechanism"]).get("impossible_inertia", ()):
+        yield f"no body has the inertia of {said}; it was taken as it is."
     scenario = run.run.scenario
     if scenario is not None and scenario.mechanism.allow_impossible_inertia:
         bodies = ", ".join(scenario.mechanism.allow_impossible_inertia)

@@ -80,6 +80,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
                 "allow_impossible_inertia": list(mechanism.urdf.allow_impossible_inertia),
             }
             | ({"package_path": list(map(str, packages))} if packages else {})
+            | ({"impossible_inertia": list(mechanism.impossible)} if mechanism.impossible else {})
         ),
         "clearance_joints": json.dumps(carried_joints(system)),
         **({"elements": json.dumps(elements)} if (elements := _elements(system)) else {}),

@@ -58,6 +58,7 @@ class _Mechanism(BaseModel):
     gravity: _Three
     allow_impossible_inertia: list[str]
     package_path: list[str] = Field(default_factory=list)
+    impossible_inertia: list[str] = Field(default_factory=list)
 
 
 class _Law(BaseModel):
