@@ -1,5 +1,8 @@
 """From a scenario to a system: placements, laws, and what is refused before any work."""
 
+import html
+import json
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -8,6 +11,7 @@ from antenna_pin import AntennaPinError, Urdf, build_mechanism, load_scenario, s
 from antenna_pin.assemble import build_system, initial_state, urdf_variant
 from antenna_pin.contact import MATERIALS, hertz_stiffness
 from antenna_pin.dynamics import JointMotion
+from antenna_pin.errors import MechanismError, NotSimulatedWarning
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import place_journal, wrapped_angle
 from antenna_pin.records import POSE
@@ -208,3 +212,33 @@ def test_a_law_leaves_its_effective_mass_to_each_contact_unless_given():
     assert joint.radial.effective_mass is None and joint.axial.effective_mass is None
     given = build_system(scenario(overrides[0].replace("0.8", "0.8, effective_mass='2 kg'")))
     assert given.clearances[0].radial.effective_mass == 2.0
+
+
+ODD = """<robot name="odd"><link name="a"/><joint name="j" type="continuous"><parent link="a"/>
+<child link="b"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="5" ixy="0" ixz="0" iyz="0"/>
+</inertial></link></robot>"""
+
+
+def test_inertia_that_no_body_has_is_said_kept_and_refused_only_if_strict(tmp_path):
+    (tmp_path / "odd.urdf").write_text(ODD)
+    path = tmp_path / "odd.toml"
+    path.write_text('format = 1\nduration = 0.01\nmechanism = { urdf = "odd.urdf", base = "fixed" }\n')
+    said = "link 'b': the largest principal moment of inertia exceeds the sum of the other two: 1, 1, 5 kg m"
+    with pytest.warns(NotSimulatedWarning) as told:
+        run = simulate(load_scenario(path))
+    lines = [str(one.message) for one in told]
+    assert any(said in line for line in lines)
+    bounds = "bounds in the <limit> of continuous joints, which have none: j (-1 to 1 rad)"
+    assert any(bounds in line for line in lines)
+    kept = json.loads(run.data.attrs["mechanism"])["impossible_inertia"]
+    assert len(kept) == 1 and said in kept[0]
+    run.report(tmp_path / "r.html")
+    assert said in html.unescape((tmp_path / "r.html").read_text())
+    with pytest.raises(MechanismError, match="exceeds the sum .* or leave out mechanism.strict"):
+        build_system(load_scenario(path, overrides=["mechanism.strict=true"]))
+    allowed = ["mechanism.strict=true", "mechanism.allow_impossible_inertia=['b']"]
+    with pytest.warns(NotSimulatedWarning, match="continuous"):
+        assert build_system(load_scenario(path, overrides=allowed)).mechanism.impossible == ()
+    with pytest.raises(AntennaPinError, match="continuous joints have none, whatever theirs states: j"):
+        load_scenario(path, overrides=["stops=true"])

@@ -11,6 +11,7 @@ from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import JointChange, LinkChange, Urdf, WrittenUrdf, build_mechanism
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+import hand_generator
 import odd_urdfs
 import urdf_generator
 
@@ -245,3 +246,29 @@ def test_meshes_of_packages_are_found(tmp_path, monkeypatch):
     urdf = Urdf.from_text(text, "u.urdf", **options)
     assert len(urdf.write(tmp_path / "target" / "u.urdf", copy_meshes=True)) == 2
     assert (tmp_path / "target/arm/meshes/part.stl").read_text() == "solid given"
+
+
+@pytest.mark.parametrize("number", range(0, 120, 3))
+def test_hands_load_and_move_from_their_zero_pose(number):
+    """But for those that are no mechanism: 97.5 % of what Pinocchio loads."""
+    drawn = hand_generator.draw_hand(7, number)
+    problem = odd_urdfs.problem_of_hand(drawn)
+    assert drawn.moves == (problem is None), problem
+    if not drawn.moves:
+        assert "'dead" in problem
+
+
+@pytest.mark.parametrize("none", ["1e16", "1.7976931348623157e308", "1e30", "inf"])
+def test_bounds_that_programs_write_for_none_are_none(none):
+    text = pair(f'<joint name="j" type="prismatic">{{}}<limit lower="-{none}" upper="{none}"/></joint>')
+    urdf = Urdf.from_text(text, "r.urdf")
+    assert urdf.unbounded == ("j",)
+    half = Urdf.from_text(text.replace(f'lower="-{none}"', 'lower="-2"'), "r.urdf")
+    assert half.unbounded == ()
+    assert (half.joint("j").limit.lower, half.joint("j").limit.upper) == (-2.0, np.inf)
+
+
+def test_bounds_of_continuous_joints_are_said():
+    text = pair('<joint name="j" type="continuous">{}<limit lower="-0.5" upper="0.5"/></joint>')
+    assert Urdf.from_text(text, "r.urdf").unlimited == (("j", "-0.5 to 0.5 rad"),)
+    assert Urdf.from_text(text.replace("0.5", "0"), "r.urdf").unlimited == ()
