@@ -84,7 +84,7 @@ class Due:
         inertia = 0.0
         if self._element(place).weighs:
             inertia = self._moment.set(t, y).inertia(self._acting[place].block)
-        return met._replace(load=load, own=own, inertia=inertia)
+        return met._replace(load=load, integrals=own, inertia=inertia)
 
     def pending(self, one: Switch, t: float, y: Array) -> Pending:
         """Return a function that was located, as it is."""
