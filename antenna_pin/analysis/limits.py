@@ -23,7 +23,7 @@ _KINDS = (
 
 @takes()
 def said_of_limits(run: RunLike) -> tuple[str, ...]:
-    """Return a line for each joint that a run has taken past a ``<limit>`` of its URDF.
+    """Return a line for each joint that a run has taken past a ``<limit>`` of its URDF, continuous ones too.
 
     By how much at most, and since when, are those of samples. A joint with play has no limits, for it is free
     in the URDF that is simulated; one with an end stop is held by that. A lean result knows where its joints
@@ -33,7 +33,9 @@ def said_of_limits(run: RunLike) -> tuple[str, ...]:
         run: A run, or its data.
     """
     data = data_of(run)
-    limits = joint_limits(str(data.attrs.get("urdf", "")))
+    urdf = str(data.attrs.get("urdf", ""))
+    stated = joint_limits(urdf, continuous=True)
+    limits = joint_limits(urdf) | stated
     stopped = {one["joint"] for place, one in elements_of(data).items() if place.startswith("stops.")}
     limits = {name: pair for name, pair in limits.items() if name not in stopped}
     lean = is_lean(data)
@@ -48,16 +50,17 @@ def said_of_limits(run: RunLike) -> tuple[str, ...]:
                 continue
             since, passed, most = found
             side = upper if passed > upper else lower
+            why = "it is continuous, which has none" if name in stated else "limits are not simulated"
             if lean:
                 lines.append(
                     f"joint {name!r} ends beyond its limit of {number(side, 4)} {unit}, by "
-                    f"{number(most, 3)} {unit}: limits are not simulated"
+                    f"{number(most, 3)} {unit}: {why}"
                 )
             else:
                 lines.append(
                     f"joint {name!r} passes its limit of {number(side, 4)} {unit} at "
                     f"{number(since, 4)} s, by up to "
-                    f"{number(most, 3)} {unit}: limits are not simulated"
+                    f"{number(most, 3)} {unit}: {why}"
                 )
     return tuple(lines)
 

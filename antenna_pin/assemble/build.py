@@ -98,10 +98,6 @@ def said_of_file(written: WrittenUrdf, mechanism: Mechanism) -> tuple[str, ...]:
     for names, said in (
         (urdf.unbounded, "no bounds in the <limit> of joints, which are taken as without"),
         (urdf.points, "no <inertia> beside the <mass> of links, which are taken as points"),
-        (
-            [f"{name} ({bounds})" for name, bounds in urdf.unlimited],
-            "bounds in the <limit> of continuous joints, which have none",
-        ),
     ):
         if names:
             more = len(names) - _NAMED

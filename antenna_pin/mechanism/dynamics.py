@@ -9,6 +9,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism._regular import idle_joint
 from antenna_pin.mechanism.dynamics_kernels import aba
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.model import Mechanism
@@ -116,7 +117,8 @@ class TreeDynamics:
         """Return the largest deviations at random states, by what deviates, relative to the largest number.
 
         Accelerations count by the forces that they take, M a: of a thin rod about its own axis, which has
-        next to no inertia, none are certain to more than that, and ``pin.aba``'s not to that.
+        next to no inertia, none are certain to more than that, and ``pin.aba``'s not to that. A tree that is
+        regular by its couplings alone has none: constraints solve by its mass matrix.
         """
         data, rng = model.createData(), np.random.default_rng(0)
         worst = {"accelerations": 0.0, "mass matrix": 0.0, "forces of gravity and velocities": 0.0}
@@ -128,8 +130,11 @@ class TreeDynamics:
             bias = np.array(pin.nonLinearEffects(model, data, q, v))
             wanted = mass @ rng.normal(size=model.nv)
             own_mass, own_bias = self.mass_and_bias(q, v)
+            lacks = np.zeros(1)
+            if idle_joint(model, q) is None:
+                lacks = mass @ self.acceleration(q, v, wanted + bias) - wanted
             ratios = (
-                _over(mass @ self.acceleration(q, v, wanted + bias) - wanted, np.append(wanted, bias)),
+                _over(lacks, np.append(wanted, bias)),
                 _over(own_mass - mass, mass),
                 _over(own_bias - bias, np.append(wanted, bias)),
             )

@@ -21,53 +21,42 @@ _SIDES = ("lower", "upper")
 # Kinds of drives that prescribe their joint's motion.
 _MOTIONS = ("motion", "distance")
 # Bound from which on it is none, as for the mechanism.
-_NO_BOUND = 1e9
+_NONE = 1e9
 _UNITS = {"revolute": "rad", "prismatic": "m"}
 
 
 @takes()
-def joint_limits(urdf: str) -> dict[str, tuple[float, float]]:
+def joint_limits(urdf: str, *, continuous: bool = False) -> dict[str, tuple[float, float]]:
     """Return lower and upper limit of each joint of a URDF that turns or slides between limits, by name.
 
     There are none in a text that is no URDF: who needs the mechanism refuses it.
 
     Args:
         urdf: The text.
+        continuous: Of continuous joints instead, which have no limits, what their ``<limit>`` states.
     """
-    return {name: (lower, upper) for name, (_, lower, upper) in _limits(urdf).items()}
+    kinds = ("continuous",) if continuous else tuple(_UNITS)
+    return {name: (lower, upper) for name, (kind, lower, upper) in _limits(urdf).items() if kind in kinds}
 
 
 def _limits(urdf: str) -> dict[str, tuple[str, float, float]]:
-    """Return type, lower and upper limit of each joint between limits, by name."""
-    return _read_limits(urdf)[0]
-
-
-def _read_limits(urdf: str) -> tuple[dict[str, tuple[str, float, float]], list[str]]:
-    """Return kind, lower and upper limit of joints between limits; which continuous ones state some."""
+    """Return type, lower and upper limit of each joint whose ``<limit>`` leaves a way between bounds."""
     found: dict[str, tuple[str, float, float]] = {}
-    around: list[str] = []
     if "<limit" not in urdf or "<!DOCTYPE" in urdf:
-        return found, around
+        return found
     try:
         joints = ET.fromstring(urdf).findall("joint")  # noqa: S314 - entities need a DOCTYPE
     except ET.ParseError:
-        return found, around
+        return found
     for joint in joints:
-        limit, kind, name = joint.find("limit"), str(joint.get("type")), str(joint.get("name"))
+        limit, kind = joint.find("limit"), str(joint.get("type"))
         if limit is not None and kind in (*_UNITS, "continuous"):
             with contextlib.suppress(ValueError):  # what is no number was refused before, or does not count
-                lower, upper = float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0))
-                if not lower < upper or (lower <= -_NO_BOUND and upper >= _NO_BOUND):
-                    continue
-                if kind == "continuous":
-                    around.append(name)
-                else:
-                    lower, upper = (
-                        math.copysign(math.inf, one) if abs(one) >= _NO_BOUND else one
-                        for one in (lower, upper)
-                    )
-                    found[name] = (kind, lower, upper)
-    return found, around
+                bounds = (float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0)))
+                lower, upper = (math.copysign(math.inf, one) if abs(one) >= _NONE else one for one in bounds)
+                if lower < upper and not (math.isinf(lower) and math.isinf(upper)):
+                    found[str(joint.get("name"))] = (kind, lower, upper)
+    return found
 
 
 def with_urdf_limits(data: Mapping[str, Any]) -> Any:
@@ -96,7 +85,8 @@ def with_urdf_limits(data: Mapping[str, Any]) -> Any:
     done: dict[str, Any] = {}
     for name, table in stops.items():
         if name == ALL:
-            done |= _everywhere(stops, limits, _moved(data), _read_limits(data["urdf_text"])[1])
+            around = list(joint_limits(data["urdf_text"], continuous=True))
+            done |= _everywhere(stops, limits, _moved(data), around)
         elif name in open_:
             done[name] = {**table, **limits.get(str(table.get("joint", name)), {})}
         else:
@@ -109,6 +99,8 @@ def _changed(data: Mapping[str, Any]) -> dict[str, dict[str, float]]:
     changes = tables(tables(data.get("mechanism")).get("joints"))
     found = {}
     for name, (kind, *limits) in _limits(data["urdf_text"]).items():
+        if kind not in _UNITS:
+            continue
         own = dict(zip(_SIDES, limits, strict=True))
         for side in _SIDES:
             given = tables(changes.get(name)).get(side)

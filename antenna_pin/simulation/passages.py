@@ -91,8 +91,8 @@ def passages_of(
 ) -> list[Passage]:
     """Return what elements did at an instant, each with the event at which it was located.
 
-    Blows that do not feel each other are each of its own event; those that do, with what they are of, and what
-    is of none belong to the last.
+    Blows that do not feel each other are each of its own event; those that do, with what they are of, belong
+    to the last, and so does what is of none.
 
     Args:
         done: What they did, in order.
@@ -104,7 +104,10 @@ def passages_of(
     ranges = {one.place: _words_of(one) for one in acting_in(workspace.system)}
     left, found, before = _apart(done), list[Passage](), program
     coupled = {
-        struck.element for one in left if isinstance(one, Blow) and len(one.struck) > 1 for struck in one.struck
+        struck.element
+        for one in left
+        if isinstance(one, Blow) and len(one.struck) > 1
+        for struck in one.struck
     }
     for k, event in enumerate(events):
         place = event.action.place if isinstance(event.action, Switch) else ""

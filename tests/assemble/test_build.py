@@ -56,8 +56,8 @@ REFUSALS = {
         ["clearance.elevation.normal.stiffness", "1.2"],
     ),
     "negative mass": (["mechanism.links.reflector.mass=-1"], ["mechanism.links.reflector.mass", "-1"]),
-    "impossible inertia": (
-        ["mechanism.links.body.inertia=[1000, 100, 100]"],
+    "impossible inertia where none may be": (
+        ["mechanism.links.body.inertia=[1000, 100, 100]", "mechanism.strict=true"],
         ["'body'", "allow_impossible_inertia"],
     ),
 }
@@ -227,10 +227,7 @@ def test_inertia_that_no_body_has_is_said_kept_and_refused_only_if_strict(tmp_pa
     said = "link 'b': the largest principal moment of inertia exceeds the sum of the other two: 1, 1, 5 kg m"
     with pytest.warns(NotSimulatedWarning) as told:
         run = simulate(load_scenario(path))
-    lines = [str(one.message) for one in told]
-    assert any(said in line for line in lines)
-    bounds = "bounds in the <limit> of continuous joints, which have none: j (-1 to 1 rad)"
-    assert any(bounds in line for line in lines)
+    assert any(said in str(one.message) for one in told)
     kept = json.loads(run.data.attrs["mechanism"])["impossible_inertia"]
     assert len(kept) == 1 and said in kept[0]
     run.report(tmp_path / "r.html")
@@ -238,7 +235,6 @@ def test_inertia_that_no_body_has_is_said_kept_and_refused_only_if_strict(tmp_pa
     with pytest.raises(MechanismError, match="exceeds the sum .* or leave out mechanism.strict"):
         build_system(load_scenario(path, overrides=["mechanism.strict=true"]))
     allowed = ["mechanism.strict=true", "mechanism.allow_impossible_inertia=['b']"]
-    with pytest.warns(NotSimulatedWarning, match="continuous"):
-        assert build_system(load_scenario(path, overrides=allowed)).mechanism.impossible == ()
+    assert build_system(load_scenario(path, overrides=allowed)).mechanism.impossible == ()
     with pytest.raises(AntennaPinError, match="continuous joints have none, whatever theirs states: j"):
         load_scenario(path, overrides=["stops=true"])

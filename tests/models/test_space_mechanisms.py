@@ -189,10 +189,7 @@ def test_without_cables_hinges_come_one_by_one(ideal):
     assert np.abs(run.data.v.values[:, 4]).max() > 3 * np.abs(ideal.data.v.values[:, 4]).max()
 
 
-# Blows at the latches are stiff for moments. Whether a look for stiffness falls into two of these hangs on
-# the clock; the advice is then a poor one, for radau5 takes three times as long over the whole run.
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore::antenna_pin.errors.StiffRunWarning")
 def test_play_costs_time_and_changes_little_else(ideal):
     """Friction and blows in the hinges delay it; momentum about the hinges' axes is the same."""
     run = simulate(load_scenario("solar_array", case="play"))

@@ -201,3 +201,43 @@ def test_trees_of_several_joints(seed):
     # Differences of second order tend to the equation's derivative with the square of their step.
     assert off[1] < 1e-5
     assert off[0] / off[1] == pytest.approx(25.0, rel=0.1) or off[1] < 1e-9
+
+
+def two_masses(carried):
+    """Two masses of one frequency, each thrown at a stop of its own; on one carriage that moves if carried."""
+    own = 'iyy="1" izz="1" ixy="0" ixz="0" iyz="0"'
+    link = '<link name="{}"><inertial><mass value="{}"/><inertia ixx="1" ' + own + "/></inertial></link>"
+    slide = '<joint name="{}" type="prismatic"><parent link="{}"/><child link="{}"/><axis xyz="1 0 0"/></joint>'
+    parts = [link.format("a", 2), link.format("b", 3)]
+    on = "carriage" if carried else "world"
+    if carried:
+        parts += [link.format("carriage", 5), slide.format("rail", "world", "carriage")]
+    parts += [slide.format("one", on, "a"), slide.format("two", on, "b")]
+    urdf = Urdf.from_text(f'<robot name="r"><link name="world"/>{"".join(parts)}</robot>', "r.urdf")
+    masses = {"one": 2.0, "two": 3.0}
+    return System(
+        build_mechanism(urdf, "fixed"),
+        springs={name: JointSpring(joint=name, stiffness=10.0 * m) for name, m in masses.items()},
+        elements={"stops": {name: RigidStop(joint=name, upper=0.1, restitution=0.7) for name in masses}},
+    )
+
+
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_blows_at_one_instant_that_do_not_feel_each_other_are_each_their_own(engine):
+    flow = Flow(two_masses(False), RunSettings(rtol=1e-12, engine=engine))
+    start = flow.first(np.zeros(2), np.array([0.5, 0.5]))
+    assert flow.went(start, 0.35).events == 2
+    ours, runs = flow.tangent(start, 0.35).matrix, flow.tangent_by_runs(start, 0.35).matrix
+    assert np.abs(ours - runs).max() < 1e-9
+
+
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_blows_at_one_instant_that_feel_each_other_have_no_derivative(engine):
+    """In neighbours one comes before the other, and which decides. Next to it there is one."""
+    flow = Flow(two_masses(True), RunSettings(rtol=1e-12, engine=engine))
+    start = flow.first(np.zeros(3), np.array([0.0, 0.5, 0.5]))
+    assert flow.went(start, 0.35).events == 2
+    assert np.isnan(flow.tangent(start, 0.35).matrix).all()
+    apart = flow.first(np.zeros(3), np.array([0.0, 0.5, 0.4]))
+    ours, runs = flow.tangent(apart, 0.35).matrix, flow.tangent_by_runs(apart, 0.35).matrix
+    assert np.abs(ours - runs).max() < 1e-8 * np.abs(runs).max()
