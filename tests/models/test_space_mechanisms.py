@@ -189,7 +189,10 @@ def test_without_cables_hinges_come_one_by_one(ideal):
     assert np.abs(run.data.v.values[:, 4]).max() > 3 * np.abs(ideal.data.v.values[:, 4]).max()
 
 
+# For 30,000 of 80,000 steps, over 80 ms at the second latch, a pressed journal's damper holds them short, and
+# the run says so rightly. Over all of it radau5 takes three times as long all the same.
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::antenna_pin.errors.StiffRunWarning")
 def test_play_costs_time_and_changes_little_else(ideal):
     """Friction and blows in the hinges delay it; momentum about the hinges' axes is the same."""
     run = simulate(load_scenario("solar_array", case="play"))
