@@ -14,6 +14,8 @@ from antenna_pin.parameters import parameter
 __all__ = ["MaxwellSlip"]
 
 _MOST = 8
+# Share of its reach at which one that is bent slips: what round-off leaves.
+_AT = 1.0 - 1e-9
 _ANCHORS = tuple(f"anchor_{k}" for k in range(1, _MOST + 1))
 
 
@@ -45,8 +47,8 @@ class MaxwellSlip(ModalElement):
     at_start: ClassVar[tuple[str, ...]] = ("rest_angle",)
     traced: ClassVar[bool] = True
     modes: ClassVar[tuple[str, ...]] = ("held", "up", "down")
-    switches: ClassVar[int] = 2
-    remembers: ClassVar[tuple[str, ...]] = _ANCHORS
+    switches: ClassVar[int] = 3
+    remembers: ClassVar[tuple[str, ...]] = (*_ANCHORS, "slips")
     goes_by: ClassVar[Mapping[str, Remembered]] = dict.fromkeys(_ANCHORS, "way")
     goes_by_in: ClassVar[tuple[int, ...]] = (0, 1, 2)
 
@@ -62,6 +64,7 @@ class MaxwellSlip(ModalElement):
     anchor_6: float = field(default=0.0, repr=False)
     anchor_7: float = field(default=0.0, repr=False)
     anchor_8: float = field(default=0.0, repr=False)
+    slips: float = field(default=0.0, repr=False)
 
     def __post_init__(self) -> None:
         """Check that there are as many slip torques as springs."""
@@ -90,7 +93,7 @@ class MaxwellSlip(ModalElement):
 
     def values(self) -> dict[str, Any]:
         """Return its numbers, by the names that its record has for them."""
-        return {"count": len(self.stiffness), "mode": self.mode}
+        return {"count": len(self.stiffness), "mode": self.mode, "slips": int(self.slips)}
 
     def tail(self) -> tuple[float, ...]:
         """Return stiffness, reach and anchor of each."""
@@ -107,18 +110,25 @@ class MaxwellSlip(ModalElement):
         return self.first(met)
 
     def in_another(self, met: Met) -> Change:
-        """Drag those along that are bent farther than they can be."""
-        return Change(self.mode, memory=self._dragged(self.anchors, met.angle))
+        """Drag those along that are bent farther than they can be; none slips until it is found to."""
+        return Change(self.mode, memory={**self._dragged(self.anchors, met.angle), "slips": 0.0})
 
     def passed(self, k: int, met: Met) -> Change:
         """Slip the way that one is bent that far; where the joint turns back then, drag anchors no more."""
         if k == 1:
-            return Change(3 - self.mode, memory=self._dragged(self.anchors, met.angle))
-        if self.mode:
-            return Change(3 - self.mode)
+            return Change(3 - self.mode, memory={**self._dragged(self.anchors, met.angle), "slips": 0.0})
         bent = [met.angle - anchor for anchor in self.anchors]
         beyond = [abs(z) - reach for z, reach in zip(bent, self.reaches, strict=True)]
-        return Change(1 if bent[beyond.index(max(beyond))] > 0.0 else 2)
+        mode = (
+            self.mode if k == 2 else 3 - self.mode if self.mode else 1 + (bent[beyond.index(max(beyond))] < 0)
+        )
+        way = 1.0 if mode == 1 else -1.0
+        slips = sum(
+            2.0**i
+            for i, (z, reach) in enumerate(zip(bent, self.reaches, strict=True))
+            if way * z > _AT * reach
+        )
+        return Change(mode, memory={"slips": slips})
 
     def _dragged(self, anchors: tuple[float, ...], angle: float) -> dict[str, float]:
         return {

@@ -7,16 +7,16 @@ from typing import Any
 from antenna_pin._compile import inlined, record
 from antenna_pin.records import layout, words_of
 
-#: Behind it stand stiffness, reach and anchor of each.
-LAYOUT = layout(("count", "i8"), ("mode", "i8"))
+#: Which of them slip, the k-th counts 2^k. Behind it stand stiffness, reach and anchor of each.
+LAYOUT = layout(("count", "i8"), ("mode", "i8"), ("slips", "i8"))
 SIZE = words_of(LAYOUT)
 EACH = 3
 # Modes: none slips; some slip, or did last, as the angle grows, or as it falls.
 HELD = 0
 UP = 1
 # Share of its reach by which one is bent further before its mode follows: one that has just been let go is
-# not told from one that slips. The torque is right either way.
-_SLACK = 1e-9
+# not told from one that slips. The torque is right either way; of the loss as large a share is left out.
+_SLACK = 1e-11
 
 
 @inlined
@@ -38,12 +38,13 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 @inlined
 def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
-    """Power of those that slip [W]."""
+    """Power of those that slip [W]: by what is decided, for it jumps where one begins to."""
     angle, rate, _ = motion
+    springs = record(words[at : at + SIZE], LAYOUT)
     found = 0.0
-    for k in range(record(words[at : at + SIZE], LAYOUT).count):
+    for k in range(springs.count):
         one = at + SIZE + EACH * k
-        if abs(angle - words[one + 2]) > words[one + 1]:
+        if springs.slips & (1 << k):
             found += words[one] * _bent(words, one, angle) * rate
     rates[x] = found
 
@@ -77,11 +78,11 @@ def mode(words: Any, at: int) -> int:
 
 @inlined
 def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
-    """What is left until one slips (the other way), and the rate at which those go that slip, or soon do."""
+    """What is left until one slips (the other way), or one more; the rate of those that slip, or soon do."""
     springs = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion
     way = 1.0 if springs.mode == UP else -1.0
-    left, slope, slips = 1.0, 0.0, False
+    left, slope, slips, more = 1.0, 0.0, False, 1.0
     for i in range(springs.count):
         one = at + SIZE + EACH * i
         bent, reach = angle - words[one + 2], words[one + 1]
@@ -91,11 +92,15 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
             back = way
             # From half way on, well before it slips: where the joint turns back, nothing jumps that is seen.
             slips = slips or way * bent > 0.5 * reach
+            if not springs.slips & (1 << i):
+                more = min(more, (1.0 + _SLACK) * reach - way * bent)
         own = (1.0 + _SLACK) * reach + back * bent
         if i == 0 or own < left:
             left, slope = own, back * rate
     if k == 0:
         return float(left), float(slope)
+    if k == 2:
+        return float(more), float(-way * rate) if more < 1.0 else 0.0
     if slips:
         return float(way * rate), 0.0
     return 1.0, 0.0
