@@ -1,8 +1,8 @@
 """Columns of numbers from text, as spreadsheets, loggers and programs write them.
 
 Detected unless given: the delimiter (``;``, tabulators, commas, else blanks), a decimal comma, the line of
-names, units in it (``time [s]``, ``time (ms)`` or ``Time/s``) or in a line beneath. Columns are found by their
-names, capitals or not, whatever stands beside them. What could be read in two ways is refused, and nothing is
+names, units in it (``time [s]``, ``time (ms)``, ``Time/s``) or in a line beneath. Columns are found by name,
+capitals or not, whatever stands beside them. What could be read in two ways is refused, and nothing is
 evaluated.
 """
 
@@ -168,15 +168,12 @@ def column_of(cells: Cells, name: str, unit: str | tuple[str, ...]) -> tuple[flo
         try:
             factor = unit_factor(cells.units[name], unit, f"the unit of column {name}")
         except QuantityError as error:
-            raise BadTableError(f"the header: {error}") from None
+            raise BadTableError(str(error)) from None
     found = []
     for line, cell in zip(cells.lines, cells.text[name], strict=True):
         number = decimal_in(cell)
         if number is None:
-            hint = (
-                f"; a unit stands in the header, {name} [...]" if any_quantity(cell) and " " in cell else ""
-            )
-            raise BadTableError(f"line {line}: {name} must be a finite number, got {shown(cell)}{hint}")
+            raise BadTableError(f"line {line}: {name} must be a finite number, got {shown(cell)}{hint(cell)}")
         found.append(number if factor == 1.0 else scaled(cell, factor))
     return tuple(found)
 
@@ -231,8 +228,8 @@ def _rows(
             if row and not row[0].lstrip().startswith(layout.comment):
                 yield skip + number, row
     except BadTableError as error:
-        number, _, said = str(error).removeprefix("line ").partition(":")
-        raise BadTableError(f"line {skip + int(number)}:{said}") from None
+        at, _, said = str(error).removeprefix("line ").partition(":")
+        raise BadTableError(f"line {skip + int(at)}:{said}") from None
 
 
 def _header(

@@ -60,7 +60,7 @@ class TableShake(Shake):
 
     @classmethod
     def units_of_columns(cls, table: Mapping[str, Any]) -> dict[str, str]:
-        """Return the unit of the course that a scenario's table names a file of: pure numbers beside ``scale``."""
+        """Return the unit of the course in the file of a scenario's table; pure numbers beside ``scale``."""
         unit = "m" if table.get("direction") is not None else "rad"
         per = {"displacement": "", "velocity": "/s", "acceleration": "/s**2"}.get(str(table.get("of")))
         return {} if per is None or "scale" in table else {"course": unit + per}

@@ -16,10 +16,10 @@ class LayoutSpec(Spec):
     """What of a record is its file's, as a recorder or a spreadsheet wrote it. Most of it is of texts.
 
     Attributes:
-        delimiter: Between a text's columns; a blank is any number of blanks. Found out where it is left out.
-        decimal: A text's decimal sign, point or comma. Found out where it is left out.
-        encoding: Of a text, as Python calls it: ``utf-8``, ``latin-1``, ``utf-16``; a mark in front of the text
-            comes before it.
+        delimiter: Between a text's columns; a blank is any number of blanks. Detected if left out.
+        decimal: A text's decimal sign, point or comma. Detected if left out.
+        encoding: Of a text, as Python calls it: ``utf-8``, ``latin-1``, ``utf-16``. A byte order mark comes
+            before ``utf-8``.
         comment: With what a text's lines begin that do not count.
         skip: A text's lines in front of its column names, comments too [-].
         names: Of a text's columns, if no line of it has them.

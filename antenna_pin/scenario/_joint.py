@@ -18,7 +18,7 @@ JOINTS = {"rotation": "turning", "translation": "sliding"}
 
 
 def motion_of(value: object, units: str | tuple[str, ...]) -> Motion | None:
-    """Return the motion that a text's unit says of a joint, of those for turning and sliding; None if none."""
+    """Return the motion that a text's unit says of a joint; None if units are not those of both motions."""
     if isinstance(units, str) or len(units) != len(_MOTIONS):
         return None
     unit = matching_unit(value, units)

@@ -240,8 +240,10 @@ def file_columns(table: object, family: str) -> tuple[str, ...] | None:
 def file_units(table: Mapping[str, Any], family: str) -> tuple[str | tuple[str, ...], ...]:
     """Return the SI unit of each of :func:`file_columns`, or those of a turning and of a sliding joint."""
     cls = _class_of(table, family)
-    parameters, of_table = parameters_of(cls), getattr(cls, "units_of_columns", lambda _: {})(table)
-    return tuple(of_table.get(name, parameters[name].units) for name in cls.columns)
+    units = {name: parameter.units for name, parameter in parameters_of(cls).items()}
+    if hasattr(cls, "units_of_columns"):
+        units |= cls.units_of_columns(table)
+    return tuple(units[name] for name in cls.columns)
 
 
 def _class_of(table: object, family: str) -> Any:
