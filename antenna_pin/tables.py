@@ -25,6 +25,7 @@ __all__ = [
     "UnknownColumnError",
     "bare_name",
     "column_of",
+    "headings",
     "hint",
     "read_cells",
 ]
@@ -183,6 +184,18 @@ def hint(cell: str) -> str:
     if _COMMA.fullmatch(cell):
         return "; a decimal comma needs another delimiter, such as ;"
     return "; units stand in the header, as in time [s]" if any_quantity(cell) is not None else ""
+
+
+def headings(text: str) -> list[str]:
+    """Return the names in the first line of a text that counts, without units."""
+    lines = text.removeprefix("\ufeff").splitlines()
+    skip = 1 if lines and _SEPARATOR.fullmatch(lines[0].strip()) else 0
+    layout = TextLayout()
+    try:
+        _, first = next(_rows(lines, skip, _delimiter(lines[skip:], layout.comment), layout), (0, []))
+    except BadTableError:
+        return []
+    return [bare_name(cell) for cell in first]
 
 
 def bare_name(heading: str) -> str:

@@ -195,6 +195,7 @@ def _with_modes(name: str, table: Any, folder: Path, source: Source) -> Any:
         where, note, _ = source.place(place)
         raise ScenarioError(f"{where}: {table['file']}, {problem}{note}") from None
     found: dict[str, Any] = {"frequency": modes.frequency, "participation": modes.participation}
+    found["reading"] = modes.reading
     found["places"] = [f"{table['file']}, line {line}" for line in modes.lines]
     if modes.damping_ratio is not None and "damping_ratio" not in table:
         found["damping_ratio"] = modes.damping_ratio
