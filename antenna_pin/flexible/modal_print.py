@@ -5,7 +5,8 @@ Below it a line names the columns, ``T1 T2 T3 R1 R2 R3`` or ``X-COMPONENT`` to `
 with FREQUENCY or CYCLES or without; then frequencies are the CYCLES of the REAL EIGENVALUES (EIGENVALUE
 OUTPUT) before it, which must be those of their RADIANS and eigenvalue, to the digits printed. Ansys: a table
 under PARTICIPATION FACTOR CALCULATION for each DIRECTION, X to ROTZ, with FREQUENCY, PARTIC.FACTOR and
-EFFECTIVE MASS, which must be the factor's square. Anything else is skipped, headings of pages too. Numbers may be written the short way, ``1.25-3``, or with a D.
+EFFECTIVE MASS, which must be the factor's square. Anything else is skipped, headings of pages too. Numbers
+may be written the short way, ``1.25-3``, or with a D.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ _EIGENVALUES = {
     6: ("MODE", "EIGENVALUE", "RADIANS", "CYCLES", "GENERALIZED MASS", "COMPOSITE DAMPING"),
     5: ("MODE", "EIGENVALUE", "RADIANS", "CYCLES", "IMAGINARY PART"),
 }
-# Words of their headings, which say the order where the columns stand another way.
+# Three that say the same, in that order; words of a heading that has another order.
+_SAME = ("EIGENVALUE", "RADIANS", "CYCLES")
 _HEADINGS = re.compile(
     r"(?P<mode>\bMODE\b(?! DAMPING))|(?P<order>\bORDER\b)|(?P<value>\bEIGENVALUE\b)|(?P<radians>\bRADIANS\b)"
     r"|(?P<cycles>\bCYCLES\b(?!/))|(?P<mass>\bMASS\b)|(?P<stiffness>\bSTIFFNESS\b)"
@@ -233,13 +235,12 @@ def _is_row(words: Sequence[str]) -> bool:
 
 
 def _order(headings: Sequence[str], count: int) -> tuple[str, ...]:
-    """Return the columns of eigenvalues by the places of words in their heading, else by their count."""
-    found = {}
+    """Return the columns of eigenvalues by the line that names them in another order, else by their count."""
     for line in headings:
-        for word in _HEADINGS.finditer(line):
-            found.setdefault(_OF_HEADINGS[str(word.lastgroup)], word.start())
-    if len(found) == count and {"MODE", "EIGENVALUE", "RADIANS", "CYCLES"} <= found.keys():
-        return tuple(sorted(found, key=lambda name: found[name]))
+        names = tuple(_OF_HEADINGS[str(word.lastgroup)] for word in _HEADINGS.finditer(line))
+        own = [name for name in names if name in _SAME]
+        if len(names) == count and sorted(own) == sorted(_SAME) and own != list(_SAME):
+            return names
     return _EIGENVALUES.get(count, ())
 
 

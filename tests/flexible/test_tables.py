@@ -194,7 +194,7 @@ def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
          "line 14: FREQUENCY of mode 2 must be in the other tables, 18.8 Hz, got 18.9"),
         (CALCULIX.replace("0.1884956E+02   0.3000000E+01   0.0000000E+00",
                           "0.0000000E+00   0.0000000E+00   0.1884956E+02"),
-         "line 8: the frequency of mode 1 must be real, got an imaginary part of 18.8496 rad/s"),
+         "line 8: the frequency of mode 1 must be real, got an imaginary"),
         (CALCULIX.replace("0.3000000E+01", "0.3000100E+01"), "line 8: CYCLES of mode 1 must be its RADIANS over"),
         (MYSTRAN[: MYSTRAN.rindex("M O D A L")], "line 1: must be CSV with the header"),
         (WITH_FREQUENCY.replace("0.0        -0.3", "-0.3"), "line 4: must have 8 numbers, got 7"),
