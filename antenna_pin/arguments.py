@@ -39,7 +39,7 @@ def takes(**units: str | tuple[str, ...]) -> Callable[[_T], _T]:
     """Return a decorator of a function, or of a class, that refuses arguments of a wrong kind.
 
     Args:
-        **units: SI unit of each parameter that may be given as text with a unit, or several units; a mapping's
+        **units: SI unit of each parameter that may be given as text with a unit, or several; a mapping's
             values, or the entries of a sequence, each.
     """
 
