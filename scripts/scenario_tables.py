@@ -148,8 +148,8 @@ _DRIVES = {
     "the sum "
     "of all that is given, its [`file`](../tables.md) has the columns "
     f"{_columns(FAMILIES['drives'].kinds, 'pd')}",
-    "motion": "Holds the joint to a given motion, the sum of all that is given; its [`file`](../tables.md) has the "
-    f"columns {_columns(FAMILIES['drives'].kinds, 'motion')}",
+    "motion": "Holds the joint to a given motion, the sum of all that is given; its [`file`](../tables.md) "
+    f"has the columns {_columns(FAMILIES['drives'].kinds, 'motion')}",
 }
 _CONTROLLERS = {
     "pid": "u = kp e + I + D + f, limited in rate, then in size ([more](../control.md#pid))",

