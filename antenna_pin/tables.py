@@ -208,6 +208,8 @@ def _split(heading: str) -> tuple[str, str]:
     found = _HEADING.fullmatch(heading.strip())
     if found is None or not found["name"]:
         return heading.strip(), ""
+    if found["slash"] and any_quantity(f"1 {found['slash']}") is None:
+        return heading.strip(), ""
     unit = found["square"] or found["round"] or found["slash"] or ""
     return found["name"].strip(), unit.strip()
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import decimal
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
@@ -154,18 +154,28 @@ def any_quantity(value: object) -> tuple[float, str] | None:
     if match is None or seen is None:
         return None
     digits, name = match.groups()
+    kind = "1" if name in _PURE else _kind_of(seen)
+    if not kind:
+        named = ((_kind_of(one), one) for one in _as_weights(name))
+        kind, seen = next(((found, one) for found, one in named if found), ("", seen))
     number = scaled(digits, seen.factor)
     if not math.isfinite(number):
         return None
-    if name in _PURE:
-        return number, "1"
-    for unit in _KINDS:
-        known = _known_unit(unit)
-        if (known.dimension, known.radian) == (seen.dimension, seen.radian) and seen.cycles == known.cycles:
-            return number, unit
+    if kind:
+        return number, kind
     text = _base_units(name)
     known_text = _parse_unit(text)
     return (number, text) if known_text is not None and known_text.factor == 1.0 else None
+
+
+def _kind_of(seen: Unit) -> str:
+    """Return the SI unit of the kind that a unit is of; nothing if it is of none with a name."""
+    for unit in _KINDS:
+        known = _known_unit(unit)
+        is_counted_alike = seen.cycles == known.cycles or len(seen.dimension) > 1  # Hz alone is no rad/s
+        if (known.dimension, known.radian) == (seen.dimension, seen.radian) and is_counted_alike:
+            return unit
+    return ""
 
 
 def matching_unit(value: object, units: tuple[str, ...]) -> str | None:
@@ -267,14 +277,13 @@ def _from_text(given: str, units: tuple[str, ...]) -> float:
     if seen is None:
         raise _Refused(f" (unit {name!r} is unknown{_examples(units)})")
     if not _is_any(seen, units):
-        seen = _as_weight(name, units) or seen
+        seen = next((one for one in _as_weights(name) if _is_any(one, units)), seen)
     if not _is_any(seen, units):
         if name == "":
             raise _Refused(f" (no unit); write '{digits} {units[0]}'")
-        heavy = _parse_unit(without_weights(with_signs(name)))
-        hint = (
-            f"; a weight is '{without_weights(with_signs(name))}'" if heavy and _is_any(heavy, units) else ""
-        )
+        weight = without_weights(with_signs(name))
+        heavy = _parse_unit(weight) if weight != with_signs(name) else None
+        hint = f"; a weight is '{weight}'" if heavy is not None and _is_any(heavy, units) else ""
         raise _Refused(f" ({_name_of(name, seen)}){hint}")
     number = scaled(digits, seen.factor)
     if not math.isfinite(number):
@@ -291,16 +300,14 @@ def _examples(units: tuple[str, ...]) -> str:
     return f"; known are {', '.join(known)} and others" if known else ""
 
 
-def _as_weight(name: str, units: tuple[str, ...]) -> Unit | None:
-    """Return a unit with g as standard gravity, or pounds and ounces as forces, where that fits."""
+def _as_weights(name: str) -> Iterator[Unit]:
+    """Yield what a unit is with g as standard gravity, where no mass is left, and with pounds as forces."""
     name = with_signs(name)
-    if _GRAVITY.search(name):
-        found = _parse_unit(_GRAVITY.sub("g_0", name))
+    for other in (_GRAVITY.sub("g_0", name), with_weights(name)):
+        found = _parse_unit(other) if other != name else None
         massless = found is not None and all(base != "[mass]" for base, _ in found.dimension)
-        if found is not None and massless and _is_any(found, units):
-            return found
-    found = _parse_unit(with_weights(name))
-    return found if found is not None and _is_any(found, units) else None
+        if found is not None and (massless or "g_0" not in other):
+            yield found
 
 
 def scaled(digits: str, factor: float) -> float:

@@ -130,6 +130,12 @@ def test_rows_without_numbers_count_where_holes_are_allowed():
     assert cells.lines == [2, 3, 4]
 
 
+def test_a_slash_in_a_name_that_no_unit_follows_is_the_names():
+    cells = read_cells("time/s,force/left,force/N\n1,2,3\n", ("time", "force/left", "force"))
+    assert cells.text == {"time": ["1"], "force/left": ["2"], "force": ["3"]}
+    assert cells.units == {"time": "s", "force": "N"}
+
+
 URDF = """<robot name="crane"><link name="rail"/>
 <joint name="trolley" type="prismatic"><parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
 <limit lower="-9" upper="9" effort="1e6" velocity="99"/></joint>

@@ -205,6 +205,13 @@ def test_a_decimal_comma_is_one_where_it_can_be_nothing_else(text, number):
 def test_a_spelling_is_the_same_quantity_where_no_unit_is_asked_for():
     assert any_quantity("3 Nm") == any_quantity("3 N*m") == (3.0, "N*m")
     assert any_quantity("2 gcm2") == (2e-7, "kg*m**2")
+    for text, unit in (
+        ("5 in-lb", "N*m"),
+        ("5 lb/in", "N/m"),
+        ("5 lb-in²", "kg*m**2"),
+        ("5 g²/Hz", "m**2/s**3"),
+    ):
+        assert any_quantity(text) == (quantity(text, unit, PLACE), unit)
 
 
 def test_a_huge_integer_is_not_finite():
