@@ -1,7 +1,7 @@
 """Columns of numbers from text, as spreadsheets, loggers and programs write them.
 
 Detected unless given: the delimiter (``;``, tabulators, commas, else blanks), a decimal comma, the line of
-names, units in it (``time [s]``, ``time (ms)``, ``Time/s``) or in a line beneath. Columns are found by name,
+names, units in it (``time [s]``, ``time (ms)``, ``Time/s``) or in a line beneath. Columns go by name,
 capitals or not, whatever stands beside them. What could be read in two ways is refused, and nothing is
 evaluated.
 """
@@ -129,13 +129,13 @@ def read_cells(
     delimiter = delimiter or _delimiter(lines[skip:], layout.comment)
     rows = _rows(lines, skip, delimiter, layout)
     line, first = next(rows, (0, []))
-    header, held = _header(first, line, lines, wanted, delimiter, layout, headless)
+    header, is_headless = _header(first, line, lines, wanted, delimiter, layout, headless)
     if not header:
         raise UnknownColumnError(wanted, wanted[0], (), line)
     at = {name: _place(name, header, wanted, line) for name in wanted}
     at |= {name: _place(name, header, wanted, line) for name in optional if _is_there(name, header)}
     units = {name: unit for name, k in at.items() if (unit := _split(header[k])[1])}
-    body = [(line, first)] if held else []
+    body = [(line, first)] if is_headless else []
     body += [(n, row) for n, row in rows if layout.holes or any(cell.strip() for cell in row)]
     while body and not any(cell.strip() for cell in body[-1][1]):
         body.pop()
@@ -144,13 +144,13 @@ def read_cells(
     if body and _has_units(body[0][1], at, layout.units_row):
         units |= {name: _bare_unit(body[0][1][k]) for name, k in at.items()}
         body = body[1:]
-    found = {name: [row[k].strip() for _, row in body] for name, k in at.items()}
+    columns = {name: [row[k].strip() for _, row in body] for name, k in at.items()}
     numbers = [n for n, _ in body]
-    decimal = layout.decimal or _decimal(found, numbers, delimiter)
+    decimal = layout.decimal or _decimal(columns, numbers, delimiter)
     if layout.decimal == ",":
-        _check_points(found, numbers)
-    plain = {name: [_plain(cell, decimal) for cell in cells] for name, cells in found.items()}
-    return Cells(plain, units, numbers, 0 if held else line)
+        _check_points(columns, numbers)
+    plain = {name: [_plain(cell, decimal) for cell in cells] for name, cells in columns.items()}
+    return Cells(plain, units, numbers, 0 if is_headless else line)
 
 
 def column_of(cells: Cells, name: str, unit: str | tuple[str, ...]) -> tuple[float, ...]:
@@ -170,13 +170,13 @@ def column_of(cells: Cells, name: str, unit: str | tuple[str, ...]) -> tuple[flo
             factor = unit_factor(cells.units[name], unit, f"the unit of column {name}")
         except QuantityError as error:
             raise BadTableError(str(error)) from None
-    found = []
+    numbers = []
     for line, cell in zip(cells.lines, cells.text[name], strict=True):
         number = decimal_in(cell)
         if number is None:
             raise BadTableError(f"line {line}: {name} must be a finite number, got {shown(cell)}{hint(cell)}")
-        found.append(number if factor == 1.0 else scaled(cell, factor))
-    return tuple(found)
+        numbers.append(number if factor == 1.0 else scaled(cell, factor))
+    return tuple(numbers)
 
 
 def hint(cell: str) -> str:
@@ -205,13 +205,13 @@ def bare_name(heading: str) -> str:
 
 def _split(heading: str) -> tuple[str, str]:
     """Return name and unit of a heading such as ``time [s]``; no unit if it has none."""
-    found = _HEADING.fullmatch(heading.strip())
-    if found is None or not found["name"]:
+    match = _HEADING.fullmatch(heading.strip())
+    if match is None or not match["name"]:
         return heading.strip(), ""
-    if found["slash"] and any_quantity(f"1 {found['slash']}") is None:
+    if match["slash"] and any_quantity(f"1 {match['slash']}") is None:
         return heading.strip(), ""
-    unit = found["square"] or found["round"] or found["slash"] or ""
-    return found["name"].strip(), unit.strip()
+    unit = match["square"] or match["round"] or match["slash"] or ""
+    return match["name"].strip(), unit.strip()
 
 
 def _delimiter(lines: Sequence[str], comment: str) -> str:
@@ -225,7 +225,7 @@ def _cells_of(lines: Sequence[str], delimiter: str) -> Iterator[tuple[int, list[
     """Yield the rows of lines with the number of the line that each ends in, from 1."""
     if delimiter == " ":
         lines = [
-            " ".join(_BRACKETS.sub(lambda found: found[1].replace(" ", "*"), line).split()) for line in lines
+            " ".join(_BRACKETS.sub(lambda match: match[1].replace(" ", "*"), line).split()) for line in lines
         ]
     reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=delimiter != "\t")
     try:
@@ -243,8 +243,8 @@ def _rows(
             if row and not row[0].lstrip().startswith(layout.comment):
                 yield skip + number, row
     except BadTableError as error:
-        at, _, said = str(error).removeprefix("line ").partition(":")
-        raise BadTableError(f"line {skip + int(at)}:{said}") from None
+        at, _, reason = str(error).removeprefix("line ").partition(":")
+        raise BadTableError(f"line {skip + int(at)}:{reason}") from None
 
 
 def _header(
@@ -305,10 +305,10 @@ def _check_length(row: Sequence[str], header: Sequence[str], last: int, line: in
     raise BadTableError(f"line {line}: must have {len(header)} values, got {count}{hint}")
 
 
-def _has_units(row: Sequence[str], at: dict[str, int], said: bool | None) -> bool:
+def _has_units(row: Sequence[str], at: dict[str, int], of_layout: bool | None) -> bool:
     """Return whether a row has units: as the layout says, else if there is one of each column."""
-    if said is not None:
-        return said
+    if of_layout is not None:
+        return of_layout
     cells = [row[k].strip() for k in at.values()]
     if any(not cell or decimal_in(_plain(cell, ",")) is not None for cell in cells):
         return False
@@ -323,11 +323,11 @@ def _bare_unit(cell: str) -> str:
     return word
 
 
-def _decimal(found: dict[str, list[str]], lines: Sequence[int], delimiter: str) -> Literal[".", ","]:
+def _decimal(columns: dict[str, list[str]], lines: Sequence[int], delimiter: str) -> Literal[".", ","]:
     """Return the decimal sign of cells, or refuse what may be decimals as well as thousands."""
-    pointed = any(_POINT.fullmatch(cell) for cells in found.values() for cell in cells)
+    pointed = any(_POINT.fullmatch(cell) for cells in columns.values() for cell in cells)
     doubtful = ""
-    for name, cells in found.items():
+    for name, cells in columns.items():
         for line, cell in zip(lines, cells, strict=True):
             comma = _COMMA.fullmatch(cell) if "," in cell else None
             if comma is None or delimiter == ",":
@@ -346,9 +346,9 @@ def _decimal(found: dict[str, list[str]], lines: Sequence[int], delimiter: str) 
     return "."
 
 
-def _check_points(found: dict[str, list[str]], lines: Sequence[int]) -> None:
+def _check_points(columns: dict[str, list[str]], lines: Sequence[int]) -> None:
     """Refuse a number with a point where the layout has commas."""
-    for name, cells in found.items():
+    for name, cells in columns.items():
         for line, cell in zip(lines, cells, strict=True):
             if _POINT.fullmatch(cell):
                 rule = f'must be a number with a comma, got {shown(cell)}; if it is one, give decimal = "."'

@@ -49,17 +49,17 @@ def with_signs(name: str) -> str:
     Args:
         name: As data sheets, spreadsheets and drawings spell it; a unit that is spelled out is left as it is.
     """
-    name = _SUPERSCRIPT.sub(lambda found: f"**{found[0].translate(_LOWERED)}", name).translate(_SIGNS).strip()
-    name = _OTHER.sub(lambda found: _OTHER_NAMES[found[0]], name)
+    name = _SUPERSCRIPT.sub(lambda match: f"**{match[0].translate(_LOWERED)}", name).translate(_SIGNS).strip()
+    name = _OTHER.sub(lambda match: _OTHER_NAMES[match[0]], name)
     name = _POWER.sub(r"\1**\2", _GLUED.sub(_apart, name))
     if not _WRITTEN_OUT.search(name):
         name = _BLANKS.sub("*", re.sub(r"\s*([*/^])\s*", r"\1", _BETWEEN.sub("*", name)))
     return _POWER.sub(r"\1**\2", _GLUED.sub(_apart, name))
 
 
-def _apart(found: re.Match[str]) -> str:
-    first, second = next((found[k], found[k + 1]) for k in (1, 3, 5) if found[k] is not None)
-    return f"{first}*{second}{'*s' if found[7] else ''}{'**' + found[8] if found[8] else ''}"
+def _apart(match: re.Match[str]) -> str:
+    first, second = next((match[k], match[k + 1]) for k in (1, 3, 5) if match[k] is not None)
+    return f"{first}*{second}{'*s' if match[7] else ''}{'**' + match[8] if match[8] else ''}"
 
 
 def with_weights(name: str) -> str:
@@ -81,10 +81,10 @@ def with_point(text: str) -> str | None:
     Args:
         text: A number with its unit, such as ``0,2 mm``.
     """
-    found = _DECIMAL_COMMA.fullmatch(text)
-    if found is None:
+    match = _DECIMAL_COMMA.fullmatch(text)
+    if match is None:
         return None
-    sign, whole, behind, rest = found.groups()
+    sign, whole, behind, rest = match.groups()
     if len(behind) == 3 and whole.lstrip("0"):
         return None
     return f"{sign}{whole or '0'}.{behind}{rest}"

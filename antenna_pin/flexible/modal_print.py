@@ -68,7 +68,7 @@ class _Printed:
     step: float
 
     def is_like(self, other: float, step: float) -> bool:
-        """Whether a number, known to a step, is this one."""
+        """Return whether a number, known to a step, is this one."""
         return abs(self.number - other) <= 1.001 * (self.step + step)
 
 
@@ -110,8 +110,8 @@ class _Reader:
         elif sum(len(word) == 1 and word.isalpha() for word in words) >= _SPACED:
             self.begin("")
         elif self.section == "factors" and any(set(axes) <= set(words) for axes in _AXES):
-            named = ("FREQUENCY" if word.startswith("FREQ") else word for word in words)
-            self.columns = tuple(dict.fromkeys(("MODE",) * ("MODE" not in words) + tuple(named)))
+            names = ("FREQUENCY" if word.startswith("FREQ") else word for word in words)
+            self.columns = tuple(dict.fromkeys(("MODE",) * ("MODE" not in words) + tuple(names)))
             self.columns = tuple(name for name in self.columns if name not in _NO_COLUMNS)
             self.note(" ".join(self.columns), number)
         elif self.section == "factors" and self.columns and _is_row(words):
@@ -150,8 +150,8 @@ class _Reader:
         row = dict(zip((one.replace(". ", ".") for one in self.columns), words, strict=True))
         factor = _printed(row.get("PARTIC.FACTOR", ""), "PARTIC.FACTOR", place)
         mode = _new_mode(row["MODE"], (), place)
-        found, k = self.factors.setdefault(mode, [None] * 6), _DIRECTIONS.index(self.section)
-        if found[k] is not None:
+        values, k = self.factors.setdefault(mode, [None] * 6), _DIRECTIONS.index(self.section)
+        if values[k] is not None:
             raise BadModalTableError(
                 f"{place}: mode {mode} must stand once in direction {self.section}, got it again; "
                 "keep one load step in the file"
@@ -165,7 +165,7 @@ class _Reader:
                     f"{square:.7g}, got {mass.number:.7g}; have modes scaled by mass (Nrmkey of MODOPT)"
                 )
         self.compare(mode, _printed(row["FREQUENCY"], "FREQUENCY", place), "FREQUENCY", place)
-        found[k] = factor.number
+        values[k] = factor.number
         self.lines.setdefault(mode, number)
 
     def compare(self, mode: int, own: _Printed, name: str, place: str) -> None:
@@ -202,8 +202,8 @@ def read_printed(text: str, or_else: str) -> ModalTable:
             "columns T1 to R3 or X-COMPONENT to Z-ROTATION, or one PARTICIPATION FACTOR CALCULATION for each "
             "DIRECTION, got neither"
         )
-    for mode, found in factors.items():
-        lacking = [name for name, one in zip(_DIRECTIONS, found, strict=True) if one is None]
+    for mode, values in factors.items():
+        lacking = [name for name, one in zip(_DIRECTIONS, values, strict=True) if one is None]
         if lacking:
             raise BadModalTableError(
                 f"line {lines[mode]}: mode {mode} must have a factor in each DIRECTION, got none in "
@@ -214,13 +214,13 @@ def read_printed(text: str, or_else: str) -> ModalTable:
                 f"mode {mode} of the participation factors must have a frequency, in a column FREQUENCY or "
                 "CYCLES or among the REAL EIGENVALUES, got none"
             )
-    numbers = [[one for one in found if one is not None] for found in factors.values()]
+    numbers = [[one for one in values if one is not None] for values in factors.values()]
     return ModalTable(
         tuple(checked_frequency(cycles[mode].number, f"line {lines[mode]}") for mode in factors),
         tuple(
             one
-            for mode, found in zip(factors, numbers, strict=True)
-            for one in checked_factors(found, f"line {lines[mode]}")
+            for mode, values in zip(factors, numbers, strict=True)
+            for one in checked_factors(values, f"line {lines[mode]}")
         ),
         None,
         tuple(lines[mode] for mode in factors),
@@ -229,7 +229,7 @@ def read_printed(text: str, or_else: str) -> ModalTable:
 
 
 def _is_row(words: Sequence[str]) -> bool:
-    """Whether a line is one of a table: a page's heading has a number in front too, but words behind it."""
+    """Return whether a line is one of a table: page headings have a number in front too, but words behind."""
     numbers = sum(_value(word) is not None for word in words)
     return len(words) > 1 and whole_in(words[0]) is not None and 2 * numbers > len(words)
 

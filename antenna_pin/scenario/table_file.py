@@ -27,23 +27,23 @@ def read_table(
         BadTableError: It cannot be read so; with the line.
     """
     cells = read_cells(text, columns)
-    found = tuple(column_of(cells, name, unit) for name, unit in zip(columns, units, strict=True))
+    numbers = tuple(column_of(cells, name, unit) for name, unit in zip(columns, units, strict=True))
     if len(cells.lines) < 2:
         last = max(cells.lines, default=cells.header)
         raise BadTableError(f"line {last}: must have at least 2 rows of numbers, got {len(cells.lines)}")
-    for line, before, number in zip(cells.lines[1:], found[0], found[0][1:], strict=False):
+    for line, before, number in zip(cells.lines[1:], numbers[0], numbers[0][1:], strict=False):
         if not number > before:
             raise BadTableError(
                 f"line {line}: {columns[0]} must increase strictly, got {number!r} after {before!r}"
             )
-    given = {name: unit for name, unit in zip(columns, units, strict=True) if name in cells.units}
-    motions = {name: motion_of(f"1 {cells.units[name]}", unit) for name, unit in given.items()}
-    said = {name: motion for name, motion in motions.items() if motion is not None}
-    for name, motion in said.items():
-        first = next(iter(said))
-        if motion != said[first]:
+    with_unit = {name: unit for name, unit in zip(columns, units, strict=True) if name in cells.units}
+    motions = {name: motion_of(f"1 {cells.units[name]}", unit) for name, unit in with_unit.items()}
+    known = {name: motion for name, motion in motions.items() if motion is not None}
+    for name, motion in known.items():
+        first = next(iter(known))
+        if motion != known[first]:
             raise BadTableError(
-                f"line {cells.header}: {name} must be for a {JOINTS[said[first]]} joint, as {first} is, "
+                f"line {cells.header}: {name} must be for a {JOINTS[known[first]]} joint, as {first} is, "
                 f"got {cells.units[name]!r} ({JOINTS[motion]})"
             )
-    return found, next(iter(said.values()), None)
+    return numbers, next(iter(known.values()), None)
