@@ -35,12 +35,12 @@ _ARRAYS = (np.ndarray, NDArray)  # to NumPy 2.4 one is the other's name, from 2.
 _EITHER, _NAMED = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
 
 
-def takes(**units: str) -> Callable[[_T], _T]:
+def takes(**units: str | tuple[str, ...]) -> Callable[[_T], _T]:
     """Return a decorator of a function, or of a class, that refuses arguments of a wrong kind.
 
     Args:
-        **units: SI unit of each parameter that may be given as text with a unit; a mapping's values, or the
-            entries of a sequence, each.
+        **units: SI unit of each parameter that may be given as text with a unit, or several; a mapping's
+            values, or the entries of a sequence, each.
     """
 
     def decorated(one: _T) -> _T:
@@ -53,7 +53,9 @@ def takes(**units: str) -> Callable[[_T], _T]:
     return decorated
 
 
-def _checked(function: Any, place: str, units: Mapping[str, str], owner: type[Any] | None) -> Any:
+def _checked(
+    function: Any, place: str, units: Mapping[str, str | tuple[str, ...]], owner: type[Any] | None
+) -> Any:
     def checked(name: str, value: Any, hint: Any) -> Any:
         read = _read(place, name, value, hint, units.get(name))
         if owner is None:  # a class has its own words for what its functions are asked
@@ -100,12 +102,12 @@ def _checked(function: Any, place: str, units: Mapping[str, str], owner: type[An
     return wrapped
 
 
-def _read(place: str, name: str, value: Any, hint: Any, unit: str | None) -> Any:
+def _read(place: str, name: str, value: Any, hint: Any, unit: str | tuple[str, ...] | None) -> Any:
     """Return an argument, text with a unit as a number, or refuse it."""
     if unit is not None:
         value = _in_si(f"{place}: {name}", value, unit)
     if not fits(value, hint):
-        rule = rule_of(hint) + ("" if unit is None else f", in {unit} or with a unit")
+        rule = rule_of(hint) + ("" if unit is None else f", in {_either(unit)} or with a unit")
         raise InvalidParameterError(place, name, rule, said=unknown_type(value))
     if get_origin(hint) is Iterable and isinstance(value, Iterator):
         return _each(place, name, value, hint)
@@ -139,7 +141,11 @@ def _check_count(place: str, name: str, value: Any, hint: Any) -> None:
         raise InvalidParameterError(place, name, rule, said=f"one of {signature}") from None
 
 
-def _in_si(place: str, value: Any, unit: str) -> Any:
+def _either(unit: str | tuple[str, ...]) -> str:
+    return unit if isinstance(unit, str) else " or ".join(unit)
+
+
+def _in_si(place: str, value: Any, unit: str | tuple[str, ...]) -> Any:
     if isinstance(value, str):
         try:
             return quantity(value, unit, place)

@@ -22,7 +22,16 @@ from typing import Any
 
 from antenna_pin.errors import OutputError
 
-__all__ = ["PatientFile", "absence", "check_writable", "decoded", "has_whole_seal", "replacing", "seal"]
+__all__ = [
+    "PatientFile",
+    "absence",
+    "check_writable",
+    "decoded",
+    "has_whole_seal",
+    "marked_encoding",
+    "replacing",
+    "seal",
+]
 
 _PREFIX, _SUFFIX = ".antenna-pin-", ".partial"
 # A file system's block: one that is full takes a name, but not this.
@@ -40,9 +49,8 @@ def decoded(data: bytes) -> str:
     Raises:
         UnicodeDecodeError: It is no text, for nothing in it is an element.
     """
-    for mark, encoding in _MARKS:
-        if data.startswith(mark):
-            return data.decode(encoding, "replace")
+    if marked := marked_encoding(data):
+        return data.decode(marked, "replace")
     declared = re.match(rb"\s*<\?xml[^>]*?encoding\s*=\s*[\"']([\w.-]+)", data)
     for encoding in (*([declared[1].decode()] if declared else []), "utf-8"):
         with contextlib.suppress(LookupError, UnicodeDecodeError):
@@ -50,6 +58,11 @@ def decoded(data: bytes) -> str:
             if "<" in text:  # bytes of UTF-8 taken for UTF-16 are Chinese
                 return text
     return data.decode("latin-1" if b"<" in data else "utf-8")
+
+
+def marked_encoding(data: bytes) -> str | None:
+    """Return the encoding that a text's byte order mark gives; None without one."""
+    return next((encoding for mark, encoding in _MARKS if data.startswith(mark)), None)
 
 
 def absence(path: str | os.PathLike[str], what: str = "file") -> str:

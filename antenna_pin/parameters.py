@@ -26,7 +26,8 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from antenna_pin.arguments import fits, is_number, rule_of, takes, unknown_type
 from antenna_pin.directions import A_DIRECTION, direction
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.units import QuantityError, quantity
+from antenna_pin.numerals import decimal_in
+from antenna_pin.units import QuantityError, matching_unit, quantity
 
 __all__ = [
     "FARTHEST",
@@ -175,15 +176,21 @@ def choices_of(hint: Any) -> tuple[str, ...]:
 def check(owner: Any) -> None:
     """Check the fields of a frozen dataclass by what they declare; tuples of numbers become floats.
 
+    Text with a unit becomes the number in SI units. A field whose unit depends on the joint takes either; all
+    fields of an object must be for one motion.
+
     Raises:
         InvalidParameterError: The first that breaks its rule.
     """
     cls: Any = type(owner)
+    motions: dict[str, str] = {}
     for name, optional, whole, hint, choices, declared in _declared(cls):
         value = getattr(owner, name)
         if value is None and optional:
             continue
         if "unit" in declared:
+            if declared["sliding"]:
+                _check_motion(owner, name, value, declared, motions)
             if declared.get("sizes"):
                 value = _in_si(owner, name, value, declared)
                 numbers = _numbers(owner, name, value, declared)
@@ -236,16 +243,29 @@ def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) ->
     if not isinstance(value, str):
         return value
     unit = declared["unit"]
-    if declared["sliding"]:
-        rule = f"a number in SI units, {unit} or of a sliding joint {declared['sliding']}"
-        raise InvalidParameterError(owner, name, rule, value)
     for other, _ in re.findall(r"(?<=\*\*)(([a-z]\w*))", unit):
         unit = unit.replace(f"**{other}", f"**{getattr(owner, other)!r}")
     try:
-        return quantity(value, unit, name)
+        return quantity(value, (unit, declared["sliding"]) if declared["sliding"] else unit, name)
     except QuantityError as error:
         rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
         raise InvalidParameterError(owner, name, rule, said=said) from None
+
+
+def _check_motion(
+    owner: object, name: str, value: Any, declared: Mapping[Any, Any], motions: dict[str, str]
+) -> None:
+    """Refuse text with a unit for a sliding joint beside another for a turning joint, or vice versa."""
+    units = _units(declared)
+    for one in value if isinstance(value, list | tuple) else (value,):
+        unit = matching_unit(one, units)
+        if unit is None or decimal_in(one) is not None:
+            continue
+        own = ("turning", "sliding")[units.index(unit)]
+        first = next(iter(motions), name)
+        if motions.setdefault(first, own) != own:
+            rule = f"for a {motions[first]} joint, as {first} is"
+            raise InvalidParameterError(owner, name, rule, said=f"{one!r} ({own})")
 
 
 def beyond(numbers: Iterable[float], units: str | tuple[str, ...], rule: str = "") -> str:

@@ -235,9 +235,9 @@ _FILES: tuple[tuple[str, str | bytes, str], ...] = (
 )
 
 _CSV: tuple[tuple[str, str | bytes, str], ...] = (
-    ("empty table", "", "the header must be time,torque"),
-    ("no header", "0,1\n1,2\n", "the header must be time,torque"),
-    ("semicolons", "time;torque\n0;1\n1;2\n", "the header must be time,torque"),
+    ("empty table", "", "the header must have time,torque"),
+    ("no header", "0,1,2\n1,2,3\n", "the header must have time,torque"),
+    ("thousands", "time;torque\n0;1,000\n1;2,000\n", "of decimals or thousands"),
     ("one row", "time,torque\n0,1\n", "at least 2 rows"),
     ("three values", "time,torque\n0,1,2\n1,1,2\n", "must have 2 values, got 3"),
     ("words", "time,torque\n0,a\n1,2\n", "torque must be a finite number"),

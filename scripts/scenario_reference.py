@@ -59,7 +59,7 @@ _SAID_ONCE = (
     (
         r"^Where (the |a |it )?(table|part that is a table)? ?came from, "
         r"relative to the scenario's folder\.?$",
-        "CSV, in place of the numbers",
+        "[table](../tables.md), in place of the numbers",
     ),
     (
         r"^(Of (the|a) table, )?[Ss]trictly increasing, at least two[.;]? ?([Aa] run must lie within them)?",

@@ -14,7 +14,7 @@ from typing import Any, get_args
 from scenario_reference import Row, first_line, keys_of, kinds_of, listed, said_once
 
 from antenna_pin.contact import MATERIALS
-from antenna_pin.elements import FAMILIES
+from antenna_pin.elements import FAMILIES, REFERENCES
 from antenna_pin.scenario import (
     DRIVE_SPECS,
     FAMILY_SPECS,
@@ -119,6 +119,11 @@ def _family_part(name: str, line: str, more: str = "", said: Mapping[str, str] |
     return Part(title=f"[{name}.NAME]", line=line, more=kinds + more, rows=rows, said=own | dict(said or {}))
 
 
+def _columns(kinds: Mapping[str, Any], kind: str) -> str:
+    """Return the columns of the file that a kind's table may name, as a page shows them."""
+    return ", ".join(f"`{name}`" for name in kinds[kind].columns)
+
+
 _SPRINGS = {
     "spring": "A linear spring and damper at a joint",
     "friction": "Friction at a joint, beside that of `[mechanism.joints]`; events can change or switch it",
@@ -129,17 +134,22 @@ _SPRINGS = {
     "maxwell-slip": "Springs side by side that slip each at a torque of its own; holds at rest, without "
     "creep",
     "constant-torque": "A tape spring or a clock's",
-    "table": "Torque over angle, from numbers or a CSV `file` with the header `angle,torque`",
-    "harness": "A table for each direction, or a `file` with the header `angle,torque,torque_back`",
+    "table": "Torque over angle, from numbers or a [`file`](../tables.md) with the columns "
+    f"{_columns(FAMILIES['springs'].kinds, 'table')}",
+    "harness": "A table for each direction, or a [`file`](../tables.md) with the columns "
+    f"{_columns(FAMILIES['springs'].kinds, 'harness')}",
 }
 _DRIVES = {
     "constant": "A constant torque (force)",
     "sine": "A torque that swings",
-    "table": "A torque over time; its CSV has the header `time,torque`",
+    "table": "A torque over time; its [`file`](../tables.md) has the columns "
+    f"{_columns(FAMILIES['drives'].kinds, 'table')}",
     "pd": "kp (reference - angle) + kd (its rate - rate), at most `limit` either way; the reference is "
     "the sum "
-    "of all that is given, its CSV has the header `time,reference`",
-    "motion": "Holds the joint to a given motion, the sum of all that is given",
+    "of all that is given, its [`file`](../tables.md) has the columns "
+    f"{_columns(FAMILIES['drives'].kinds, 'pd')}",
+    "motion": "Holds the joint to a given motion, the sum of all that is given; its [`file`](../tables.md) "
+    f"has the columns {_columns(FAMILIES['drives'].kinds, 'motion')}",
 }
 _CONTROLLERS = {
     "pid": "u = kp e + I + D + f, limited in rate, then in size ([more](../control.md#pid))",
@@ -210,7 +220,8 @@ def _mechanism() -> list[Part]:
     default_case = Row("`default_case`", "text", "", "The case that is run where none is named")
     *first, last = (f"`{name}`" for name in MATERIALS)
     flexible = {
-        kind: keys_of(cls, without=("link", "kind", "modes", "places")) for kind, cls in _FLEXIBLE.items()
+        kind: keys_of(cls, without=("link", "kind", "modes", "places", "reading"))
+        for kind, cls in _FLEXIBLE.items()
     }
     flexible["modal-data"] = [_with_file(row) for row in flexible["modal-data"]]
     ratio = keys_of(CouplingSpec, without=("kind", "follower", "motion", "conversion"))
@@ -364,8 +375,8 @@ def _driven() -> list[Part]:
         Part(
             title="[references.NAME]",
             line='a course over time, followed by `follows = "NAME"` ([more](../references.md))',
-            more="Units are those of the joint that follows it; the header of a CSV `file` is "
-            "`time,reference`.",
+            more="Units are those of the joint that follows it; a [`file`](../tables.md) "
+            f"has the columns {_columns(REFERENCES, 'table')}.",
             rows={kind: [_choice(REFERENCE_SPECS), *own] for kind, own in references.items()},
         ),
         Part(

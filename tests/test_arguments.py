@@ -1,7 +1,9 @@
 """Arguments of a wrong kind are refused in one line; text with a unit is read."""
 
+import dataclasses
 import importlib
 import inspect
+import math
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, Protocol
@@ -14,8 +16,19 @@ from antenna_pin import AntennaPinError, RunSettings, System, load_scenario, sim
 from antenna_pin.analysis import scenario_rows
 from antenna_pin.arguments import fits, rule_of, takes
 from antenna_pin.constraints import Closure
-from antenna_pin.elements import JointSpring, PointSpring, SineDrive
+from antenna_pin.elements import (
+    DRIVES,
+    GEARS,
+    REFERENCES,
+    SPRINGS,
+    JointSpring,
+    MaxwellSlip,
+    PointSpring,
+    SineDrive,
+)
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.geometry import PlanarClearance
+from antenna_pin.parameters import parameters_of
 from antenna_pin.simulation import Angle, Event, Gap, Set, Stop, Time
 
 #: What people build systems of in Python, and call.
@@ -96,7 +109,11 @@ def test_what_is_of_a_wrong_kind_is_refused_in_one_line(one):
             "Time: instants must be a number or text, in s or with a unit, got [0.1] (list)",
         ),
         (lambda: Time("soon"), "Time: instants must be a time [s], got 'soon'"),
-        (lambda: Angle("a", "1 rad"), "Angle: value must be a number, got '1 rad'"),
+        (
+            lambda: JointSpring(joint="a", stiffness="1 N/m", damping="1 N*m*s/rad"),
+            "JointSpring: damping must be for a sliding joint, as stiffness is, got '1 N*m*s/rad' (turning)",
+        ),
+        (lambda: Angle("a", "1 s"), "Angle: value must be an angle [rad] or a length [m], got '1 s' (time)"),
         (lambda: Event(name="a", when=Time(1), action="stop"), "Event: action must be a Mark, a Stop, a Set"),
         (lambda: System([]), "System: mechanism must be a Mechanism, got [] (list)"),
         (
@@ -114,8 +131,8 @@ def test_what_is_of_a_wrong_kind_is_refused_in_one_line(one):
         ),
         (lambda: JointSpring(joint=3), "JointSpring: joint must be text, got 3"),
         (
-            lambda: JointSpring(joint="a", stiffness="1 N/m"),
-            "JointSpring: stiffness must be a number in SI units",
+            lambda: JointSpring(joint="a", stiffness="1 N"),
+            "JointSpring: stiffness must be a torsional stiffness [N*m/rad] or a stiffness [N/m], got '1 N'",
         ),
         (lambda: RunSettings(max_step="1 kg"), "RunSettings: max_step must be a time [s], got '1 kg' (mass)"),
         (lambda: RunSettings(method=["rk4"]), "RunSettings: method must be rk4, bogacki-shampine-32,"),
@@ -125,6 +142,39 @@ def test_refusals_name_parameter_rule_and_value(call, says):
     with pytest.raises(InvalidParameterError) as error:
         call()
     assert str(error.value).startswith(says)
+
+
+def test_text_with_a_unit_is_taken_wherever_a_unit_is_declared():
+    spring = JointSpring(joint="j", stiffness="0.4 N*m/rad", damping="2 mNm·s/rad", rest_angle="90 deg")
+    assert (spring.stiffness, spring.damping) == (0.4, 0.002)
+    assert spring.rest_angle == pytest.approx(math.pi / 2, rel=1e-15)
+    assert JointSpring(joint="j", stiffness="0.4 N/mm").stiffness == 400.0
+    assert Angle("a", "0.5 rad") == Angle("a", 0.5)
+    assert Angle("a", "20 mm").value == 0.02
+    assert MaxwellSlip(joint="j", stiffness=("1 Nm/rad", 2.0), slip=("3 mNm", 4.0)).slip == (0.003, 4.0)
+    assert PlanarClearance(bearing_radius="5.1 mm", journal_radius="5 mm").bearing_radius == 0.0051
+
+
+def test_every_declared_number_of_elements_takes_its_unit():
+    """Also that of a sliding joint; elements that need more than numbers and a joint aside."""
+    made = 0
+    for cls in {*DRIVES.values(), *SPRINGS.values(), *GEARS.values(), *REFERENCES.values()}:
+        needed = {one.name for one in dataclasses.fields(cls) if one.default is dataclasses.MISSING}
+        declared = parameters_of(cls)
+        for sliding in (False, True):
+            units = {
+                name: one.sliding if sliding and one.sliding else one.unit for name, one in declared.items()
+            }
+            single = {name for name in units if not declared[name].sizes and "**" not in units[name]}
+            given = {name: f"0.5 {units[name]}" for name in needed & single}
+            try:
+                one = cls(**given, **({"joint": "a"} if "joint" in needed else {}))
+            except (TypeError, InvalidParameterError) as error:  # a field that is no number, or left out
+                assert "got '0.5" not in str(error)
+                continue
+            made += 1
+            assert all(getattr(one, name) == 0.5 for name in given), cls
+    assert made > 15
 
 
 def _pendulum():

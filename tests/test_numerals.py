@@ -8,7 +8,8 @@ from typer.testing import CliRunner
 from antenna_pin.cli import app
 from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
 from antenna_pin.numerals import bare, decimal_in, whole_in
-from antenna_pin.scenario.table_file import BadTableError, read_table
+from antenna_pin.scenario.table_file import read_table
+from antenna_pin.tables import BadTableError
 from antenna_pin.units import QuantityError, quantity
 
 CSV = "frequency,tx,ty,tz,rx,ry,rz\n{},1,0,0,0,0,0\n"
@@ -37,7 +38,7 @@ def test_what_is_no_number_is_none_anywhere(text, tmp_path: Path):
     with pytest.raises(QuantityError):
         quantity(text or "x", "s", "place")
     with pytest.raises(BadTableError, match="line 3: time must be a finite number"):
-        read_table(f'time,torque\n0,1\n"{text}",1\n', ("time", "torque"))
+        read_table(f'time,torque\n0,1\n"{text}",1\n', ("time", "torque"), ("s", "N*m"))
     with pytest.raises(BadModalTableError, match="line 2: frequency must be a finite number"):
         read_modal_table(CSV.format(f'"{text}"'))
     for arguments in (

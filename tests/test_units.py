@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from antenna_pin import common_units, units
 from antenna_pin.errors import ScenarioError
-from antenna_pin.units import QuantityError, describe_unit, matching_unit, quantity, shown
+from antenna_pin.units import QuantityError, any_quantity, describe_unit, matching_unit, quantity, shown
 
 PLACE = "my.toml: clearance.hinge.radial_clearance"
 
@@ -69,11 +69,27 @@ def test_quantity_is_read_in_si(value, unit, expected):
     [
         ("0.2 N", "m", "must be a length [m], got '0.2 N' (force)"),
         ("0.2", "m", "must be a length [m], got '0.2' (no unit); write '0.2 m'"),
-        ("0.2 mmm", "m", "must be a length [m], got '0.2 mmm' (unit 'mmm' is unknown)"),
-        ("0,2 mm", "m", "must be a length [m], got '0,2 mm' (unit ',2 mm' is unknown)"),
+        ("0.2 mmm", "m", "must be a length [m], got '0.2 mmm' (unit 'mmm' is unknown; known are m, mm"),
+        (
+            "0,2,1 mm",
+            "m",
+            "must be a length [m], got '0,2,1 mm' (unit ',2,1 mm' is unknown; known are m, mm,",
+        ),
+        (
+            "1,234 mm",
+            "m",
+            "must be a length [m], got '1,234 mm' (a comma of decimals or of thousands); write 1.234 or 1234",
+        ),
+        ("3 Nm", "m", "must be a length [m], got '3 Nm' (torque)"),
+        ("1 mil", "rad", "must be an angle [rad], got '1 mil' (length)"),
+        ("3 rev/min", "Hz", "must be a frequency [Hz], got '3 rev/min' (angular rate)"),
+        ("2 lbm*in", "N*m", "must be a torque [N*m], got '2 lbm*in' (kg*m)"),
+        ("5 kg", "N", "must be a force [N], got '5 kg' (mass); a weight is 'kgf'"),
+        ("5 kg-cm", "N*m", "must be a torque [N*m], got '5 kg-cm' (kg*m); a weight is 'kgf*cm'"),
+        ("5 foo", "N*m", "must be a torque [N*m], got '5 foo' (unit 'foo' is unknown; known are N*m, mN*m,"),
         ("short", "m", "must be a length [m], got 'short'; write a number and its unit: '1 m'"),
         ("", "1", "must be a pure number, got ''; write a number"),
-        ("1 m +", "m", "must be a length [m], got '1 m +' (unit 'm +' is unknown)"),
+        ("1 m +", "m", "must be a length [m], got '1 m +' (unit 'm +' is unknown; known are m, mm"),
         ("3 kg/m**2", "m", "must be a length [m], got '3 kg/m**2' (kg/m**2)"),
         ("3 kg*g", "N", "must be a force [N], got '3 kg*g' (kg**2)"),
         ("3 g", "m", "must be a length [m], got '3 g' (mass)"),
@@ -125,6 +141,77 @@ def test_what_is_no_quantity_is_refused(value, unit, reason):
 )
 def test_g_is_gravity_where_an_acceleration_is_asked_for(value, unit, expected):
     assert quantity(value, unit, PLACE) == pytest.approx(expected, rel=1e-15)  # of the square
+
+
+_LBF, _OZF, _INCH, _FOOT, _DEG = 4.4482216152605, 4.4482216152605 / 16, 0.0254, 0.3048, math.pi / 180
+
+
+@pytest.mark.parametrize(
+    ("spelled", "unit", "factor"),
+    [
+        ("Nm, N.m, N·m, N⋅m, N∙m, N-m, N m", "N*m", 1.0),
+        ("mNm, mN.m, mN·m, mN-m, mN m", "N*m", 1e-3),
+        ("kNm", "N*m", 1e3),
+        ("Ncm, N-cm", "N*m", 1e-2),
+        ("Nmm", "N*m", 1e-3),
+        ("Nm/rad", "N*m/rad", 1.0),
+        ("Nm/deg, N·m/°", "N*m/rad", 1 / _DEG),
+        ("Nm/arcmin", "N*m/rad", 60 / _DEG),
+        ("Nms/rad, Nm·s/rad, N.m.s/rad, Nm s/rad", "N*m*s/rad", 1.0),
+        ("lbf*in, in-lb, in-lbf, lb-in, in·lb, inlb", "N*m", _LBF * _INCH),
+        ("lb-ft, ft-lb, ftlb, ft-lbf", "N*m", _LBF * _FOOT),
+        ("oz-in, ozf-in, in-oz, ozin", "N*m", _OZF * _INCH),
+        ("lb, lbs, lbf", "N", _LBF),
+        ("lb/in", "N/m", _LBF / _INCH),
+        ("kgf, kp", "N", 9.80665),
+        ("kgfcm, kgf-cm", "N*m", 0.0980665),
+        ("lb*in^2, lb-in², lbm*in**2, lb in2", "kg*m**2", 0.45359237 * _INCH**2),
+        ("lbm, lb", "kg", 0.45359237),
+        ("gcm2, g-cm², gcm^2, gcm², g·cm², g cm2", "kg*m**2", 1e-7),
+        ("kgm2, kg*m2, kg.m2, kg·m², kg m²", "kg*m**2", 1.0),
+        ("kg/m3, kg/m³, kg m-3", "kg/m**3", 1.0),
+        ("m/s2, m·s⁻², m s-2", "m/s**2", 1.0),
+        ("g²/Hz, g2/Hz", "m**2/s**3", 9.80665**2),
+        ("(m/s²)²/Hz, (m/s2)^2/Hz", "m**2/s**3", 1.0),
+        ("rev", "rad", math.tau),
+        ("rev/min, rpm, r/min, RPM", "rad/s", math.tau / 60),
+        ("mil", "m", 2.54e-5),
+        ("ksi", "Pa", 1e3 * _LBF / _INCH**2),
+        ("Msi", "Pa", 1e6 * _LBF / _INCH**2),
+        ("µm, μm, um", "m", 1e-6),
+        ("meter per second, meter/second", "m/s", 1.0),
+    ],
+)
+def test_units_are_understood_as_data_sheets_spell_them(spelled, unit, factor):
+    """A pound or an ounce is a weight where a force is asked for, a mass where a mass is."""
+    for name in spelled.split(", "):
+        for blank in ("", " ", "\N{THIN SPACE}", "\N{NO-BREAK SPACE}"):
+            # Factors of pint are products of some floats.
+            assert quantity(f"3{blank}{name}", unit, PLACE) == pytest.approx(3 * factor, rel=1e-15), name
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        ("0,2 mm", 0.2), ("1,25 mm", 1.25), ("-0,5mm", -0.5), ("0,125 mm", 0.125), ("1,2345 mm", 1.2345),
+        ("1,5e3 mm", 1500.0), ("\N{MINUS SIGN}5 mm", -5.0), ("0.2 mil", 0.2 * 0.0254),
+    ],
+)  # fmt: skip
+def test_a_decimal_comma_is_one_where_it_can_be_nothing_else(text, number):
+    assert quantity(text, "m", PLACE) == float(Decimal(repr(number)) / 1000)
+    assert any_quantity(text) == (quantity(text, "m", PLACE), "m")
+
+
+def test_a_spelling_is_the_same_quantity_where_no_unit_is_asked_for():
+    assert any_quantity("3 Nm") == any_quantity("3 N*m") == (3.0, "N*m")
+    assert any_quantity("2 gcm2") == (2e-7, "kg*m**2")
+    for text, unit in (
+        ("5 in-lb", "N*m"),
+        ("5 lb/in", "N/m"),
+        ("5 lb-in²", "kg*m**2"),
+        ("5 g²/Hz", "m**2/s**3"),
+    ):
+        assert any_quantity(text) == (quantity(text, unit, PLACE), unit)
 
 
 def test_a_huge_integer_is_not_finite():

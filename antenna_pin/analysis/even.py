@@ -39,7 +39,7 @@ class UniformSignal(NamedTuple):
     rate: float  # samples per time [Hz]
 
 
-@takes()
+@takes(rate="Hz")
 def uniform(time: ArrayLike, values: ArrayLike, rate: float | None = None) -> UniformSignal:
     """Return a signal on an even grid, without folding; the module's text says how.
 

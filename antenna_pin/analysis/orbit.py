@@ -24,7 +24,7 @@ EARTH_RADIUS = 6378137.0
 Vector3 = tuple[float, float, float]
 
 
-@takes()
+@takes(rate="rad/s")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orbit:
     r"""A circular orbit, and the world's axes in it.

@@ -94,7 +94,7 @@ def error_components(errors: xr.Dataset) -> dict[str, Array]:
     return found | {"half-cone": np.asarray(errors["boresight_error"].values, dtype=float)}
 
 
-@takes()
+@takes(window="s", drift_spacing="s")
 def pointing_indices(
     time: ArrayLike | Sequence[ArrayLike],
     error: ArrayLike | Mapping[str, ArrayLike] | Sequence[ArrayLike] | Sequence[Mapping[str, ArrayLike]],

@@ -102,7 +102,7 @@ def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
     return np.array(merged).reshape(-1, 2)
 
 
-@takes()
+@takes(longest_gap="s", least_duration="s")
 def settling(
     run: RunLike,
     joint: str | None = None,

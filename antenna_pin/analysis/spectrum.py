@@ -40,7 +40,7 @@ _ROUND_OFF = 1e-10  # of the size of a quantity: what it varies by without a cau
 _LEAST_SHARE = 1e-3  # of the strongest peak, for one to be named beside it
 
 
-@takes()
+@takes(rate="Hz", segment="s")
 def spectrum(
     time: ArrayLike,
     values: ArrayLike,
@@ -88,7 +88,7 @@ def spectrum(
     )
 
 
-@takes()
+@takes(rate="Hz")
 def dominant_frequencies(
     time: ArrayLike,
     values: ArrayLike | Read,
@@ -187,7 +187,7 @@ def dominant_frequencies(
     )
 
 
-@takes()
+@takes(rate="Hz", segment="s")
 def spectrogram(
     time: ArrayLike,
     values: ArrayLike,

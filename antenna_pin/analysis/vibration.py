@@ -36,7 +36,7 @@ _OVERLAP = 1.0 / 36.0  # squared correlation of neighbours, Hann windows that ov
 _WINDOWS = 8  # on the length of a record, if none is given
 
 
-@takes()
+@takes(rate="Hz", segment="s")
 def power_density(
     time: ArrayLike,
     values: ArrayLike,
@@ -138,7 +138,7 @@ def band_rms(found: xr.Dataset, bands: Sequence[Sequence[float]] | None = None) 
     )
 
 
-@takes()
+@takes(rate="Hz", segment="s")
 def transfer(
     time: ArrayLike,
     source: ArrayLike,

@@ -129,6 +129,9 @@ def _elements(scenario: Scenario) -> Iterator[str]:
     for table, noun in _TABLES.items():
         kinds = {name: str(one.kind) for name, one in (getattr(scenario, table, None) or {}).items()}
         yield from _by_kind(noun, kinds, nouns=table.replace("flexible", "flexible links"))
+    for name, link in scenario.flexible.items():
+        if reading := getattr(link, "reading", ""):
+            yield f"flexible.{name}: {_many(len(link.frequency), 'mode')} of {link.file}, read from {reading}"
 
 
 def _of_file(facts: dict[str, Any]) -> Iterator[str]:

@@ -25,7 +25,7 @@ def effective_modulus(first: Material, second: Material) -> float:
     return 1.0 / ((1.0 - first.poisson**2) / first.young + (1.0 - second.poisson**2) / second.young)
 
 
-@takes()
+@takes(bearing_radius="m", journal_radius="m")
 def hertz_stiffness(
     bearing_radius: float, journal_radius: float, bearing: Material, journal: Material
 ) -> float:
@@ -40,7 +40,7 @@ def hertz_stiffness(
     return internal_hertz_stiffness(bearing_radius, journal_radius, effective_modulus(bearing, journal))
 
 
-@takes()
+@takes(bearing_radius="m", journal_radius="m", modulus="Pa")
 def internal_hertz_stiffness(bearing_radius: float, journal_radius: float, modulus: float) -> float:
     """Return K of ``K depth^1.5`` for a journal inside a bore [N/m^1.5].
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -56,6 +57,13 @@ class TableShake(Shake):
         for name in ("start_displacement", "start_velocity")[own:]:
             if getattr(self, name):
                 raise InvalidParameterError(self, name, f"left out: the table is of the {self.of}")
+
+    @classmethod
+    def units_of_columns(cls, table: Mapping[str, Any]) -> dict[str, str]:
+        """Return the unit of the course in the file of a scenario's table; pure numbers beside ``scale``."""
+        unit = "m" if table.get("direction") is not None else "rad"
+        per = {"displacement": "", "velocity": "/s", "acceleration": "/s**2"}.get(str(table.get("of")))
+        return {} if per is None or "scale" in table else {"course": unit + per}
 
     @property
     def instants(self) -> tuple[float, ...]:

@@ -6,20 +6,20 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse
-from antenna_pin.units import QuantityError, quantity, shown
+from antenna_pin.units import shown
 
-__all__ = ["LayoutSpec", "unit_factor"]
+__all__ = ["LayoutSpec"]
 
 
 class LayoutSpec(Spec):
     """What of a record is its file's, as a recorder or a spreadsheet wrote it. Most of it is of texts.
 
     Attributes:
-        delimiter: Between a text's columns; a blank is any number of blanks.
-        decimal: A text's decimal sign, point or comma.
-        encoding: Of a text, as Python calls it: ``utf-8``, ``latin-1``, ``utf-16``.
+        delimiter: Between a text's columns; a blank is any number of blanks. Detected if left out.
+        decimal: A text's decimal sign, point or comma. Detected if left out.
+        encoding: Of a text, as Python calls it: ``utf-8``, ``latin-1``, ``utf-16``. A byte order mark comes
+            before ``utf-8``.
         comment: With what a text's lines begin that do not count.
         skip: A text's lines in front of its column names, comments too [-].
         names: Of a text's columns, if no line of it has them.
@@ -31,8 +31,8 @@ class LayoutSpec(Spec):
         rate: Of a file without times: how many rows a second has; they count from the first row [Hz].
     """
 
-    delimiter: Annotated[str, Field(min_length=1, max_length=1)] = ","
-    decimal: Literal[".", ","] = "."
+    delimiter: Annotated[str, Field(min_length=1, max_length=1)] | None = None
+    decimal: Literal[".", ","] | None = None
     encoding: str = "utf-8"
     comment: Annotated[str, Field(min_length=1)] = "#"
     skip: Annotated[int, BeforeValidator(Count(0, 100_000).read)] = 0
@@ -45,7 +45,7 @@ class LayoutSpec(Spec):
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:
-        if self.decimal == self.delimiter:
+        if self.decimal is not None and self.decimal == self.delimiter:
             refuse(f"must differ from decimal, got {shown(self.delimiter)} for both", "delimiter")
         try:
             "".encode(self.encoding)
@@ -64,23 +64,3 @@ class LayoutSpec(Spec):
         if self.names is not None and len(set(self.names)) < len(self.names):
             refuse(f"must be different names, got {shown(self.names)}", "names")
         return self
-
-
-def unit_factor(name: str, unit: str, place: str) -> float:
-    """Return what one of a unit is in SI units.
-
-    Args:
-        name: Of the unit, as a file has it.
-        unit: SI unit of what it must be.
-        place: For messages.
-
-    Raises:
-        ScenarioError: It is the unit of something else, or of nothing.
-    """
-    si = unit.replace("^", "**").replace(" ", "*")
-    text = "1" if name.strip() in ("1", "-", "") else f"1 {name}"
-    try:
-        return quantity(text, si, place)
-    except QuantityError as error:
-        rule = error.reason.partition(", got ")[0]
-        raise ScenarioError(f"{place} {rule.replace('must be', 'must be that of')}, got {name!r}") from None

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.files import absence
-from antenna_pin.fit.layout import LayoutSpec, unit_factor
+from antenna_pin.fit.layout import LayoutSpec
 from antenna_pin.fit.text_record import from_text
 from antenna_pin.fit.uff_record import from_universal
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
+from antenna_pin.units import unit_factor
 
 __all__ = ["SUFFIXES", "Columns", "read_columns"]
 

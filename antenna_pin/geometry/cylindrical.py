@@ -24,7 +24,15 @@ _SIGNS = ((1.0, "+"), (-1.0, "-"))
 _KEY = ("key_width", "keyway_width", "key_reach")
 
 
-@takes()
+@takes(
+    bearing_radius="m",
+    journal_radius="m",
+    slider_length="m",
+    guide_length="m",
+    key_width="m",
+    keyway_width="m",
+    key_reach="m",
+)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CylindricalClearance(RoundShape):
     r"""A round slider in a round guide: it slides along the axis, and turns about it unless a key holds it.

@@ -24,7 +24,7 @@ from antenna_pin.geometry.shape import (
 __all__ = ["PlanarClearance"]
 
 
-@takes()
+@takes(bearing_radius="m", journal_radius="m")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanarClearance(RoundShape):
     """A journal in a bore that keeps its plane: radial play only, one candidate contact.

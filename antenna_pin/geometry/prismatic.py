@@ -67,7 +67,16 @@ def walls(
     return flat(CORNER, *((kind, corner, wall, at, radius) for corner, wall, at in corners))
 
 
-@takes()
+@takes(
+    guide_width="m",
+    guide_height="m",
+    slider_width="m",
+    slider_height="m",
+    slider_length="m",
+    corner_radius="m",
+    guide_length="m",
+    roll="rad",
+)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PrismaticClearance(Shape):
     r"""A rectangular slider with rounded edges in a rectangular guide: a prismatic joint with play.

@@ -32,7 +32,14 @@ __all__ = ["HARDEST", "AxialScenario", "RadialScenario", "RevoluteClearance"]
 HARDEST = 0.01
 
 
-@takes()
+@takes(
+    bearing_radius="m",
+    journal_radius="m",
+    bearing_length="m",
+    flange_distance="m",
+    bearing_outer_radius="m",
+    flange_radius="m",
+)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RevoluteClearance(RoundShape):
     r"""A journal with two flanges in a bearing, with radial and axial play.

@@ -24,7 +24,7 @@ from antenna_pin.geometry.shape import (
 __all__ = ["SphericalClearance"]
 
 
-@takes()
+@takes(socket_radius="m", ball_radius="m")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SphericalClearance(RoundShape):
     """A ball in a socket with play: one candidate contact, on the line of the two centres.

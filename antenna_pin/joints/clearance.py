@@ -39,7 +39,7 @@ def _law_name(law: NormalLaw) -> str:
     return type(law if parts is None else parts.elastic).__name__
 
 
-@takes()
+@takes(offset="m", approach_speed_floor="m/s", maximum_depth="m")
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ClearanceJoint:
     """A joint with play: journal and bearing held together by contact alone.

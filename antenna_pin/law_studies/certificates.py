@@ -121,7 +121,7 @@ def _decay(zeta: float) -> float:
     return zeta * math.acosh(zeta) / math.sqrt(zeta * zeta - 1.0)
 
 
-@takes()
+@takes(mass="kg", speed="m/s")
 def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
     """Return the restitution that a law delivers in a free impact [-], or None if there is no closed form.
 
@@ -139,7 +139,7 @@ def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float
     return math.exp(-_decay(zeta) if kind == _damping.SECANT_LOADING else -2.0 * _decay(zeta))
 
 
-@takes()
+@takes(mass="kg", speed="m/s")
 def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
     """Return the largest depth of a free impact [m], or None if there is no closed form.
 

@@ -64,7 +64,7 @@ def depth_of_energy(law: NormalLaw, energy: float) -> float:
     return float(brentq(lambda d: law.elastic_energy(d) / energy - 1.0, low, high, xtol=1e-30, rtol=1e-15))
 
 
-@takes()
+@takes(mass="kg", speed="m/s")
 def impact_on_wall(law: NormalLaw, *, mass: float, speed: float, rtol: float = 1e-12) -> Impact:
     """Integrate the impact of a free mass on a wall.
 

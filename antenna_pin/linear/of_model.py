@@ -24,7 +24,7 @@ __all__ = ["modes"]
 Array = NDArray[np.float64]
 
 
-@takes()
+@takes(at="s", approach_speed="m/s")
 def modes(
     model: Scenario | System | Trajectory,
     *,

@@ -166,7 +166,7 @@ class Mechanism:
         return slice(0, 6 if self.base == "free" else 0)
 
 
-@takes()
+@takes(gravity="m/s**2")
 def build_mechanism(
     urdf: Urdf,
     base: Base = "free",

@@ -112,7 +112,7 @@ def _check(flow: Flow, start: State, interval: float, count: int, transient: flo
         raise InvalidParameterError("Lyapunov exponents", "transient", rule, transient)
 
 
-@takes()
+@takes(interval="s", transient="s")
 def largest_exponent(
     flow: Flow,
     start: State,
@@ -185,7 +185,7 @@ def largest_exponent(
     return _exponents(np.array(growth[turning:])[:, None], np.array(lengths[turning:]), interval, first, here)
 
 
-@takes()
+@takes(interval="s", transient="s")
 def lyapunov_spectrum(
     flow: Flow,
     start: State,

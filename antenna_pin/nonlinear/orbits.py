@@ -175,7 +175,7 @@ def _newton_step(flow: Flow, start: State, tangent: Tangent, miss: Array, chart:
     return np.asarray(step)
 
 
-@takes()
+@takes(period="s")
 def periodic_orbit(
     flow: Flow,
     guess: State,

@@ -90,7 +90,7 @@ class Recording:
         return in_frame(self.html, "30rem")
 
 
-@takes()
+@takes(start="s", end="s", fps="Hz")
 def record(
     run: Trajectory | xr.Dataset,
     ideal: Trajectory | xr.Dataset | None = None,

@@ -96,7 +96,7 @@ def film_times(recording: Recording, fps: float) -> NDArray[np.float64]:
     return np.minimum(start + np.arange(count + 1, dtype=np.float64) * (speed / fps), end)
 
 
-@takes()
+@takes(time="s")
 def save_picture(
     recording: Recording,
     path: str | os.PathLike[str],

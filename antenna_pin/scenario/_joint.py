@@ -13,7 +13,16 @@ from antenna_pin.units import matching_unit, shown
 
 Motion = Literal["rotation", "translation"]
 _MOTIONS: tuple[Motion, ...] = get_args(Motion)
-_JOINTS = {"rotation": "turning", "translation": "sliding"}
+JOINTS = {"rotation": "turning", "translation": "sliding"}
+"""What moves so, by the motion."""
+
+
+def motion_of(value: object, units: str | tuple[str, ...]) -> Motion | None:
+    """Return the motion that a text's unit says of a joint; None if units are not those of both motions."""
+    if isinstance(units, str) or len(units) != len(_MOTIONS):
+        return None
+    unit = matching_unit(value, units)
+    return None if unit is None else _MOTIONS[units.index(unit)]
 
 
 class JointTable(Spec):
@@ -35,14 +44,12 @@ class JointTable(Spec):
             return data
         motion, first = data.get("motion"), "motion"
         for name, field in cls.model_fields.items():
-            units = _either_unit(field)
-            unit = matching_unit(data.get(name), units) if units else None
-            if unit is None:
+            seen = motion_of(data.get(name), _either_unit(field))
+            if seen is None:
                 continue
-            seen = _MOTIONS[units.index(unit)]
-            if motion in _JOINTS and motion != seen:
-                rule = f"must be for a {_JOINTS[motion]} joint, as {first} is"
-                refuse(f"{rule}, got {shown(data[name])} ({_JOINTS[seen]})", name, value=data[name])
+            if motion in JOINTS and motion != seen:
+                rule = f"must be for a {JOINTS[motion]} joint, as {first} is"
+                refuse(f"{rule}, got {shown(data[name])} ({JOINTS[seen]})", name, value=data[name])
             motion, first = seen, first if motion is not None else name
         return data if motion is None else {**data, "motion": motion}
 

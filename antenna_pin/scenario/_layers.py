@@ -11,14 +11,15 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from antenna_pin.errors import ScenarioError, nearest
-from antenna_pin.files import absence, decoded
+from antenna_pin.files import absence, decoded, marked_encoding
 from antenna_pin.scenario._base import Spec, unknown_key
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
 from antenna_pin.scenario._modal_file import has_modal_file, modal_stand_in
-from antenna_pin.scenario.drives import WITH_FILES, file_columns
+from antenna_pin.scenario.drives import WITH_FILES, file_columns, file_units
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.shipped import tables
-from antenna_pin.scenario.table_file import BadTableError, read_table
+from antenna_pin.scenario.table_file import read_table
+from antenna_pin.tables import BadTableError
 from antenna_pin.units import shown
 
 __all__ = [
@@ -171,11 +172,11 @@ def _with_table(element: tuple[str, str], table: Any, folder: Path, source: Sour
     place = (*element, "file")
     text = _read_file(table["file"], folder, source, *place)
     try:
-        numbers = read_table(text, columns)
+        numbers, motion = read_table(text, columns, file_units(table, element[0]))
     except BadTableError as problem:
         where, note, _ = source.place(place)
         raise ScenarioError(f"{where}: {table['file']}, {problem}{note}") from None
-    return table | dict(zip(columns, numbers, strict=True))
+    return table | dict(zip(columns, numbers, strict=True)) | ({"motion": motion} if motion else {})
 
 
 def _with_modes(name: str, table: Any, folder: Path, source: Source) -> Any:
@@ -194,6 +195,7 @@ def _with_modes(name: str, table: Any, folder: Path, source: Source) -> Any:
         where, note, _ = source.place(place)
         raise ScenarioError(f"{where}: {table['file']}, {problem}{note}") from None
     found: dict[str, Any] = {"frequency": modes.frequency, "participation": modes.participation}
+    found["reading"] = modes.reading
     found["places"] = [f"{table['file']}, line {line}" for line in modes.lines]
     if modes.damping_ratio is not None and "damping_ratio" not in table:
         found["damping_ratio"] = modes.damping_ratio
@@ -205,7 +207,7 @@ def _read_file(
     folder: Path,
     source: Source,
     *location: str,
-    decode: Callable[[bytes], str] = lambda data: data.decode("utf-8-sig"),
+    decode: Callable[[bytes], str] = lambda data: data.decode(marked_encoding(data) or "utf-8"),
 ) -> str:
     """Return the text of a file that the scenario names."""
     path = folder / os.path.expanduser(name)

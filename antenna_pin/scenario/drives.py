@@ -9,6 +9,7 @@ from pydantic import Field, create_model, model_validator
 
 from antenna_pin.elements import (
     FAMILIES,
+    REFERENCES,
     AtPoint,
     BetweenJoints,
     BetweenPoints,
@@ -16,12 +17,12 @@ from antenna_pin.elements import (
     ForceElement,
     OnLinks,
 )
+from antenna_pin.parameters import parameters_of
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._kinds import OneOf, Tables
 from antenna_pin.scenario._made import MadeSpec, made_of, name_of_table
 from antenna_pin.scenario.closures import PlaceSpec
-from antenna_pin.scenario.references import reference_file_columns
 
 __all__ = [
     "DRIVE_SPECS",
@@ -37,6 +38,7 @@ __all__ = [
     "AllLinksSpec",
     "PointsSpec",
     "file_columns",
+    "file_units",
     "is_at_joint",
     "is_between_points",
     "kind_in",
@@ -232,8 +234,20 @@ def file_columns(table: object, family: str) -> tuple[str, ...] | None:
         table: Of an element, or of a reference.
         family: The table that it stands in, of ``WITH_FILES``.
     """
+    return getattr(_class_of(table, family), "columns", None)
+
+
+def file_units(table: Mapping[str, Any], family: str) -> tuple[str | tuple[str, ...], ...]:
+    """Return the SI unit of each of :func:`file_columns`, or those of a turning and of a sliding joint."""
+    cls = _class_of(table, family)
+    units = {name: parameter.units for name, parameter in parameters_of(cls).items()}
+    if hasattr(cls, "units_of_columns"):
+        units |= cls.units_of_columns(table)
+    return tuple(units[name] for name in cls.columns)
+
+
+def _class_of(table: object, family: str) -> Any:
+    """Return the class of an element or a reference; None if its table has no kind that is known."""
     if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
         return None
-    if family == "references":
-        return reference_file_columns(table["kind"])
-    return getattr(FAMILIES[family].kinds.get(table["kind"]), "columns", None)
+    return (REFERENCES if family == "references" else FAMILIES[family].kinds).get(table["kind"])

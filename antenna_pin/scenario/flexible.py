@@ -63,14 +63,16 @@ class ModalDataSpec(_OfLink, MadeSpec):
     """An appendage by its modes with the root held, from a finite-element code.
 
     Attributes:
-        file: CSV, or a table as NASTRAN prints it, instead of ``frequency`` and ``participation``
+        file: CSV, or tables that a finite-element code prints, instead of ``frequency`` and ``participation``
             ([more](flexible.md#modal-data-of-a-finite-element-code)).
+        reading: How the file was read, as text; nothing without one.
     """
 
     kind: Literal["modal-data"]
     file: str | None = None
+    reading: str = ""
 
-    carried: ClassVar[frozenset[str]] = frozenset({"places"})
+    carried: ClassVar[frozenset[str]] = frozenset({"places", "reading"})
 
     @model_validator(mode="before")
     @classmethod

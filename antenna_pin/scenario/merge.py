@@ -24,7 +24,7 @@ _ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]]
     ("integrator",): ((frozenset({"accuracy"}), frozenset({"method", "rtol"})),),
     ("drives", "*"): ((frozenset({"file"}), frozenset({"time", "torque", "reference"})),),
     ("flexible", "*"): (
-        (frozenset({"file", "places"}), frozenset({"frequency", "participation"})),
+        (frozenset({"file", "places", "reading"}), frozenset({"frequency", "participation"})),
         (frozenset({"frequency"}), frozenset({"stiffness"})),
     ),
     ("flexible", "*", "modes", "*"): (

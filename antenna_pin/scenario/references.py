@@ -11,7 +11,7 @@ from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._kinds import Tables
 from antenna_pin.scenario._made import MadeSpec, made_of, name_of_table
 
-__all__ = ["REFERENCE_SPECS", "ReferenceSpec", "check_references", "reference_file_columns"]
+__all__ = ["REFERENCE_SPECS", "ReferenceSpec", "check_references"]
 
 
 class ReferenceSpec(JointTable, MadeSpec):
@@ -40,11 +40,6 @@ def __getattr__(name: str) -> Any:
         if name_of_table(place) == name:
             return REFERENCE_SPECS[kind]
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def reference_file_columns(kind: object) -> tuple[str, ...] | None:
-    """Return the columns of the file that a kind of reference may name instead of numbers; None if none."""
-    return getattr(REFERENCES.get(kind) if isinstance(kind, str) else None, "columns", None)
 
 
 def check_references(references: Mapping[str, Any], followed: Mapping[tuple[str, ...], str]) -> None:

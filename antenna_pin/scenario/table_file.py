@@ -1,66 +1,49 @@
-"""Numbers over time, or over an angle, from CSV text."""
+"""Numbers over time, or over an angle, from text."""
 
 from __future__ import annotations
 
-import csv
-from typing import Any
+from collections.abc import Sequence
 
-from antenna_pin.errors import FileFormatError
-from antenna_pin.numerals import decimal_in
-from antenna_pin.units import shown
+from antenna_pin.scenario._joint import JOINTS, Motion, motion_of
+from antenna_pin.tables import BadTableError, column_of, read_cells
 
-__all__ = ["BadTableError", "read_table"]
+__all__ = ["read_table"]
 
 
-class BadTableError(FileFormatError):
-    """What is wrong in which line of a table."""
-
-
-def read_table(text: str, columns: tuple[str, ...]) -> tuple[tuple[float, ...], ...]:
-    """Return columns of CSV text, of which the first increases; blank lines and lines with # are skipped.
+def read_table(
+    text: str, columns: Sequence[str], units: Sequence[str | tuple[str, ...]]
+) -> tuple[tuple[tuple[float, ...], ...], Motion | None]:
+    """Return columns of a table in SI units, of which the first increases.
 
     Args:
         text: The file's text.
         columns: Their names, as its header must have them.
+        units: SI unit of each, or those of a turning and of a sliding joint.
+
+    Returns:
+        The numbers, and what the units in the text say of the joint's motion; None without any.
+
+    Raises:
+        BadTableError: It cannot be read so; with the line.
     """
-    rows = csv.reader(text.splitlines())
-    try:
-        return _columns(rows, columns)
-    except csv.Error as error:  # a field of more than 131072 letters
-        raise BadTableError(f"line {rows.line_num}: cannot be read: {error}") from None
-
-
-def _columns(rows: Any, columns: tuple[str, ...]) -> tuple[tuple[float, ...], ...]:
-    wanted = ",".join(columns)
-    header: list[str] | None = None
-    found: list[tuple[float, ...]] = []
-    for row in rows:
-        if not row or row[0].lstrip().startswith("#"):
-            continue
-        line = f"line {rows.line_num}"
-        if header is None:
-            header = [cell.strip() for cell in row]
-            if header != [*columns]:
-                raise BadTableError(f"{line}: the header must be {wanted}, got {shown(','.join(header))}")
-            continue
-        if len(row) != len(columns):
-            raise BadTableError(f"{line}: must have {len(columns)} values, got {len(row)}")
-        numbers = tuple(_number(cell, name, line) for cell, name in zip(row, header, strict=True))
-        if found and not numbers[0] > found[-1][0]:
-            last = found[-1][0]
+    cells = read_cells(text, columns)
+    numbers = tuple(column_of(cells, name, unit) for name, unit in zip(columns, units, strict=True))
+    if len(cells.lines) < 2:
+        last = max(cells.lines, default=cells.header)
+        raise BadTableError(f"line {last}: must have at least 2 rows of numbers, got {len(cells.lines)}")
+    for line, before, number in zip(cells.lines[1:], numbers[0], numbers[0][1:], strict=False):
+        if not number > before:
             raise BadTableError(
-                f"{line}: {columns[0]} must increase strictly, got {numbers[0]!r} after {last!r}"
+                f"line {line}: {columns[0]} must increase strictly, got {number!r} after {before!r}"
             )
-        found.append(numbers)
-    if header is None:
-        raise BadTableError(f"line 1: the header must be {wanted}, got an empty file")
-    if len(found) < 2:
-        raise BadTableError(f"line {rows.line_num}: must have at least 2 rows of numbers, got {len(found)}")
-    return tuple(zip(*found, strict=True))
-
-
-def _number(cell: str, name: str, line: str) -> float:
-    number = decimal_in(cell)
-    if number is None:
-        raise BadTableError(f"{line}: {name} must be a finite number, got {shown(cell.strip())}")
-    return number
+    with_unit = {name: unit for name, unit in zip(columns, units, strict=True) if name in cells.units}
+    motions = {name: motion_of(f"1 {cells.units[name]}", unit) for name, unit in with_unit.items()}
+    known = {name: motion for name, motion in motions.items() if motion is not None}
+    for name, motion in known.items():
+        first = next(iter(known))
+        if motion != known[first]:
+            raise BadTableError(
+                f"line {cells.header}: {name} must be for a {JOINTS[known[first]]} joint, as {first} is, "
+                f"got {cells.units[name]!r} ({JOINTS[motion]})"
+            )
+    return numbers, next(iter(known.values()), None)

@@ -8,6 +8,7 @@ from typing import Any
 
 from antenna_pin.arguments import takes
 from antenna_pin.scenario._explained import dotted
+from antenna_pin.scenario.drives import WITH_FILES
 from antenna_pin.scenario.merge import toml_value
 from antenna_pin.scenario.scenario import Scenario
 
@@ -18,14 +19,14 @@ __all__ = ["found_from", "scenario_toml"]
 def scenario_toml(scenario: Scenario) -> str:
     """Return a scenario as the text of a scenario file: its case and overrides laid in, numbers in SI units.
 
-    Everything that counts is written, defaults too; a drive's table and an appendage's modes with their
-    numbers instead of their file. Put beside the URDF that it names, it loads as the same scenario, without
+    Everything that counts is written, defaults too; tables and an appendage's modes with their numbers
+    instead of their file. Put beside the URDF that it names, it loads as the same scenario, without
     cases.
     """
     data = scenario.model_dump(mode="json", exclude_none=True, exclude=set(Scenario.carried))
-    for one in (*data.get("drives", {}).values(), *data.get("flexible", {}).values()):
-        one.pop("file", None)
-        one.pop("places", None)
+    for one in (one for family in (*WITH_FILES, "flexible") for one in data.get(family, {}).values()):
+        for key in ("file", "places", "reading"):
+            one.pop(key, None)
     return "\n".join(_lines(data, ())).strip() + "\n"
 
 

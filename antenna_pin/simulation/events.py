@@ -41,7 +41,7 @@ class Rated(Protocol):
 # --- functions of the state -----------------------------------------------------------------------------
 
 
-@takes()
+@takes(value=("rad", "m"))
 @dataclass(frozen=True, slots=True)
 class Angle:
     """The angle of a joint, whole turns included, passes a value.
@@ -63,7 +63,7 @@ class Angle:
         return moment.rate(self.joint)
 
 
-@takes()
+@takes(value=("rad/s", "m/s"))
 @dataclass(frozen=True, slots=True)
 class Rate:
     """The rate of a joint passes a value: zero where it turns back.

@@ -153,8 +153,8 @@ def test_units_and_dates_of_netcdf_files_count(tmp_path):
             'delimiter = ";" and skip = 3',
         ),
         (
-            {"record": LOGGER.replace('decimal = ","\n', "") + '\nencoding = "latin-1"'},
-            "line 6: Zeit must be a number, got '0,000000000000'; if it is one, give decimal = \",\"",
+            {"record": LOGGER.replace('decimal = ","', 'decimal = "."') + '\nencoding = "latin-1"'},
+            "line 6: Zeit must be a number, got '0,000000000000'; ",
         ),
         (
             {"record": LOGGER.replace("units_row = true", "") + '\nencoding = "latin-1"'},
@@ -162,7 +162,8 @@ def test_units_and_dates_of_netcdf_files_count(tmp_path):
         ),
         (
             {"record": LOGGER + '\nencoding = "latin-1"', "column": 'column = "Temperatur"'},
-            "records.swing.columns.angle: the file's unit must be that of an angle [rad], got '°C'; say by ",
+            "records.swing.columns.angle: the file's unit must be that of an angle [rad], got '°C'; "
+            "known are rad, deg, arcmin and others; say by ",
         ),
         ({"record": LOGGER + '\nencoding = "latin1000"'}, "encoding must be a text encoding that Python"),
         ({"record": 'delimiter = ","\ndecimal = ","'}, "delimiter must differ from decimal, got ','"),
@@ -171,7 +172,7 @@ def test_units_and_dates_of_netcdf_files_count(tmp_path):
         ({"record": 'time_format = "long"'}, "time_format must be iso, or a pattern such as"),
         (
             {"record": LOGGER + '\nencoding = "latin-1"\ntime_format = "iso"'},
-            "line 6: Zeit must be a time stamp of the time_format ISO 8601, got '0,000000000000'",
+            "line 6: Zeit must be a time stamp of the time_format ISO 8601, got '0.000000000000'",
         ),
     ],
 )  # fmt: skip
@@ -181,16 +182,29 @@ def test_what_does_not_fit_the_file_is_said_in_one_line(tmp_path, made, words):
     assert words in str(refused.value) and "\n" not in str(refused.value)
 
 
-def test_names_in_a_remark_are_found_and_said(tmp_path):
+def test_names_in_a_remark_are_those_of_the_columns(tmp_path):
     """As numpy.savetxt writes them if it is not told otherwise."""
 
     def write(path):
         np.savetxt(path, np.column_stack([TIME, ANGLE]), delimiter=",", header="time,angle")
 
-    with pytest.raises(AntennaPinError, match=r'in line 1; give names = \["time", "angle"\]'):
-        problem_of(tmp_path, write)
-    _, angle = data_of(problem_of(tmp_path, write, record='names = ["time", "angle"]'))
-    np.testing.assert_array_equal(angle, ANGLE)
+    for record in ("", 'names = ["time", "angle"]'):
+        _, angle = data_of(problem_of(tmp_path, write, record=record))
+        np.testing.assert_array_equal(angle, ANGLE)
+
+
+def test_delimiter_decimal_sign_and_units_are_found_out(tmp_path):
+    """A heading's unit is the file's; ``unit`` comes before it."""
+    rows = "".join(
+        f"{comma(1e3 * t)};{comma(np.degrees(a), 15)};\n" for t, a in zip(TIME, ANGLE, strict=True)
+    )
+    content = f"time (ms);Angle [deg];\n{rows};;\n"
+    time, angle = data_of(problem_of(tmp_path, content))
+    np.testing.assert_allclose(time, TIME, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(angle, ANGLE, rtol=0.0, atol=1e-15)
+    content = content.replace("[deg]", "[furlongs]")
+    _, angle = data_of(problem_of(tmp_path, content, column='unit = "deg"'))
+    np.testing.assert_allclose(angle, ANGLE, rtol=0.0, atol=1e-15)
 
 
 def test_what_is_of_texts_is_refused_beside_other_files(tmp_path):

@@ -123,12 +123,12 @@ def test_what_is_no_number_in_a_text_is_named_with_its_line(write, tmp_path):
     lines[3] = '0.01,"0,09"'
     (tmp_path / "swing.csv").write_text("\n".join(lines))
     with pytest.raises(
-        ScenarioError, match="swing.csv: line 4: angle must be a number, got '0,09'; if it is one"
+        ScenarioError, match="swing.csv: line 4: angle must be a number, got '0,09'; a decimal comma"
     ):
         problem_of(tmp_path)
     lines[3] = "0.01,0.1,7"
     (tmp_path / "swing.csv").write_text("\n".join(lines))
-    with pytest.raises(ScenarioError, match="swing.csv: line 4 must have 2 values, got 3"):
+    with pytest.raises(ScenarioError, match="swing.csv: line 4: must have 2 values, got 3"):
         problem_of(tmp_path)
 
 

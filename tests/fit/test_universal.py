@@ -84,7 +84,7 @@ def test_functions_of_time_are_columns_by_node_and_direction(tmp_path, binary, s
         (
             [units(5), function(3, 4, ANGLE)],
             "3RX+",
-            "columns.angle: the file's unit must be that of an angle [rad], got 'of code 5'; say by unit",
+            "columns.angle: the file's unit must be that of an angle [rad], got 'of code 5'; known are rad,",
         ),
         (
             [function(3, 4, ANGLE, "m/s^2")],

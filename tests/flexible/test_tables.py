@@ -42,25 +42,116 @@ WITH_FREQUENCY = """  P A R T I C I P A T I O N   F A C T O R S
    1     3.0        2.2          0.0          0.0          0.0         0.0        -1.9
    2    18.8        1.2          0.0          0.5          0.0         0.0        -0.3
 """
+# As the programs lay them out; the modes are those above.
+MYSTRAN = """
+                                        R E A L   E I G E N V A L U E S
+    MODE  EXTRACTION   EIGENVALUE   RADIANS        CYCLES   GENERALIZED   GENERALIZED
+   NUMBER   ORDER        MASS        STIFFNESS
+   1   1   3.553058E+02   1.884956E+01   3.000000E+00   1.000000E+00   3.553058E+02
+   2   2   1.395326E+04   1.181239E+02   1.880000E+01   1.000000E+00   1.395326E+04
+
+                                  M O D A L   P A R T I C I P A T I O N   F A C T O R S
+                        (dimensionless, in coordinate sys        0 with cols marked by R-set grid/comp)
+             MODE     CYCLES         1-1           1-2
+              NUM
+               1  3.000000E+00  9.000000E+00  9.000000E+00
+
+                                  M O D A L   P A R T I C I P A T I O N   F A C T O R S
+                                       (dimensionless, in coordinate sys        0)
+                              Reference point is the basic coordinate system origin
+   MODE     CYCLES   T1   T2   T3   R1   R2   R3
+              NUM
+        1  3.000000E+00  2.200000E+00  0.000000E+00  0.000000E+00  0.000000E+00  0.000000E+00 -1.900000E+00
+        2  1.880000E+01  1.200000E+00  0.000000E+00  5.000000E-01  0.000000E+00  0.000000E+00 -3.000000E-01
+"""
+CALCULIX = """
+     E I G E N V A L U E   O U T P U T
+
+ MODE NO    EIGENVALUE                       FREQUENCY
+                                     REAL PART            IMAGINARY PART
+                           (RAD/TIME)      (CYCLES/TIME     (RAD/TIME)
+
+      1   0.3553058E+03   0.1884956E+02   0.3000000E+01   0.0000000E+00
+      2   0.1395326E+05   0.1181239E+03   0.1880000E+02   0.0000000E+00
+
+     P A R T I C I P A T I O N   F A C T O R S
+
+MODE NO.   X-COMPONENT     Y-COMPONENT     Z-COMPONENT     X-ROTATION      Y-ROTATION      Z-ROTATION
+
+      1   0.2200000E+01   0.0000000E+00   0.0000000E+00   0.0000000E+00   0.0000000E+00  -0.1900000E+01
+      2   0.1200000E+01   0.0000000E+00   0.5000000E+00   0.0000000E+00   0.0000000E+00  -0.3000000E+00
+
+     E F F E C T I V E   M O D A L   M A S S
+
+MODE NO.   X-COMPONENT     Y-COMPONENT     Z-COMPONENT     X-ROTATION      Y-ROTATION      Z-ROTATION
+
+      1   0.4840000E+01   0.0000000E+00   0.0000000E+00   0.0000000E+00   0.0000000E+00   0.3610000E+01
+"""
+_ANSYS_TABLE = """
+          ***** PARTICIPATION FACTOR CALCULATION *****{:>6s} DIRECTION
+        CUMULATIVE     RATIO EFF.MASS
+  MODE   FREQUENCY   PERIOD   PARTIC.FACTOR     RATIO    EFFECTIVE MASS   MASS FRACTION   TO TOTAL MASS
+     1     3.00000       0.33333      {:<13s}1.000000     {:<13s}   0.784215        0.598442
+     2     18.8000       0.53191E-01  {:<13s}0.000002     {:<13s}   0.784215        0.307844E-11
+ --------------------------------------------------------------------------------
+   sum        6.28000        0.763110
+"""
+ANSYS = "".join(
+    _ANSYS_TABLE.format(*one)
+    for one in (
+        ("X", "2.2000", "4.84000", "1.2000", "1.44000"),
+        ("Y", "0.0000", "0.00000", "0.0000", "0.00000"),
+        ("Z", "0.0000", "0.00000", "0.50000", "0.250000"),
+        ("ROTX", "0.0000", "0.00000", "0.0000", "0.00000"),
+        ("ROTY", "0.0000", "0.00000", "0.0000", "0.00000"),
+        ("ROTZ", "-1.9000", "3.61000", "-0.30000", "0.900000E-01"),
+    )
+)
+# Columns in another order, both of the eigenvalues and of the factors.
+SHUFFLED = """  REAL EIGENVALUES
+  MODE   CYCLES    RADIANS       EIGENVALUE
+     1   3.0000    18.84956      355.3058
+     2   18.800    118.1239      13953.26
+  MODAL PARTICIPATION FACTORS
+  MODE NO.  R1   R2   R3    T3   T2   T1   FREQUENCY
+     1      0.0  0.0  -1.9  0.0  0.0  2.2  3.0
+     2      0.0  0.0  -0.3  0.5  0.0  1.2  18.8
+"""
 FACTORS = (2.2, 0, 0, 0, 0, -1.9, 1.2, 0, 0.5, 0, 0, -0.3)
 
 
 @pytest.mark.parametrize(
     ("text", "damping"),
-    [(CSV, (0.005, 0.01)), (PRINT, None), (WITH_FREQUENCY, None)],
-    ids=["csv", "print", "x"],
+    [
+        (CSV, (0.005, 0.01)),
+        (CSV.replace("frequency", "Frequency [Hz]").replace(",", ";").replace(".", ","), (0.005, 0.01)),
+        (
+            CSV.replace("frequency,damping_ratio", "frequency [kHz],damping_ratio [%]")
+            .replace("3,0.005", "0.003,0.5")
+            .replace("18.8,0.01", "0.0188,1"),
+            (0.005, 0.01),
+        ),
+        (PRINT, None),
+        (WITH_FREQUENCY, None),
+        (MYSTRAN, None),
+        (CALCULIX, None),
+        (ANSYS, None),
+        (SHUFFLED, None),
+    ],
+    ids=["csv", "commas", "units", "nastran", "x", "mystran", "calculix", "ansys", "shuffled"],
 )
 def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
     found = read_modal_table(text)
     assert found.frequency == (3.0, 18.8)
     assert found.participation == FACTORS
     assert found.damping_ratio == damping
+    assert len(found.lines) == 2 and "line" in found.reading
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("frequency,tx\n1,2\n", "line 1: the header must be frequency,damping_ratio,tx,ty,tz,rx,ry,rz"),
+        ("frequency,tx\n1,2\n", "line 1: the header must have frequency,tx,ty,tz,rx,ry,rz, got"),
         (CSV.replace("0,0,-0.3", "0,-0.3"), "line 5: must have 8 values, got 7"),
         (CSV.replace("18.8", "eighteen"), "line 5: frequency must be a finite number, got 'eighteen'"),
         (CSV.replace("18.8", "0"), "line 5: frequency must be positive, got 0 Hz; a mode without one is"),
@@ -94,6 +185,18 @@ def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
          "line 8: the generalized mass of mode 2 must be 1, got 2.5"),
         (PRINT.replace("        2         2      1.395", "    text 1.395"),
          "mode 2 of the participation factors"),
+        (ANSYS.replace("4.84000", "4.85000"),
+         "line 5: EFFECTIVE MASS of mode 1 must be the square of its PARTIC.FACTOR, 4.84, got 4.85"),
+        (ANSYS.replace("0.00000", "0.0000 7", 1), "line 6: must have 8 numbers, got 9"),
+        (ANSYS[: ANSYS.index("  ROTY")], "line 5: mode 1 must have a factor in each DIRECTION, got none in"),
+        (ANSYS + ANSYS, "line 53: mode 1 must stand once in direction X, got it again; keep one load step"),
+        (ANSYS[:300] + ANSYS[300:].replace("18.8000", "18.9000").replace("18.9000", "18.8000", 1),
+         "line 14: FREQUENCY of mode 2 must be in the other tables, 18.8 Hz, got 18.9"),
+        (CALCULIX.replace("0.1884956E+02   0.3000000E+01   0.0000000E+00",
+                          "0.0000000E+00   0.0000000E+00   0.1884956E+02"),
+         "line 8: the frequency of mode 1 must be real, got an imaginary"),
+        (CALCULIX.replace("0.3000000E+01", "0.3000100E+01"), "line 8: CYCLES of mode 1 must be its RADIANS"),
+        (MYSTRAN[: MYSTRAN.rindex("M O D A L")], "line 1: must be CSV with the header"),
         (WITH_FREQUENCY.replace("0.0        -0.3", "-0.3"), "line 4: must have 8 numbers, got 7"),
         (WITH_FREQUENCY.replace("   2    18.8", "   1    18.8"),
          "line 4: mode 1 must stand once, got it again"),

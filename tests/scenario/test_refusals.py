@@ -558,9 +558,14 @@ def test_an_unknown_case_names_the_known_ones(folder):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "line 1: the header must be time,torque, got an empty file"),
-        ("0,1\n1,2\n", "line 1: the header must be time,torque, got '0,1'"),
-        ("time;torque\n0;1\n", "line 1: the header must be time,torque, got 'time;torque'"),
+        ("", "line 1: the header must have time,torque, got an empty file"),
+        ("0,1,2\n1,2,3\n", "line 1: the header must have time,torque, got '0,1,2'"),
+        ("time;tork\n0;1\n", "line 1: the header must have time,torque, got 'time,tork'"),
+        ("time [N],torque\n0,1\n1,2\n", "the unit of column time must be that of a time [s], got 'N'"),
+        (
+            "time,torque [mm]\n0,1\n1,2\n",
+            "the unit of column torque must be that of a torque [N*m] or a force [N], got 'mm'",
+        ),
         ("time,torque\n0,1\n", "line 2: must have at least 2 rows of numbers, got 1"),
         ("time,torque\n0,1\n1\n", "line 3: must have 2 values, got 1"),
         ("time,torque\n0,1\n1,2,3\n", "line 3: must have 2 values, got 3"),
