@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.differences import few
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.fit.bench import Bench, at_times
+from antenna_pin.fit.bench import Bench
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.runs import (
     Asked,
@@ -281,19 +281,13 @@ class _Equation:
         """Return derivatives of what sensors read over time: of the run's own dense output."""
         rig, here = self._rig, self._here
         h = _TICK * float(np.median(np.diff(rig.time)))
-        shifted = [rows + side * j * h for j in (1, 2) for side in (1, -1)]
+        shifted = np.concatenate([rows + side * j * h for j in (1, 2) for side in (1, -1)])
         first = self._first(here, piece, at) if piece > 0 else None
         until = until_of(rig, here, piece, rows) + 2.0 * h
-        wanted = np.unique(
-            np.concatenate([instants(c, one) for c in rig.columns.values() for one in shifted])
-        )
+        wanted = np.unique(np.concatenate([instants(c, np.unique(shifted)) for c in rig.columns.values()]))
         ran = here.run(wanted[wanted >= 0.0], until, first)
-        chunks = []
-        for one in shifted:
-            times = np.unique(np.concatenate([instants(c, one) for c in rig.columns.values()]))
-            chunks.append(at_times(ran.chunk, times))
-        read = sensed(rig, here, shifted, chunks)
-        return tuple(_fourth([one[c] for one in read], h) for c in range(len(rig.columns)))
+        (read,) = sensed(rig, here, [shifted], [ran.chunk])
+        return tuple(_fourth(np.split(one, 4), h) for one in read)
 
 
 def _slope(function: Callable[[float], Array]) -> Array:

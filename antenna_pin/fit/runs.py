@@ -243,25 +243,22 @@ def sensed(rig: Rig, bench: Bench, rows: Sequence[Array], chunks: Sequence[Chunk
         rig: Whose sensors.
         bench: Of whose system the runs are.
         rows: Of each, by the run's clock [s].
-        chunks: Samples of each, those among them at which its sensors are asked for.
+        chunks: Samples of each, those at which its sensors are asked for among them.
     """
-    seen: dict[bytes, Any] = {}  # of columns without filters the same
     read: list[list[Array]] = [[] for _ in rows]
-    ends = np.cumsum([len(one) for one in rows])
-    for name, column in rig.columns.items() if rows else ():
-        wanted = [instants(column, one) for one in rows]
-        if column.filter is not None and len(rows) > 1:  # a filter goes along one run
-            for k, one in enumerate(rows):
-                data = bench.data(at_times(chunks[k], wanted[k]))
-                read[k].append(reading(data, column, rig.read_in[name], one))
+    if not rows:
+        return read
+    data = bench.data(Chunk.joined(list(chunks)))
+    begins = np.concatenate([[0], np.cumsum([len(one.times) for one in chunks])])
+    for name, column in rig.columns.items():
+        if column.filter is None:
+            values = reading(data, column, rig.read_in[name], data["time"].values)
+            for own, first, one, chunk in zip(read, begins, rows, chunks, strict=False):
+                own.append(values[first + at_times(chunk, one)])
             continue
-        key = b"|".join(one.tobytes() for one in wanted)
-        if key not in seen:
-            found = [at_times(one, times) for one, times in zip(chunks, wanted, strict=True)]
-            seen[key] = bench.data(Chunk.joined(found))
-        whole = reading(seen[key], column, rig.read_in[name], np.concatenate(rows))
-        for k, part in enumerate(np.split(whole, ends[:-1])):
-            read[k].append(part)
+        for own, first, last, one in zip(read, begins, begins[1:], rows, strict=False):
+            part = data if len(rows) == 1 else data.isel(time=slice(first, last))
+            own.append(reading(part, column, rig.read_in[name], one))
     return read
 
 
