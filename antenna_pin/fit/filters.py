@@ -32,7 +32,7 @@ __all__ = ["FilterInput", "filter_response", "input_of_acceleration", "input_of_
 
 Array = NDArray[np.float64]
 
-# Gauss-Legendre nodes and weights on [0, 1]: exact to the fifth degree, where |p h| is 0.2 at most.
+# Gauss-Legendre nodes and weights on [0, 1]: exact to the fifth degree, where |p h| is 0.3 at most.
 _NODES, _WEIGHTS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)]), np.array([5.0, 8.0, 5.0]) / 18.0
 
 

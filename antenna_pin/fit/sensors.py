@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 #: Samples of a filter's input in one period of its corner: of an acceleration, whose moments between samples
 #: are known, and of values that are straight between samples, exact to (2 pi / 64)^2 / 12 = 8e-4 at the corner.
-_PER_PERIOD, _PER_PERIOD_OF_VALUES = 32, 64
+_PER_PERIOD, _PER_PERIOD_OF_VALUES = 24, 64
 
 
 def unit_of(data: xr.Dataset, column: ColumnSpec, place: str) -> str:
