@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.differences import few
-from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit.bench import Bench
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.runs import (
@@ -29,6 +28,7 @@ from antenna_pin.fit.runs import (
     rows_of,
     sensed,
     until_of,
+    why_not,
 )
 from antenna_pin.fit.sensors import instants
 from antenna_pin.nonlinear.chart import Chart
@@ -76,8 +76,8 @@ def with_slopes(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
     """
     try:
         return _Equation(rig, asked).readings()
-    except AntennaPinError as error:
-        return tuple(nothing(str(error)) for _ in asked.starts)
+    except Exception as error:
+        return tuple(nothing(why_not(error)) for _ in asked.starts)
 
 
 class _Equation:

@@ -1,4 +1,4 @@
-r"""Response of a low-pass filter: Butterworth's of any order, continuous, exact for its input between samples.
+r"""Response of a low-pass filter: Butterworth's of any order, continuous, in closed form between samples.
 
 The filter's transfer function is a sum over its poles,
 
@@ -134,7 +134,9 @@ def filter_response(given: FilterInput, rows: Array, corner: float, order: int) 
     return out
 
 
-def _driven(given: FilterInput, p: complex, intervals: NDArray[np.intp], into: Array) -> NDArray[np.complex128]:
+def _driven(
+    given: FilterInput, p: complex, intervals: NDArray[np.intp], into: Array
+) -> NDArray[np.complex128]:
     """Return what intervals' inputs have added to a pole's state some time after their starts, (m,)."""
     lengths = np.diff(given.time)[intervals]
     total = np.zeros(len(intervals), dtype=complex)

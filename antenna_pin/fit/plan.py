@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.arguments import takes
+from antenna_pin.errors import OutputError
 from antenna_pin.fit.columns import AnyQuantity, ColumnSpec
 from antenna_pin.fit.layout import LayoutSpec
 from antenna_pin.fit.losses import Loss
@@ -35,6 +36,8 @@ __all__ = [
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")
 
 Jacobian = Literal["differences", "equation"]
+
+_LEAST_TOLERANCE = 1e-15  # [-]
 
 
 def place_in_record(key: str) -> tuple[str, str, str] | None:
@@ -248,6 +251,13 @@ class FitPlan(RunsFile):
     folder: Path = Path()
 
     @model_validator(mode="after")
+    def _check_tolerance(self) -> Self:
+        if self.tolerance < _LEAST_TOLERANCE:
+            rule = f"must be {_LEAST_TOLERANCE:g} or more, what a double tells apart"
+            refuse(f"{rule}, got {self.tolerance:g}", "tolerance")
+        return self
+
+    @model_validator(mode="after")
     def _check_jacobian(self) -> Self:
         every = [(name, *pair) for name, one in self.records.items() for pair in one.columns.items()]
         for name, column, spec in every if self.jacobian == "equation" else ():
@@ -314,6 +324,20 @@ class FitPlan(RunsFile):
             refuse_name("column", column, self.records[record].columns, *at)
         if self.parameters[name].records is not None:
             refuse("must be left out for a number of a record, whose it is", "parameters", name, "records")
+
+    def check_output(self, path: Path) -> None:
+        """Refuse to write over what the fit reads: its scenario's file, a record.
+
+        Raises:
+            OutputError: The path is that of one of them.
+        """
+        read = [self.scenario, *(one.file for one in self.records.values())]
+        for name in read:
+            there = self.folder / os.path.expanduser(name)
+            if there.is_file() and path.exists() and path.samefile(there):
+                raise OutputError(
+                    f"{path}: must not be a file that the fit reads, got that; give another name"
+                )
 
     def scenario_of(self, record: str) -> Scenario:
         """Return the scenario of a record, before what is fitted."""

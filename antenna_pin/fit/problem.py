@@ -128,6 +128,12 @@ class Problem:
         """How many runs have been made, of all records and pieces."""
         return self.laboratory.made
 
+    def failed(self) -> list[str]:
+        """Return a line if runs could not be made, so that the search went around them."""
+        found = self.laboratory.failed
+        first = f"the first: {found[0]}" if found else ""
+        return [f"note: {len(found)} of {self.runs} runs could not be made, {first}"] if found else []
+
     def unbalanced(self, whole: Array) -> list[str]:
         """Return a line where energy or momentum of runs does not balance, at these values or others."""
         return self.laboratory.said_of_unbalanced(self._readings([whole])[0])

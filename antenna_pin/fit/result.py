@@ -59,6 +59,7 @@ class Fit:
         message: How it ended, in words.
         evaluations: By steps of all searches.
         searches: All of them, the best first.
+        verdict: Objections to the fit as a whole, with their likely causes, a line each; () if none.
         notes: What is to be known besides, a line each.
     """
 
@@ -74,12 +75,18 @@ class Fit:
     message: str
     evaluations: int
     searches: tuple[Search, ...]
+    verdict: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters."""
         return self.problem.names
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the search came to its end, and its residuals are not beyond chance."""
+        return self.converged and not self.bands.beyond_chance
 
     @property
     def runs(self) -> int:
@@ -156,7 +163,7 @@ class Fit:
         return self.problem.scenario(name, self.values)
 
     def lines(self) -> list[str]:
-        """Return what was found in words, a line for each parameter and one on the whole."""
+        """Return the verdict, if there is one, and a line for each parameter."""
         rows = [
             (name, *said_of_value(*one))
             for name, one in zip(
@@ -165,8 +172,10 @@ class Fit:
                 strict=True,
             )
         ]
+        if self.bands.without:  # which the verdict or a note says
+            rows = [(name, value, "no band") for name, value, _ in rows]
         wide = max(len(row[0]) for row in rows)
-        return [f"{name.ljust(wide)}  {value}  {band}" for name, value, band in rows]
+        return [*self.verdict, *(f"{name.ljust(wide)}  {value}  {band}" for name, value, band in rows)]
 
     @takes()
     def write_scenario(self, path: str | os.PathLike[str], record: str | None = None) -> Path:
@@ -180,6 +189,7 @@ class Fit:
             OutputError: It cannot be written there.
         """
         target = check_writable(Path(path))
+        self.problem.plan.check_output(target)
         scenario = found_from(self.scenario(record), target.resolve().parent)
         name = next(iter(self.problem.plan.records)) if record is None else record
         files = ", ".join(dict.fromkeys(one.file for one in self.problem.plan.records.values()))
@@ -234,6 +244,8 @@ class Fit:
             "freedoms": bands.freedoms,
             "noise": plan.noise,
             "wider": bands.wider,
+            "chance": bands.chance,
+            "verdict": "\n".join(self.verdict),
             "loss": plan.loss,
             "message": self.message,
             "converged": int(self.converged),
@@ -270,10 +282,8 @@ def said_of_value(value: float, low: float, high: float, unit: str) -> tuple[str
     factor, printed = prefixed(unit or "1", [value])
     behind = f" {printed}" if printed else ""
     if not (np.isfinite(low) and np.isfinite(high)):
-        return (
-            f"{number(factor * value, 5)}{behind}",
-            "no band: the records do not tell it, or a bound holds it",
-        )
+        why = "it stands at its bound" if np.isnan(low) else "the records do not tell it"
+        return f"{number(factor * value, 5)}{behind}", f"no band: {why}"
     half = 0.5 * (high - low)
     digits = 2 if half == 0.0 or value == 0.0 else 2 + max(0, int(np.floor(np.log10(abs(value) / half))) + 1)
     said = number(factor * value, min(max(digits, 2), 12))

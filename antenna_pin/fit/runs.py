@@ -15,6 +15,7 @@ from antenna_pin.fit.bench import Bench, Ran, at_times
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.sensors import instants, reading
+from antenna_pin.interruption import is_interruption
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.sweep.design import put_value
@@ -33,6 +34,7 @@ __all__ = [
     "scenario_with",
     "sensed",
     "until_of",
+    "why_not",
 ]
 
 Array = NDArray[np.float64]
@@ -176,8 +178,8 @@ def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
         good = [k for k, one in enumerate(made) if isinstance(one, _Made)]
         chunks = [one.ran.chunk for one in made if isinstance(one, _Made)]
         read = dict(zip(good, sensed(rig, bench, [rows[k] for k in good], chunks), strict=True))
-    except AntennaPinError as error:
-        return tuple(nothing(str(error)) for _ in asked.starts)
+    except Exception as error:
+        return tuple(nothing(why_not(error)) for _ in asked.starts)
     return tuple(
         Readings(tuple(read[k]), one.lead, one.end, unbalanced=one.ran.unbalanced)
         if isinstance(one, _Made)
@@ -227,8 +229,8 @@ def _ran(rig: Rig, bench: Bench, rows: Array, piece: int, at: tuple[float, ...])
             start = piece_start(rig.begun, rig.origins[piece - 1], np.array(at), bench.system)
             lead = from_origin(rig.begun, rig.origins[piece - 1], start.q, start.v)
         ran = bench.run(np.unique(np.concatenate(wanted)), until_of(rig, bench, piece, rows), start)
-    except AntennaPinError as error:
-        return str(error)
+    except Exception as error:
+        return why_not(error)
     if rig.pieces and piece < len(rig.pieces) - 2:
         joint = from_origin(rig.begun, rig.origins[piece], ran.end.q, ran.end.v)
     return ran.failed or _Made(ran, lead, joint)
@@ -260,6 +262,21 @@ def sensed(rig: Rig, bench: Bench, rows: Sequence[Array], chunks: Sequence[Chunk
             part = data if len(rows) == 1 else data.isel(time=slice(first, last))
             own.append(reading(part, column, rig.read_in[name], one))
     return read
+
+
+def why_not(error: Exception) -> str:
+    """Return why there is no run, in words: refused, or dead of what nobody expected.
+
+    To a search both are a trial that cannot be made.
+
+    Raises:
+        Exception: The same, if it is an interruption.
+    """
+    if is_interruption(error):
+        raise error
+    if isinstance(error, AntennaPinError):
+        return str(error)
+    return f"the run died of {type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def nothing(why: str) -> Readings:

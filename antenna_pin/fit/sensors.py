@@ -30,8 +30,8 @@ __all__ = ["amount", "check_sensor", "instants", "noise_of", "reading", "unit_of
 
 Array = NDArray[np.float64]
 
-#: Samples of a filter's input in one period of its corner: of an acceleration, whose moments between samples
-#: are known, and of values that are straight between samples, exact to (2 pi / 64)^2 / 12 = 8e-4 at the corner.
+# Samples of a filter's input in one period of its corner: of an acceleration, whose moments between samples
+# are known, and of values that are straight between samples, to (2 pi / 64)^2 / 12 = 8e-4 at the corner.
 _PER_PERIOD, _PER_PERIOD_OF_VALUES = 24, 64
 
 

@@ -241,7 +241,7 @@ def _held(problem: Residuals, values: Array, slope: Array) -> NDArray[np.bool_]:
 
 def _curvature(along: Array, bend: Array, loss: Loss) -> Array:
     whole = along.T @ (along * bend[:, None])
-    if not np.linalg.eigvalsh(whole)[0] > 0.0:
+    if len(whole) and not np.linalg.eigvalsh(whole)[0] > 0.0:  # there is none where nothing is told
         raise InvalidParameterError(
             "fit",
             "loss",

@@ -127,8 +127,8 @@ def test_a_filtered_accelerometer_turns_with_its_link():
     grid = instants(column, TIME)
     data = seen(load_scenario("pendulum", case="ideal"), grid, 0.3)
     expected = filter_response(input_of_values(grid, reading(data, plain, "m/s^2", grid)), grid, 20.0, 2)
-    # What is straight between samples, 2 ms apart, is off by step^2 / 12 times a second derivative, 2e-5 here;
-    # axes of a step's end would be off by half a step times the rate, 4e-4 of 9.8 / 3.
+    # What is straight between samples, 2 ms apart, is off by step^2 / 12 times a second derivative, 2e-5
+    # here; axes of a step's end would be off by half a step times the rate, 4e-4 of 9.8 / 3.
     late = grid > 0.15
     found = reading(data, column, "m/s^2", grid)
     np.testing.assert_allclose(found[late], expected[late], rtol=0, atol=3e-5)
