@@ -156,7 +156,7 @@ def _say_found(found: Fit, notes: list[str], report: bool, target: Path, scenari
         f"chi2 {number(bands.chi2)} for {bands.freedoms} degrees of freedom; {found.runs} runs; "
         f"{found.message}"
     )
-    say_each([*found.notes, *notes])
+    say_each([*(one.words() for one in found.validation), *found.notes, *notes])
     say(f"saved {target}")
     if scenario is not None:
         say(f"saved {scenario}")

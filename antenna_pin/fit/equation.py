@@ -90,7 +90,7 @@ class _Equation:
         check_without_controllers("fit: derivatives by the equation", self._here.scenario)
         system, self._count = self._here.system, len(asked.values)
         self._scales = np.fmax(np.abs(asked.values), rig.sizes)
-        names = [keys[0] for keys in rig.keys]
+        names = [keys[0] if keys else name for keys, name in zip(rig.keys, rig.names, strict=True)]
         builds = [functools.partial(self._system, k) for k in range(self._count)]
         self._next = Displacer(system, self._count)
         self._numbers = Numbers(system, builds, names)
@@ -105,7 +105,7 @@ class _Equation:
         values[k] += s * float(self._scales[k])
         found = bench_of(self._rig, tuple(values))
         if found.scenario.events != self._here.scenario.events:
-            raise SensitivityError(f"{self._rig.keys[k][0]} is of an event, which only runs can tell")
+            raise SensitivityError(f"{self._rig.names[k]} is of an event, which only runs can tell")
         return found
 
     def _system(self, k: int, s: float) -> Any:

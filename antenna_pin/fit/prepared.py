@@ -12,9 +12,11 @@ import xarray as xr
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench
 from antenna_pin.fit.columns import ColumnSpec
+from antenna_pin.fit.expressions import evaluate
 from antenna_pin.fit.followed import Known, followed
 from antenna_pin.fit.measured import measured
 from antenna_pin.fit.one_piece import Curve
+from antenna_pin.fit.parameter_specs import FitParameterSpec
 from antenna_pin.fit.pieces import instants_of, ways_of
 from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
 from antenna_pin.fit.runs import Rig, scenario_with
@@ -138,12 +140,15 @@ def prepared(plan: FitPlan) -> Prepared:
             _check_sizes(one, found.values[column], read_in[column], at)
             targets[full] = target_of(one, read_in[column], found.time, found.values[column], at)
             units[full], offsets[full] = read_in[column], amount(one.offset, read_in[column], f"{at}.offset")
-        own = [one for one in plan.parameters.values() if one.records is None or name in one.records]
-        fitted = [one for one in own if place_in_record(one.keys_set[0]) is None]
+        numbers = plan.own_parameters(name)
+        names = [list(plan.parameters)[k] for k in numbers]
+        fitted = [plan.parameters[one] for one in names]
         rig = Rig(
             name=name,
             scenario=base.model_dump_json(),
-            keys=tuple(one.keys_set for one in fitted),
+            keys=tuple(one.keys_set if _sets(one, name) else () for one in fitted),
+            names=tuple(names),
+            derived=tuple((one.keys_set, one.value) for one in plan.derived_of(name).values()),
             units=tuple(one.numbers()[3] for one in fitted),
             sizes=tuple(size_of(*one.numbers()[:3]) for one in fitted),
             columns=dict(spec.columns),
@@ -161,7 +166,6 @@ def prepared(plan: FitPlan) -> Prepared:
                 for column, one in spec.columns.items()
                 for full in (f"{name}.{column}",)
             ]
-            numbers = [k for k, one in enumerate(plan.parameters.values()) if one in fitted]
             rig, known = _in_pieces(rig, spec, unknowns, numbers, known, curves, where)
         rigs.append(rig)
         ways.append(tuple(ways_of(rig.begun, origin) for origin in rig.origins))
@@ -208,6 +212,11 @@ def _number(plan: FitPlan, key: str) -> int:
     return next((k for k, one in enumerate(every) if key in one.keys_set), -1)
 
 
+def _sets(parameter: FitParameterSpec, record: str) -> bool:
+    """Return whether a parameter sets keys of a record's scenario."""
+    return parameter.records is None or record in parameter.records
+
+
 def _in_pieces(
     rig: Rig,
     spec: RecordSpec,
@@ -252,6 +261,14 @@ def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
                     found = base.with_overrides(trial)
             except AntennaPinError as error:
                 raise ScenarioError(f"{where}: {error}") from None
+    starts = {name: one.numbers()[0] for name, one in plan.parameters.items()}
+    for name, derived in plan.derived_of(record).items():
+        for key in derived.keys_set:
+            try:
+                put_value(overrides, key, evaluate(derived.value, starts), base)
+                found = base.with_overrides(overrides)
+            except AntennaPinError as error:
+                raise ScenarioError(f"fit {plan.name}: derived.{name}: {error}") from None
     return found if overrides else base
 
 

@@ -17,7 +17,10 @@ from antenna_pin.brief import brief
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.fit.covariance import Bands
+from antenna_pin.fit.expressions import evaluate
 from antenna_pin.fit.problem import Problem
+from antenna_pin.fit.sureness import student
+from antenna_pin.fit.validated import Validated
 from antenna_pin.readable import number, prefixed
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
 from antenna_pin.trajectory import open_table, save_table, table_attributes
@@ -59,6 +62,7 @@ class Fit:
         message: How it ended, in words.
         evaluations: By steps of all searches.
         searches: All of them, the best first.
+        validation: Records that were not fitted, beside the model.
         verdict: Objections to the fit as a whole, with their likely causes, a line each; () if none.
         notes: What is to be known besides, a line each.
     """
@@ -75,6 +79,7 @@ class Fit:
     message: str
     evaluations: int
     searches: tuple[Search, ...]
+    validation: tuple[Validated, ...] = ()
     verdict: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
@@ -174,8 +179,29 @@ class Fit:
         ]
         if self.bands.without:  # which the verdict or a note says
             rows = [(name, value, "no band") for name, value, _ in rows]
+        rows += self._derived()
         wide = max(len(row[0]) for row in rows)
         return [*self.verdict, *(f"{name.ljust(wide)}  {value}  {band}" for name, value, band in rows)]
+
+    def _derived(self) -> list[tuple[str, str, str]]:
+        """Return the derived numbers with their bands to first order, in words."""
+        rows, noise = [], self.bands.noise
+        reach = student(0.95, np.inf if noise == "given" else self.bands.freedoms)
+        steps = 1e-6 * np.diag(self.problem.unknowns.scale)
+        for name, one in self.problem.plan.derived.items():
+
+            def value(at: Array, text: str = one.value) -> float:
+                return evaluate(text, dict(zip(self.names, at.tolist(), strict=True)))
+
+            here = value(self.values)
+            ends = [(value(self.values + step), value(self.values - step)) for step in steps]
+            slopes = np.array([a - b for a, b in ends]) / (2.0 * np.diag(steps))
+            used = slopes != 0.0
+            covariance = self.bands.covariance[np.ix_(used, used)]
+            half = reach * np.sqrt(slopes[used] @ covariance @ slopes[used])
+            said = said_of_value(here, here - half, here + half, one.unit)
+            rows.append((name, said[0], "no band" if not np.isfinite(half) else said[1]))
+        return rows
 
     @takes()
     def write_scenario(self, path: str | os.PathLike[str], record: str | None = None) -> Path:
@@ -245,6 +271,7 @@ class Fit:
             "noise": plan.noise,
             "wider": bands.wider,
             "chance": bands.chance,
+            "validation": "\n".join(one.words() for one in self.validation),
             "verdict": "\n".join(self.verdict),
             "loss": plan.loss,
             "message": self.message,

@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.errors import AntennaPinError
+from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench, Ran, at_times
 from antenna_pin.fit.columns import ColumnSpec
+from antenna_pin.fit.expressions import evaluate
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.sensors import instants, reading
 from antenna_pin.interruption import is_interruption
@@ -52,6 +53,8 @@ class Rig:
         name: Of the record.
         scenario: Its scenario as JSON, before what is fitted.
         keys: Of the scenario that are fitted, one tuple for each of :attr:`Asked.values`.
+        names: Of those values: what :attr:`derived` calls them.
+        derived: Numbers of the scenario that follow from the values: keys and expression of each.
         units: Of those values.
         sizes: Of those values: what a change is small beside [SI].
         columns: What is read, by name.
@@ -70,6 +73,8 @@ class Rig:
     columns: Mapping[str, ColumnSpec]
     read_in: Mapping[str, str]
     time: Array
+    names: tuple[str, ...] = ()
+    derived: tuple[tuple[tuple[str, ...], str], ...] = ()
     pieces: tuple[float, ...] = ()
     origins: tuple[str, ...] = ()
     begun: str = ""
@@ -142,7 +147,24 @@ def _scenario(text: str) -> Scenario:
 
 def scenario_with(rig: Rig, values: tuple[float, ...]) -> Scenario:
     """Return a record's scenario with values of its fitted keys [SI]."""
-    return _scenario_with(rig.scenario, rig.keys, rig.units, values)
+    return _scenario_with(*_made_of(rig, values))
+
+
+def _made_of(rig: Rig, values: tuple[float, ...]) -> tuple[Any, ...]:
+    """Return what a record's scenario with values is made of.
+
+    Raises:
+        ScenarioError: A derived number is none there.
+    """
+    every, units, numbers = list(rig.keys), list(rig.units), list(values)
+    for keys, expression in rig.derived:
+        try:
+            numbers.append(evaluate(expression, dict(zip(rig.names, values, strict=True))))
+        except ValueError as error:
+            raise ScenarioError(f"derived: {error}") from None
+        every.append(keys)
+        units.append("")
+    return rig.scenario, tuple(every), tuple(units), tuple(numbers)
 
 
 def _scenario_with(
@@ -162,7 +184,7 @@ def _bench(*test: Any) -> Bench:
 
 def bench_of(rig: Rig, values: tuple[float, ...]) -> Bench:
     """Return a record's test with values of its fitted keys [SI], set up."""
-    return _bench(rig.scenario, rig.keys, rig.units, values)
+    return _bench(*_made_of(rig, values))
 
 
 def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:

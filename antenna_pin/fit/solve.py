@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 import math
 import os
@@ -22,10 +23,12 @@ from antenna_pin.fit.losses import cost
 from antenna_pin.fit.notebook import Notebook
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.problem import Problem
+from antenna_pin.fit.residual_tests import notes_on_residuals
 from antenna_pin.fit.result import Fit, Search
 from antenna_pin.fit.runs import NoRunError
 from antenna_pin.fit.sureness import hang_together
 from antenna_pin.fit.surface import on_surface
+from antenna_pin.fit.validated import Validation
 from antenna_pin.fit.verdict import has_many_valleys, verdict_of
 from antenna_pin.readable import number
 from antenna_pin.sweep import Executor
@@ -92,8 +95,10 @@ def run_fit(
         plan.check_output(target)
     notebook = None if target is None else Notebook(target)
     try:
+        validation = Validation(plan, executor)
         problem = Problem(plan, Laboratory(executor, notebook, progress))
         found = _found(problem)
+        found = dataclasses.replace(found, validation=validation.at(found.names, found.values))
         if target is not None:
             found.save(target)
         if then is not None:
@@ -168,13 +173,16 @@ def _of_derivatives(problem: Problem) -> list[str]:
 
 def _together(problem: Problem, bands: Bands, residuals: Array) -> list[str]:
     """Return a line where residuals are no white noise, so that bands are too narrow."""
-    curves = [name for name, one in problem.rows.by_curve(residuals).items() if hang_together(one)]
+    every = problem.rows.by_curve(residuals)
+    curves = [name for name, one in every.items() if hang_together(one)]
+    others = [] if bands.beyond_chance else list(notes_on_residuals(every))
     if not curves or bands.wider < _NARROW:
-        return []
+        return others
     return [
+        *others,
         f"note: residuals of {', '.join(curves)} hang together in time: bands are up to "
         f'{number(bands.wider, 2)} times too narrow (noise = "correlated" counts it); the model lacks '
-        "something, or the noise is not white"
+        "something, or the noise is not white",
     ]
 
 

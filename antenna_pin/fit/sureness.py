@@ -26,7 +26,17 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.losses import Loss, curvature, influence
 from antenna_pin.fit.rank import DOUBT, Rank, rank_of
 
-__all__ = ["NOISES", "Noise", "Residuals", "Sure", "hang_together", "persistence", "sure", "variance_factor"]
+__all__ = [
+    "NOISES",
+    "Noise",
+    "Residuals",
+    "Sure",
+    "hang_together",
+    "persistence",
+    "student",
+    "sure",
+    "variance_factor",
+]
 
 Array = NDArray[np.float64]
 
