@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from falling_ball import HEIGHT, RESTITUTION, reading, write
+from falling_ball import HEIGHT, NOISE, RESTITUTION, TIME, reading, write
+from scipy.stats import chi2
 
 from antenna_pin.fit import Problem, load_fit, run_fit
 from antenna_pin.fit.filters import filter_response, input_of_acceleration
@@ -42,6 +43,19 @@ def test_a_record_without_noise_is_met_and_its_bands_are_those_of_the_closed_for
     expected = np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
     np.testing.assert_allclose(fit.bands.sd, expected, rtol=1e-4)
     assert fit.notes == ()  # 150 rows of next to nothing before the blow are no chaos
+
+
+@pytest.mark.slow
+def test_bands_of_noisy_records_hold_the_true_numbers(tmp_path):
+    """Errors over what is stated have the chi2 of their number; scripts/blow_coverage.py counts bands."""
+    total = 0.0
+    for seed in range(6):
+        noise = NOISE * np.random.default_rng(seed).standard_normal(len(TIME))
+        fit = run_fit(load_fit(write(tmp_path, reading(HEIGHT, RESTITUTION, 4)[0] + noise, start=1.003)))
+        error = fit.values - [HEIGHT, RESTITUTION]
+        total += float(error @ np.linalg.solve(fit.bands.covariance, error))
+    # Of 12 degrees of freedom; one of ten thousand is beyond on either side.
+    assert chi2.ppf(1e-4, 12) < total < chi2.ppf(1.0 - 1e-4, 12)
 
 
 # --- of the filter alone ---

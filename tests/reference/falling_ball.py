@@ -5,6 +5,7 @@ from scipy import signal
 
 GRAVITY, RESTITUTION, HEIGHT, CORNER = 9.81, 0.5, 1.0, 50.0
 TIME = np.arange(1, 301) / 500.0  # of the record [s]
+NOISE = 0.5  # standard deviation of a row [m/s^2]
 
 URDF = """<robot name="m">
 <link name="ground"/>
