@@ -91,7 +91,9 @@ def certain(
             raise InvalidParameterError("fit", "profile" if profile else "draws", rule, profile or draws)
         return table, ()
     if found.bands.without:
-        return table, () if found.bands.beyond_chance else (f"no bands: {found.bands.without}",)
+        lacks = "no bands, profiles or draws" if profile or draws else "no bands"
+        known = found.bands.beyond_chance and not (profile or draws)  # the verdict says so
+        return table, () if known else (f"{lacks}: {found.bands.without}",)
     searched, known = _sure(found)
     plan = found.problem.plan
     if draws:

@@ -25,10 +25,10 @@ from antenna_pin.fit.runs import (
     Slopes,
     bench_of,
     nothing,
+    reason_of,
     rows_of,
     sensed,
     until_of,
-    why_not,
 )
 from antenna_pin.fit.sensors import instants
 from antenna_pin.nonlinear.chart import Chart
@@ -77,7 +77,7 @@ def with_slopes(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
     try:
         return _Equation(rig, asked).readings()
     except Exception as error:
-        return tuple(nothing(why_not(error)) for _ in asked.starts)
+        return tuple(nothing(reason_of(error)) for _ in asked.starts)
 
 
 class _Equation:

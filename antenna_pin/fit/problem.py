@@ -138,7 +138,7 @@ class Problem:
     def count(self) -> int:
         """How many residuals there are."""
         rows = sum(len(target.data) for target in self._prepared.targets.values())
-        return rows + sum(self._prepared.sizes_of_joints()) + len(self.unknowns.off_priors(self.start))
+        return rows + sum(self._prepared.sizes_of_joints()) + len(self.unknowns.prior_residuals(self.start))
 
     @takes()
     def residuals(self, values: ArrayLike) -> Array:
@@ -225,7 +225,7 @@ class Problem:
         self.derived = self.derived.once_more(found is not None, why)
         answer = runs if found is None else found
         assert answer is not None
-        return np.vstack([answer, self.unknowns.slopes_of_priors(self.unknowns.natural(searched))])
+        return np.vstack([answer, self.unknowns.prior_slopes(self.unknowns.natural(searched))])
 
     def _by_equation(self, whole: Array) -> tuple[Array | None, str]:
         """Return the derivatives by the variational equation, or None and why there are none."""
@@ -297,7 +297,7 @@ class Problem:
         return [self.rows.residuals(whole, one) for whole, one in zip(wholes, found, strict=True)]
 
     def _with_priors(self, whole: Array, residuals: Array) -> Array:
-        return np.concatenate([residuals, self.unknowns.off_priors(whole)])
+        return np.concatenate([residuals, self.unknowns.prior_residuals(whole)])
 
     def _whole(self, values: ArrayLike) -> Array:
         given = np.asarray(values, dtype=float)

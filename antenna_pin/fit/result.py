@@ -20,7 +20,7 @@ from antenna_pin.fit.covariance import Bands
 from antenna_pin.fit.expressions import evaluate
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.sureness import student
-from antenna_pin.fit.validated import Validated
+from antenna_pin.fit.validation import ValidationResult
 from antenna_pin.readable import number, prefixed
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
 from antenna_pin.trajectory import open_table, save_table, table_attributes
@@ -79,7 +79,7 @@ class Fit:
     message: str
     evaluations: int
     searches: tuple[Search, ...]
-    validation: tuple[Validated, ...] = ()
+    validation: tuple[ValidationResult, ...] = ()
     verdict: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 

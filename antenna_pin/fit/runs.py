@@ -35,7 +35,7 @@ __all__ = [
     "scenario_with",
     "sensed",
     "until_of",
-    "why_not",
+    "reason_of",
 ]
 
 Array = NDArray[np.float64]
@@ -147,10 +147,10 @@ def _scenario(text: str) -> Scenario:
 
 def scenario_with(rig: Rig, values: tuple[float, ...]) -> Scenario:
     """Return a record's scenario with values of its fitted keys [SI]."""
-    return _scenario_with(*_made_of(rig, values))
+    return _scenario_with(*_assembly(rig, values))
 
 
-def _made_of(rig: Rig, values: tuple[float, ...]) -> tuple[Any, ...]:
+def _assembly(rig: Rig, values: tuple[float, ...]) -> tuple[Any, ...]:
     """Return what a record's scenario with values is made of.
 
     Raises:
@@ -184,7 +184,7 @@ def _bench(*test: Any) -> Bench:
 
 def bench_of(rig: Rig, values: tuple[float, ...]) -> Bench:
     """Return a record's test with values of its fitted keys [SI], set up."""
-    return _bench(*_made_of(rig, values))
+    return _bench(*_assembly(rig, values))
 
 
 def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
@@ -201,7 +201,7 @@ def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
         chunks = [one.ran.chunk for one in made if isinstance(one, _Made)]
         read = dict(zip(good, sensed(rig, bench, [rows[k] for k in good], chunks), strict=True))
     except Exception as error:
-        return tuple(nothing(why_not(error)) for _ in asked.starts)
+        return tuple(nothing(reason_of(error)) for _ in asked.starts)
     return tuple(
         Readings(tuple(read[k]), one.lead, one.end, unbalanced=one.ran.unbalanced)
         if isinstance(one, _Made)
@@ -252,7 +252,7 @@ def _ran(rig: Rig, bench: Bench, rows: Array, piece: int, at: tuple[float, ...])
             lead = from_origin(rig.begun, rig.origins[piece - 1], start.q, start.v)
         ran = bench.run(np.unique(np.concatenate(wanted)), until_of(rig, bench, piece, rows), start)
     except Exception as error:
-        return why_not(error)
+        return reason_of(error)
     if rig.pieces and piece < len(rig.pieces) - 2:
         joint = from_origin(rig.begun, rig.origins[piece], ran.end.q, ran.end.v)
     return ran.failed or _Made(ran, lead, joint)
@@ -286,7 +286,7 @@ def sensed(rig: Rig, bench: Bench, rows: Sequence[Array], chunks: Sequence[Chunk
     return read
 
 
-def why_not(error: Exception) -> str:
+def reason_of(error: Exception) -> str:
     """Return why there is no run, in words: refused, or dead of what nobody expected.
 
     To a search both are a trial that cannot be made.

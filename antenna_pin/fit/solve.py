@@ -28,8 +28,8 @@ from antenna_pin.fit.result import Fit, Search
 from antenna_pin.fit.runs import NoRunError
 from antenna_pin.fit.sureness import hang_together
 from antenna_pin.fit.surface import on_surface
-from antenna_pin.fit.validated import Validation
-from antenna_pin.fit.verdict import has_many_valleys, verdict_of
+from antenna_pin.fit.validation import Validation
+from antenna_pin.fit.verdict import advises_starts, verdict_of
 from antenna_pin.readable import number
 from antenna_pin.sweep import Executor
 
@@ -141,7 +141,7 @@ def _found(problem: Problem) -> Fit:
     bands = bands_of(problem.plan, unknowns, whole, residuals, slopes, problem.rows.curve_numbers())
     bad = best.status <= 0 or bands.chi2 > WITHHELD * bands.freedoms
     # Where a search from many starts comes first, what is not straight from afar may be a valley's side.
-    grown = _grown(problem, first, whole, bad and not has_many_valleys(problem, bands))
+    grown = _grown(problem, first, whole, bad and not advises_starts(problem, bands))
     return Fit(
         problem=problem,
         values=whole[:p],

@@ -100,12 +100,12 @@ class Unknowns:
         rates[:p] = np.where(self.logarithmic, 1.0 / np.where(self.logarithmic, whole[:p], 1.0), rates[:p])
         return rates
 
-    def off_priors(self, whole: Array) -> Array:
+    def prior_residuals(self, whole: Array) -> Array:
         """Return values less the means of their priors, over the standard deviations, (priors,)."""
         known = np.isfinite(self.prior_sd)
         return np.asarray(((whole[: self.count] - self.prior_mean) / self.prior_sd)[known])
 
-    def slopes_of_priors(self, whole: Array) -> Array:
+    def prior_slopes(self, whole: Array) -> Array:
         """Return the derivatives of the same by what a search has, (priors, p + h)."""
         known = np.isfinite(self.prior_sd)
         slopes = np.zeros((self.count, len(whole)))

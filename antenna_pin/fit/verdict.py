@@ -14,7 +14,7 @@ from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.runs import NoRunError
 from antenna_pin.readable import number, readable
 
-__all__ = ["has_many_valleys", "verdict_of"]
+__all__ = ["advises_starts", "verdict_of"]
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def verdict_of(problem: Problem, whole: Array, bands: Bands) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def has_many_valleys(problem: Problem, bands: Bands) -> bool:
+def advises_starts(problem: Problem, bands: Bands) -> bool:
     """Return whether a search from many starts, which the plan could have, comes before other advice."""
     bounded = all(one.between is not None for one in problem.plan.parameters.values())
     return bands.beyond_chance and problem.plan.starts is None and bounded
@@ -89,7 +89,7 @@ def _causes(problem: Problem, whole: Array, bands: Bands) -> Iterator[str]:
     yield from _of_units(begun)
     clocks = [*_of_clocks(begun), *_of_clocks(ended)]
     yield from clocks[:1]
-    if has_many_valleys(problem, bands):
+    if advises_starts(problem, bands):
         yield "a wrong valley of the sum of squares: search from many points, [starts] with count = 64"
     elif problem.plan.starts is None:
         yield "a wrong valley of the sum of squares: give each parameter bounds (between), and [starts]"

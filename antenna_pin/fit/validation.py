@@ -16,12 +16,12 @@ from antenna_pin.fit.problem import NoRunError, Problem
 from antenna_pin.readable import number
 from antenna_pin.sweep import Executor
 
-__all__ = ["Validated", "Validation"]
+__all__ = ["ValidationResult", "Validation"]
 
 Array = NDArray[np.float64]
 
 
-class Validated(NamedTuple):
+class ValidationResult(NamedTuple):
     """A record that was not fitted, beside the model with the values found.
 
     Attributes:
@@ -67,7 +67,7 @@ class Validation:
         other = plan.unfitted()
         self._problem = None if other is None else Problem(other, Laboratory(executor))
 
-    def at(self, names: Sequence[str], values: Array) -> tuple[Validated, ...]:
+    def at(self, names: Sequence[str], values: Array) -> tuple[ValidationResult, ...]:
         """Return each record beside the model.
 
         Args:
@@ -81,9 +81,9 @@ class Validation:
         try:
             residuals = self._problem.residuals(here)
         except NoRunError as error:
-            return tuple(Validated(name, np.nan, 0, str(error)) for name in self._problem.plan.records)
+            return tuple(ValidationResult(name, np.nan, 0, str(error)) for name in self._problem.plan.records)
         curves, found = self._problem.rows.by_curve(residuals), []
         for record in self._problem.plan.records:
             own = np.concatenate([one for name, one in curves.items() if name.partition(".")[0] == record])
-            found.append(Validated(record, float(own @ own), len(own)))
+            found.append(ValidationResult(record, float(own @ own), len(own)))
         return tuple(found)
