@@ -92,8 +92,8 @@ def certain(
         return table, ()
     if found.bands.without:
         lacks = "no bands, profiles or draws" if profile or draws else "no bands"
-        known = found.bands.beyond_chance and not (profile or draws)  # the verdict says so
-        return table, () if known else (f"{lacks}: {found.bands.without}",)
+        said_already = found.bands.beyond_chance and not (profile or draws)  # the verdict says so
+        return table, () if said_already else (f"{lacks}: {found.bands.without}",)
     searched, known = _sure(found)
     plan = found.problem.plan
     if draws:
