@@ -17,11 +17,13 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field
 from functools import cache
 from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import numpy as np
 
 from antenna_pin.arguments import fits, is_number, rule_of, takes, unknown_type
 from antenna_pin.directions import A_DIRECTION, direction
@@ -239,6 +241,8 @@ def holds(value: object, rule: str) -> bool:
 def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> Any:
     """Return a value, or several, with text that carries a unit read in SI units."""
     if isinstance(value, list | tuple):
+        if _are_floats(value):
+            return value
         return type(value)(_in_si(owner, f"{name}[{k}]", one, declared) for k, one in enumerate(value))
     if not isinstance(value, str):
         return value
@@ -309,9 +313,19 @@ def _numbers(owner: object, name: str, value: object, declared: Mapping[Any, Any
         entries: tuple[Any, ...] = tuple(value)  # type: ignore[arg-type]
     except TypeError:
         raise InvalidParameterError(owner, name, said, value) from None
-    if (sizes != (0,) and len(entries) not in sizes) or not all(holds(entry, rule) for entry in entries):
+    ends = _ends(entries)
+    if (sizes != (0,) and len(entries) not in sizes) or not all(holds(entry, rule) for entry in ends):
         raise InvalidParameterError(owner, name, said, value)
-    too_far = beyond(entries, _units(declared), rule)
+    too_far = beyond(ends, _units(declared), rule)
     if too_far:
         raise InvalidParameterError(owner, name, f"{count}numbers {too_far}", value)
     return tuple(float(entry) for entry in entries)
+
+
+def _are_floats(values: Sequence[Any]) -> bool:
+    return set(map(type, values)) == {float}
+
+
+def _ends(values: tuple[Any, ...]) -> Sequence[Any]:
+    """Return the least and the largest of floats, NaN if one is: as each rule is an interval, they decide."""
+    return [float(np.min(values)), float(np.max(values))] if _are_floats(values) else values

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass, field
 from typing import Literal
+
+import numpy as np
 
 from antenna_pin.capacity import MOST
 from antenna_pin.errors import InvalidParameterError
@@ -134,10 +135,9 @@ class RunSettings:
         if self.rtol < _LEAST_RTOL:
             rule = f"{_LEAST_RTOL:g} or more, since what is less drowns in round-off"
             raise InvalidParameterError(self, "rtol", rule, said=f"{self.rtol:g}")
-        for k, (before, after) in enumerate(itertools.pairwise(self.output_times)):
-            if not before < after:
-                said = f"{after:g} s after {before:g} s"
-                raise InvalidParameterError(self, f"output_times[{k + 1}]", "above the one before", said=said)
+        for k in np.flatnonzero(np.diff(self.output_times) <= 0.0)[:1].tolist():
+            said = f"{self.output_times[k + 1]:g} s after {self.output_times[k]:g} s"
+            raise InvalidParameterError(self, f"output_times[{k + 1}]", "above the one before", said=said)
         if not self.min_step < self.max_step:
             raise InvalidParameterError(
                 self, "min_step", f"below max_step = {self.max_step:g} s", said=f"{self.min_step:g} s"

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.trajectory import Trajectory
 
-REFUSED, ENDED_EARLY, UNBALANCED = 2, 3, 4
+REFUSED, ENDED_EARLY, UNBALANCED, DOUBTFUL = 2, 3, 4, 5
 
 #: To which the number of the signal is added that has stopped a command.
 SIGNALLED = 128

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from antenna_pin.cli._common import not_interrupted, refuse, say, writable_file
+from antenna_pin.cli._common import DOUBTFUL, not_interrupted, refuse, say, writable_file
 from antenna_pin.cli._fit_tests import identify as identify_before
 from antenna_pin.cli._fit_tests import next_test
 from antenna_pin.cli._progress import fit_bar
@@ -104,6 +104,8 @@ def fit(
         )
     target = writable_file(Path(f"{plan.name}.nc") if out is None else out, ".nc")
     scenario = None if write_scenario is None else writable_file(write_scenario, ".toml")
+    for path in filter(None, (target, scenario)):
+        plan.check_output(path)
     if record is not None and scenario is None:
         refuse("fit: --record must be given with --write-scenario, whose record it names")
     if record is not None and record not in plan.records:
@@ -133,24 +135,31 @@ def fit(
     with not_interrupted():
         if scenario is not None:
             found.write_scenario(scenario, record)
-        if quiet:
-            return
-        if report:
-            say_each(found.report().splitlines())
-        else:
-            lines = found.lines()
-            say_each(lines[:_SHOWN])
-            if len(lines) > _SHOWN:
-                say(f"... and {len(lines) - _SHOWN} more; --report has all, and their correlations")
-        bands = found.bands
-        say(
-            f"chi2 {number(bands.chi2)} for {bands.freedoms} degrees of freedom; {found.runs} runs; "
-            f"{found.message}"
-        )
-        say_each([*found.notes, *notes])
-        say(f"saved {target}")
-        if scenario is not None:
-            say(f"saved {scenario}")
+        if not quiet:
+            _say_found(found, notes, report, target, scenario)
+    if not found.trusted:
+        raise typer.Exit(DOUBTFUL)
+
+
+def _say_found(found: Fit, notes: list[str], report: bool, target: Path, scenario: Path | None) -> None:
+    """Print the answer: what speaks against it first."""
+    if report:
+        say_each([*found.verdict, *found.report().splitlines()])
+    else:
+        lines = found.lines()
+        shown = len(found.verdict) + _SHOWN
+        say_each(lines[:shown])
+        if len(lines) > shown:
+            say(f"... and {len(lines) - shown} more; --report has all, and their correlations")
+    bands = found.bands
+    say(
+        f"chi2 {number(bands.chi2)} for {bands.freedoms} degrees of freedom; {found.runs} runs; "
+        f"{found.message}"
+    )
+    say_each([*(one.words() for one in found.validation), *found.notes, *notes])
+    say(f"saved {target}")
+    if scenario is not None:
+        say(f"saved {scenario}")
 
 
 def _asked_before(

@@ -132,8 +132,6 @@ class Bench:
         return labelled_at(self._latest, chunk)
 
 
-def at_times(chunk: Chunk, times: Array) -> Chunk:
-    """Return samples at times that are among them; of two at an instant, the one after it."""
-    found = np.searchsorted(chunk.times, times, side="right") - 1
-    programs = [chunk.programs[k] for k in found.tolist()]
-    return Chunk(chunk.times[found], chunk.states[found], chunk.memories[found], programs)
+def at_times(chunk: Chunk, times: Array) -> NDArray[np.intp]:
+    """Return the places of samples at times that are among them; of two at an instant, the later one."""
+    return np.searchsorted(chunk.times, times, side="right") - 1

@@ -31,7 +31,7 @@ def _sure(found: Fit) -> tuple[Searched, Sure]:
     known = sure(
         searched,
         searched.start,
-        noise=plan.noise,
+        noise=found.bands.noise,
         loss=plan.loss,
         loss_scale=plan.loss_scale,
         curves=found.problem.rows.curve_numbers(),
@@ -51,7 +51,10 @@ def profiles_of(
         names: Of the parameters; all that no bound holds if left out.
         progress: Is told the parameter and the signed root of each point.
     """
-    plan, (searched, known) = found.problem.plan, _sure(found)
+    plan = found.problem.plan
+    if found.bands.without:
+        raise InvalidParameterError("fit", "profiles", "left out of a fit without bands", found.bands.without)
+    searched, known = _sure(found)
     for name in names or ():
         if name not in found.names:
             raise UnknownNameError("fit", "parameter", name, found.names)
@@ -87,10 +90,11 @@ def certain(
             rule = "left out beside a surface, whose single runs scatter"
             raise InvalidParameterError("fit", "profile" if profile else "draws", rule, profile or draws)
         return table, ()
-    try:
-        searched, known = _sure(found)
-    except InvalidParameterError as error:
-        return table, (f"no bands: {error}",)
+    if found.bands.without:
+        lacks = "no bands, profiles or draws" if profile or draws else "no bands"
+        said_already = found.bands.beyond_chance and not (profile or draws)  # the verdict says so
+        return table, () if said_already else (f"{lacks}: {found.bands.without}",)
+    searched, known = _sure(found)
     plan = found.problem.plan
     if draws:
         bands: CurveBands = by_sampling(

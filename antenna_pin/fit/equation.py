@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.differences import few
-from antenna_pin.errors import AntennaPinError
-from antenna_pin.fit.bench import Bench, at_times
+from antenna_pin.fit.bench import Bench
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.runs import (
     Asked,
@@ -26,6 +25,7 @@ from antenna_pin.fit.runs import (
     Slopes,
     bench_of,
     nothing,
+    reason_of,
     rows_of,
     sensed,
     until_of,
@@ -76,8 +76,8 @@ def with_slopes(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
     """
     try:
         return _Equation(rig, asked).readings()
-    except AntennaPinError as error:
-        return tuple(nothing(str(error)) for _ in asked.starts)
+    except Exception as error:
+        return tuple(nothing(reason_of(error)) for _ in asked.starts)
 
 
 class _Equation:
@@ -90,7 +90,7 @@ class _Equation:
         check_without_controllers("fit: derivatives by the equation", self._here.scenario)
         system, self._count = self._here.system, len(asked.values)
         self._scales = np.fmax(np.abs(asked.values), rig.sizes)
-        names = [keys[0] for keys in rig.keys]
+        names = [keys[0] if keys else name for keys, name in zip(rig.keys, rig.names, strict=True)]
         builds = [functools.partial(self._system, k) for k in range(self._count)]
         self._next = Displacer(system, self._count)
         self._numbers = Numbers(system, builds, names)
@@ -105,7 +105,7 @@ class _Equation:
         values[k] += s * float(self._scales[k])
         found = bench_of(self._rig, tuple(values))
         if found.scenario.events != self._here.scenario.events:
-            raise SensitivityError(f"{self._rig.keys[k][0]} is of an event, which only runs can tell")
+            raise SensitivityError(f"{self._rig.names[k]} is of an event, which only runs can tell")
         return found
 
     def _system(self, k: int, s: float) -> Any:
@@ -281,19 +281,13 @@ class _Equation:
         """Return derivatives of what sensors read over time: of the run's own dense output."""
         rig, here = self._rig, self._here
         h = _TICK * float(np.median(np.diff(rig.time)))
-        shifted = [rows + side * j * h for j in (1, 2) for side in (1, -1)]
+        shifted = np.concatenate([rows + side * j * h for j in (1, 2) for side in (1, -1)])
         first = self._first(here, piece, at) if piece > 0 else None
         until = until_of(rig, here, piece, rows) + 2.0 * h
-        wanted = np.unique(
-            np.concatenate([instants(c, one) for c in rig.columns.values() for one in shifted])
-        )
+        wanted = np.unique(np.concatenate([instants(c, np.unique(shifted)) for c in rig.columns.values()]))
         ran = here.run(wanted[wanted >= 0.0], until, first)
-        chunks = []
-        for one in shifted:
-            times = np.unique(np.concatenate([instants(c, one) for c in rig.columns.values()]))
-            chunks.append(at_times(ran.chunk, times))
-        read = sensed(rig, here, shifted, chunks)
-        return tuple(_fourth([one[c] for one in read], h) for c in range(len(rig.columns)))
+        (read,) = sensed(rig, here, [shifted], [ran.chunk])
+        return tuple(_fourth(np.split(one, 4), h) for one in read)
 
 
 def _slope(function: Callable[[float], Array]) -> Array:

@@ -23,9 +23,11 @@ from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.files import absence
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.designs import Criterion
+from antenna_pin.fit.expressions import names_in
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.layout import LayoutSpec
-from antenna_pin.fit.plan import FitParameterSpec, FitPlan, RecordSpec, place_in_record
+from antenna_pin.fit.parameter_specs import FitParameterSpec
+from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.record_file import read_columns
 from antenna_pin.scenario.merge import merge
@@ -230,7 +232,7 @@ def without(slopes: Array, anew: NDArray[np.intp]) -> Array:
 def _is_anew(parameter: FitParameterSpec) -> bool:
     """Whether a parameter is another one in the next experiment: a clock is set anew each time."""
     places = [place_in_record(key) for key in parameter.keys_set]
-    return all(place is not None and place[2] == "clock_shift" for place in places)
+    return bool(places) and all(place is not None and place[2] == "clock_shift" for place in places)
 
 
 def _parameters(plan: FitPlan, like: str, experiment: ExperimentSpec) -> dict[str, FitParameterSpec]:
@@ -245,8 +247,9 @@ def _parameters(plan: FitPlan, like: str, experiment: ExperimentSpec) -> dict[st
             of_columns = experiment.columns is not None and place is not None and bool(place[1])
             if place is None or (place[0] == like and not of_columns):
                 keys.append(key)
-        if keys:
-            more = {"key": tuple(keys), "records": None}
+        used = any(name in names_in(other.value) for other in plan.derived.values())
+        if keys or used:
+            more = {"key": tuple(keys), "records": None, "prior": None}  # which counts once, before
             found[name] = one.model_copy(update=more)
     return found
 

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 # none that is straight; and over how many growths by e a piece is to go.
 _PARTS, _BENT, _FOLDS = 24, 0.5, 1.0
 _AT_LEAST = 3.0  # growths by e that have been, where one cannot be told
+_ROUND_OFF = 1e-9  # of what runs read [-]
 
 
 class Growth(NamedTuple):
@@ -77,7 +78,8 @@ def growth_of(time: Array, below: Array, here: Array, above: Array, reach: float
     for k, rows in enumerate(np.array_split(np.arange(len(time)), _PARTS)):
         bends[k] = np.linalg.norm(above[:, rows] + below[:, rows] - 2.0 * here[:, rows])
         sizes[k] = np.linalg.norm(above[:, rows] - below[:, rows])
-    bent = reach * bends > _BENT * sizes
+    floor = _ROUND_OFF * np.linalg.norm(here)  # differences of next to nothing are bent by round-off
+    bent = (reach * bends > _BENT * sizes) & (sizes > floor)
     # Where it begins for good: a single part of nothing but crossings is none.
     first = next((k for k in range(_PARTS) if bent[k] and bent[k:].mean() > _BENT), None)
     if first is None or not sizes[first] > 0.0:

@@ -66,7 +66,8 @@ def by_differences(
     """Return the derivatives of residuals, (m, n), at unknowns.
 
     The error of central differences is of the square of the step. Next to a bound, and where a neighbour has
-    no run, they go to one side, with an error of the step itself.
+    no run, they go to one side, with an error of the step itself; where neither has one, a tenth of the step
+    or ten times as far.
 
     Args:
         evaluate: The residuals at several unknowns, (m,) each.
@@ -94,11 +95,28 @@ def by_differences(
             sides.append((float(end[i]), residuals))
         (left, below), (right, above) = sides
         if not right > left:
-            raise NoRunError(
-                f"unknown {i + 1} has no run on either side of {here[i]:g}, a step of {step:g} away"
-            )
+            columns.append(_nearby(evaluate, here, i, lower, upper, step))
+            continue
         columns.append((above - below) / (right - left))
     return np.column_stack(columns)
+
+
+def _nearby(
+    evaluate: Callable[[Sequence[Array]], list[Array]],
+    here: Array,
+    i: int,
+    lower: Array,
+    upper: Array,
+    step: float,
+) -> Array:
+    """Return the derivatives by one unknown, to one side, where a step away from here there is no run."""
+    for farther in (0.1, -0.1, 10.0, -10.0):
+        end = here.copy()
+        end[i] = np.clip(here[i] + farther * step, lower[i], upper[i])
+        found = _or_none(evaluate, end) if end[i] != here[i] else None
+        if found is not None:
+            return np.asarray((found - evaluate([here])[0]) / (end[i] - here[i]))
+    raise NoRunError(f"unknown {i + 1} has no run on either side of {here[i]:g}, a step of {step:g} away")
 
 
 def _or_none(evaluate: Callable[[Sequence[Array]], list[Array]], there: Array) -> Array | None:

@@ -39,6 +39,8 @@ class Laboratory:
         self.made = 0
         #: How the energy or momentum of runs does not balance, in words, one entry a run.
         self.unbalanced: list[str] = []
+        #: Why runs could not be made, one entry a run; those that derivatives were asked of do not count.
+        self.failed: list[str] = []
         self._rigs: tuple[Rig, ...] = ()
         self._known: dict[Asked, tuple[Readings, ...]] = {}
 
@@ -78,6 +80,9 @@ class Laboratory:
             if self.progress is not None:
                 self.progress(self.made)
         self.unbalanced += [one.unbalanced for made in found.values() for one in made if one.unbalanced]
+        self.failed += [
+            one.failed for key, made in found.items() if not key.slopes for one in made if one.failed
+        ]
         self._known |= found
         answers = [self._known[one] for one in asked]
         for one in list(self._known)[: max(0, len(self._known) - _REMEMBERED)]:

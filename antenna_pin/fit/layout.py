@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from datetime import datetime
 from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -10,6 +12,8 @@ from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse
 from antenna_pin.units import shown
 
 __all__ = ["LayoutSpec"]
+
+_SOME_DAY = datetime(2026, 5, 4, 10, 15, 30, 250000)
 
 
 class LayoutSpec(Spec):
@@ -49,7 +53,7 @@ class LayoutSpec(Spec):
             refuse(f"must differ from decimal, got {shown(self.delimiter)} for both", "delimiter")
         try:
             "".encode(self.encoding)
-        except LookupError:
+        except (LookupError, ValueError):  # of what is no encoding, and of one that encodes nothing
             rule = "must be a text encoding that Python knows, such as utf-8, latin-1 or utf-16"
             refuse(f"{rule}, got {shown(self.encoding)}", "encoding")
         given = self.model_fields_set
@@ -61,6 +65,20 @@ class LayoutSpec(Spec):
         if self.time_format not in (None, "iso") and "%" not in str(self.time_format):
             rule = "must be iso, or a pattern such as %d.%m.%Y %H:%M:%S,%f"
             refuse(f"{rule}, got {shown(self.time_format)}", "time_format")
+        if self.time_format not in (None, "iso"):
+            _check_stamps(str(self.time_format))
         if self.names is not None and len(set(self.names)) < len(self.names):
             refuse(f"must be different names, got {shown(self.names)}", "names")
         return self
+
+
+def _check_stamps(pattern: str) -> None:
+    """Refuse a pattern of stamps that cannot be read: an unknown directive, or the same one twice."""
+    try:
+        datetime.strptime(_SOME_DAY.strftime(pattern), pattern)
+    except (ValueError, re.error) as error:
+        said = f"{shown(pattern)} ({' '.join(str(error).split())})"
+        refuse(
+            f"must be iso, or a pattern of different directives that strptime reads, got {said}",
+            "time_format",
+        )

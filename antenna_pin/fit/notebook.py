@@ -18,7 +18,7 @@ from antenna_pin.trajectory import library_versions
 __all__ = ["Notebook"]
 
 _SUFFIX = ".parts"
-_FORM = 2  # of a line
+_FORM = 3  # of a line
 
 
 class Notebook:
@@ -141,5 +141,6 @@ def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
             ):
                 one.pop(number)
         time = hashlib.sha256(rig.time.tobytes()).hexdigest()
-        records[rig.name] = [scenario, rig.keys, rig.units, columns, time, rig.pieces, rig.origins]
+        made_of = [scenario, rig.keys, rig.units, rig.derived]
+        records[rig.name] = [*made_of, columns, time, rig.pieces, rig.origins]
     return {"form": _FORM, "records": records, "versions": library_versions()}

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit.bench import Bench, Ran
 from antenna_pin.fit.pieces import touching
-from antenna_pin.fit.runs import Rig, bench_of, rows_of, sensed
+from antenna_pin.fit.runs import Rig, bench_of, reason_of, rows_of, sensed
 from antenna_pin.fit.unknowns import Unknowns
 from antenna_pin.nonlinear import Chart
 from antenna_pin.nonlinear.frames import way_between
@@ -182,8 +181,8 @@ class Piece:
         numbers = every[0][: self._unknowns.count]
         try:
             bench = self._bench(numbers)
-        except AntennaPinError as error:
-            return [str(error)] * len(every)
+        except Exception as error:
+            return [reason_of(error)] * len(every)
         ran = [self._ran(bench, x) for x in every]
         good = [one.chunk for one in ran if isinstance(one, Ran)]
         read = iter(sensed(self._rig, bench, [self._rows] * len(good), good) if len(self._rows) else ())
@@ -204,8 +203,8 @@ class Piece:
         try:
             first = self._first(x)
             ran = bench.run(self._rows, self._until, first and touching(first, bench.system))
-        except AntennaPinError as error:
-            return str(error)
+        except Exception as error:
+            return reason_of(error)
         return ran.failed or ran
 
     def _slopes(self, x: Array) -> tuple[Array, Array]:

@@ -11,17 +11,19 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.arguments import takes
-from antenna_pin.fit.columns import AnyQuantity, ColumnSpec
+from antenna_pin.errors import OutputError
+from antenna_pin.fit.columns import ColumnSpec
+from antenna_pin.fit.expressions import evaluate, names_in
 from antenna_pin.fit.layout import LayoutSpec
 from antenna_pin.fit.losses import Loss
+from antenna_pin.fit.parameter_specs import DerivedSpec, FitParameterSpec
 from antenna_pin.fit.sureness import Noise
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.runs_file import RunsFile, laid_over, nested
 from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse, refuse_name
-from antenna_pin.units import any_quantity, shown
+from antenna_pin.units import shown
 
 __all__ = [
-    "FitParameterSpec",
     "FitPlan",
     "PiecesSpec",
     "RecordSpec",
@@ -35,6 +37,8 @@ __all__ = [
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")
 
 Jacobian = Literal["differences", "equation"]
+
+_LEAST_TOLERANCE = 1e-15  # [-]
 
 
 def place_in_record(key: str) -> tuple[str, str, str] | None:
@@ -102,69 +106,6 @@ class RecordSpec(LayoutSpec):
         return self
 
 
-class FitParameterSpec(Spec):
-    """One unknown number.
-
-    Attributes:
-        key: Key of the scenario, as a study has it, or several that get the same value; or a number of a
-            record: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain`` or ``.offset``.
-        start: Where the search begins.
-        between: Its bounds.
-        scale: ``log`` for a positive number of which not even the size is known.
-        records: Whose it is; of all records if left out.
-        title: What it is called in figures; its name if left out.
-    """
-
-    key: str | tuple[str, ...]
-    start: AnyQuantity
-    between: tuple[AnyQuantity, AnyQuantity] | None = None
-    scale: Literal["linear", "log"] = "linear"
-    records: tuple[str, ...] | None = None
-    title: str = ""
-
-    @property
-    def keys_set(self) -> tuple[str, ...]:
-        """The keys that it is."""
-        return (self.key,) if isinstance(self.key, str) else self.key
-
-    def numbers(self) -> tuple[float, float, float, str]:
-        """Return start, lower and upper bound in SI units (infinite if there is none), and the unit."""
-        texts = (self.start, *(self.between or ()))
-        read = [any_quantity(text) or (0.0, "") for text in texts]
-        unit = next((unit for _, unit in read if unit not in ("", "1")), "")
-        written = str(self.start).strip().partition(" ")[2].strip()
-        if unit and any_quantity(f"1 {written}") == (1.0, unit):
-            unit = written  # as its author knows it: N/m**1.5, not kg/m**0.5/s**2
-        low, high = (read[1][0], read[2][0]) if self.between is not None else (-float("inf"), float("inf"))
-        return read[0][0], low, high, unit
-
-    @model_validator(mode="after")
-    def _check_numbers(self) -> Self:
-        if not self.keys_set:
-            refuse("must name a key of the scenario, got none", "key")
-        wanted = _unit(self.start)
-        for i, value in enumerate(self.between or ()):
-            number, unit = any_quantity(value) or (0.0, "")
-            if _unit(value) != wanted and not (number == 0.0 and not unit):
-                refuse(f"must be of start's unit [{wanted or '1'}], got {shown(value)}", "between", i)
-        start, low, high, _ = self.numbers()
-        if not low < high:
-            refuse(f"must be bounds that rise, got {shown(self.between)}", "between")
-        if not low <= start <= high:
-            refuse(f"must be within the bounds {shown(self.between)}, got {shown(self.start)}", "start")
-        if self.scale == "log" and not (start > 0.0 and (self.between is None or low > 0.0)):
-            at = "start" if not start > 0.0 else "between"
-            value = self.start if at == "start" else self.between
-            refuse(f'must be positive for scale = "log", got {shown(value)}', at)
-        return self
-
-
-def _unit(value: object) -> str:
-    """Return the SI unit that a quantity names; "" of a pure number."""
-    unit = (any_quantity(value) or (0.0, ""))[1]
-    return "" if unit == "1" else unit
-
-
 class StartsSpec(Spec):
     """Many starts, for a sum of squares with several valleys: Sobol' points between the bounds.
 
@@ -212,7 +153,9 @@ class FitPlan(RunsFile):
 
     Attributes:
         parameters: What is unknown, by name.
+        derived: Numbers of the scenario that follow from parameters, by name.
         records: What was measured, by name.
+        validation: Records that are not fitted: the fit is judged by them.
         noise: ``given``, the columns' ``sd`` are what they say; ``estimated``, only their ratios are, and
             what the residuals come to says how large the noise is; or ``correlated``, and they hang together
             in time.
@@ -234,7 +177,9 @@ class FitPlan(RunsFile):
     word: ClassVar[str] = "fit"
 
     parameters: dict[str, FitParameterSpec]
+    derived: dict[str, DerivedSpec] = Field(default_factory=dict)
     records: dict[str, RecordSpec]
+    validation: dict[str, RecordSpec] = Field(default_factory=dict)
     noise: Noise = "given"
     loss: Loss = "linear"
     loss_scale: Annotated[float, Quantity("1", "positive")] = 1.0
@@ -246,6 +191,13 @@ class FitPlan(RunsFile):
     surface: SurfaceSpec | None = None
     name: str = "fit"
     folder: Path = Path()
+
+    @model_validator(mode="after")
+    def _check_tolerance(self) -> Self:
+        if self.tolerance < _LEAST_TOLERANCE:
+            rule = f"must be {_LEAST_TOLERANCE:g} or more, what a double tells apart"
+            refuse(f"{rule}, got {self.tolerance:g}", "tolerance")
+        return self
 
     @model_validator(mode="after")
     def _check_jacobian(self) -> Self:
@@ -260,6 +212,9 @@ class FitPlan(RunsFile):
     def _check_surface(self) -> Self:
         if self.surface is None:
             return self
+        for name, one in self.parameters.items():
+            if one.prior is not None:
+                refuse("must be left out beside a surface", "parameters", name, "prior")
         for name, record in self.records.items():
             for column, spec in record.columns.items():
                 if spec.compare == "curve":
@@ -294,9 +249,70 @@ class FitPlan(RunsFile):
                     owner = owners.setdefault((key, record), name)
                     if owner != name:
                         refuse(f"must be a key of its own, got that of {owner}", "parameters", name, "key")
+            used = any(name in names_in(one.value) for one in self.derived.values())
+            if not parameter.keys_set and not used:
+                rule = "is missing; only a parameter that derived numbers use has none"
+                refuse(rule, "parameters", name, "key")
             if self.starts is not None and parameter.between is None:
                 refuse("is missing; many starts lie between bounds", "parameters", name, "between")
+        for name, derived in self.derived.items():
+            self._check_derived(name, derived, owners)
+        for name in self.validation:
+            if name in self.records:
+                refuse("must have a name that no fitted record has", "validation", name)
+            if self.validation[name].pieces is not None:
+                refuse("must be left out of validation, whose run is one", "validation", name, "pieces")
         return self
+
+    def _check_derived(self, name: str, derived: DerivedSpec, owners: dict[tuple[str, str], str]) -> None:
+        """Refuse a derived number of what is not there, or of what somebody else sets."""
+        for used in names_in(derived.value):
+            if used not in self.parameters:
+                refuse_name("parameter", used, self.parameters, "derived", name, "value")
+        for i, record in enumerate(derived.records or ()):
+            if record not in self.records:
+                refuse_name("record", record, self.records, "derived", name, "records", i)
+        for key in derived.keys_set:
+            if key.startswith("records."):
+                refuse(f"must be a key of the scenario, got {key!r}", "derived", name, "key")
+            for record in derived.records or self.records:
+                owner = owners.setdefault((key, record), name)
+                if owner != name:
+                    refuse(f"must be a key of its own, got that of {owner}", "derived", name, "key")
+        try:
+            evaluate(derived.value, {one: spec.numbers()[0] for one, spec in self.parameters.items()})
+        except ValueError as error:
+            refuse(str(error), "derived", name, "value")
+
+    def own_parameters(self, record: str) -> list[int]:
+        """Return the places of the parameters that a record's scenario depends on."""
+        derived = [one for one in self.derived.values() if one.records is None or record in one.records]
+        used = {name for one in derived for name in names_in(one.value)}
+        places = []
+        for i, (name, one) in enumerate(self.parameters.items()):
+            mine = one.records is None or record in one.records
+            if name in used or (mine and one.keys_set and place_in_record(one.keys_set[0]) is None):
+                places.append(i)
+        return places
+
+    def derived_of(self, record: str) -> dict[str, DerivedSpec]:
+        """Return the derived numbers of a record's scenario."""
+        return {
+            name: one for name, one in self.derived.items() if one.records is None or record in one.records
+        }
+
+    def unfitted(self) -> FitPlan | None:
+        """Return a plan of the records for validation with the scenario's parameters; None without any."""
+        if not self.validation:
+            return None
+        kept = {
+            name: one.model_copy(update={"records": None, "prior": None})
+            for name, one in self.parameters.items()
+            if not one.keys_set or place_in_record(one.keys_set[0]) is None
+        }
+        derived = {name: one.model_copy(update={"records": None}) for name, one in self.derived.items()}
+        changed = {"parameters": kept, "derived": derived, "records": self.validation, "validation": {}}
+        return self.model_copy(update=changed | {"starts": None})
 
     def _check_of_record(self, name: str, key: str) -> None:
         """Refuse a parameter of a record, column or number that is not there."""
@@ -314,6 +330,20 @@ class FitPlan(RunsFile):
             refuse_name("column", column, self.records[record].columns, *at)
         if self.parameters[name].records is not None:
             refuse("must be left out for a number of a record, whose it is", "parameters", name, "records")
+
+    def check_output(self, path: Path) -> None:
+        """Refuse to write over what the fit reads: its scenario's file, a record.
+
+        Raises:
+            OutputError: The path is that of one of them.
+        """
+        read = [self.scenario, *(one.file for one in self.records.values())]
+        for name in read:
+            there = self.folder / os.path.expanduser(name)
+            if there.is_file() and path.exists() and path.samefile(there):
+                raise OutputError(
+                    f"{path}: must not be a file that the fit reads, got that; give another name"
+                )
 
     def scenario_of(self, record: str) -> Scenario:
         """Return the scenario of a record, before what is fitted."""

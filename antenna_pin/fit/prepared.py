@@ -12,15 +12,18 @@ import xarray as xr
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench
 from antenna_pin.fit.columns import ColumnSpec
+from antenna_pin.fit.expressions import evaluate
 from antenna_pin.fit.followed import Known, followed
 from antenna_pin.fit.measured import measured
 from antenna_pin.fit.one_piece import Curve
+from antenna_pin.fit.parameter_specs import FitParameterSpec
 from antenna_pin.fit.pieces import instants_of, ways_of
 from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
 from antenna_pin.fit.runs import Rig, scenario_with
-from antenna_pin.fit.sensors import amount, check_sensor, reading, unit_of
+from antenna_pin.fit.sensors import amount, check_sensor, noise_of, reading, unit_of
 from antenna_pin.fit.statistics import Target, target_of
 from antenna_pin.fit.unknowns import Unknowns, size_of
+from antenna_pin.parameters import LARGEST
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.from_scenario import check_without_controllers
 from antenna_pin.sweep.design import put_value
@@ -29,6 +32,9 @@ __all__ = ["Prepared", "prepared"]
 
 # How much longer or shorter than its run a record is that may be in another unit.
 _FAR = 100.0
+# The least noise over the largest reading, the round-off of it; and what of a record a filter's corner must
+# be, in periods.
+_LEAST_NOISE, _LEAST_PERIODS = 1e-15, 0.01
 _GLANCE = 1e-6  # of a run's duration: enough to have all its variables
 
 
@@ -131,14 +137,18 @@ def prepared(plan: FitPlan) -> Prepared:
             _check_pace(one, found.time, f"{where}.columns.{column}")
             full = f"{name}.{column}"
             at = f"{where}.columns.{column}"
+            _check_sizes(one, found.values[column], read_in[column], at)
             targets[full] = target_of(one, read_in[column], found.time, found.values[column], at)
             units[full], offsets[full] = read_in[column], amount(one.offset, read_in[column], f"{at}.offset")
-        own = [one for one in plan.parameters.values() if one.records is None or name in one.records]
-        fitted = [one for one in own if place_in_record(one.keys_set[0]) is None]
+        numbers = plan.own_parameters(name)
+        names = [list(plan.parameters)[k] for k in numbers]
+        fitted = [plan.parameters[one] for one in names]
         rig = Rig(
             name=name,
             scenario=base.model_dump_json(),
-            keys=tuple(one.keys_set for one in fitted),
+            keys=tuple(one.keys_set if _sets(one, name) else () for one in fitted),
+            names=tuple(names),
+            derived=tuple((one.keys_set, one.value) for one in plan.derived_of(name).values()),
             units=tuple(one.numbers()[3] for one in fitted),
             sizes=tuple(size_of(*one.numbers()[:3]) for one in fitted),
             columns=dict(spec.columns),
@@ -156,7 +166,6 @@ def prepared(plan: FitPlan) -> Prepared:
                 for column, one in spec.columns.items()
                 for full in (f"{name}.{column}",)
             ]
-            numbers = [k for k, one in enumerate(plan.parameters.values()) if one in fitted]
             rig, known = _in_pieces(rig, spec, unknowns, numbers, known, curves, where)
         rigs.append(rig)
         ways.append(tuple(ways_of(rig.begun, origin) for origin in rig.origins))
@@ -175,12 +184,37 @@ def _check_pace(column: ColumnSpec, time: np.ndarray, place: str) -> None:
             f"{place}.filter.corner must be at most half of the record's {pace:g} rows per second, got "
             f"{column.filter.corner:g} Hz; give that of the recorder, or leave the filter out"
         )
+    span = float(time[-1] - time[0])
+    if column.filter is not None and column.filter.corner * span < _LEAST_PERIODS:
+        raise ScenarioError(
+            f"{place}.filter.corner must be {_LEAST_PERIODS / span:.3g} Hz or more for a record of "
+            f"{span:g} s, of which less lets nothing pass, got {column.filter.corner:g} Hz"
+        )
+
+
+def _check_sizes(column: ColumnSpec, values: np.ndarray, unit: str, place: str) -> None:
+    """Refuse readings, or a noise beside them, whose squares are no numbers any more."""
+    most = float(np.max(np.abs(values)))
+    if most > LARGEST:
+        row = int(np.argmax(np.abs(values)))
+        raise ScenarioError(
+            f"{place} must be at most {LARGEST:g} in size, got {values[row]:g} in row {row + 1} of those "
+            'that count; empty it, and give gaps = "skip"'
+        )
+    if column.compare in ("curve", "rms") and noise_of(column, unit) < _LEAST_NOISE * most:
+        rule = f"must be {_LEAST_NOISE:g} of the largest reading or more, {_LEAST_NOISE * most:.2g} {unit}"
+        raise ScenarioError(f"{place}.sd {rule}, got {column.sd}; give that of the sensor's noise")
 
 
 def _number(plan: FitPlan, key: str) -> int:
     """Return which parameter a number of a record is; -1 if it is none."""
     every = list(plan.parameters.values())
     return next((k for k, one in enumerate(every) if key in one.keys_set), -1)
+
+
+def _sets(parameter: FitParameterSpec, record: str) -> bool:
+    """Return whether a parameter sets keys of a record's scenario."""
+    return parameter.records is None or record in parameter.records
 
 
 def _in_pieces(
@@ -197,6 +231,10 @@ def _in_pieces(
     length, last = spec.pieces.length, float(rig.time[-1])
     if not length < last:
         rule = f"must be shorter than the record, whose last row is at {last:g} s"
+        raise ScenarioError(f"{place}.pieces.length {rule}, got {length:g} s")
+    least = last / len(rig.time)
+    if length < least:
+        rule = f"must be {least:.3g} s or more, for a row in each piece"
         raise ScenarioError(f"{place}.pieces.length {rule}, got {length:g} s")
     cut = dataclasses.replace(rig, pieces=instants_of(length, last + spec.clock_shift))
     along = followed(cut, unknowns, numbers, known, curves, spec.clock_shift, place)
@@ -223,6 +261,14 @@ def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
                     found = base.with_overrides(trial)
             except AntennaPinError as error:
                 raise ScenarioError(f"{where}: {error}") from None
+    starts = {name: one.numbers()[0] for name, one in plan.parameters.items()}
+    for name, derived in plan.derived_of(record).items():
+        for key in derived.keys_set:
+            try:
+                put_value(overrides, key, evaluate(derived.value, starts), base)
+                found = base.with_overrides(overrides)
+            except AntennaPinError as error:
+                raise ScenarioError(f"fit {plan.name}: derived.{name}: {error}") from None
     return found if overrides else base
 
 

@@ -16,7 +16,7 @@ from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.jacobian import APART, Derived, by_differences
 from antenna_pin.fit.laboratory import Laboratory
-from antenna_pin.fit.plan import FitPlan, place_in_record
+from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.prepared import Prepared, prepared
 from antenna_pin.fit.rows import Rows
 from antenna_pin.fit.runs import Asked, NoRunError, Readings, scenario_with
@@ -71,11 +71,7 @@ class Problem:
         self.laboratory = laboratory or Laboratory()
         self.unknowns = Unknowns.of(plan, sum(self._prepared.sizes_of_states()))
         self.states = np.zeros(self.unknowns.states)
-        specs = list(plan.parameters.values())
-        self._of_rig = [
-            [i for i, one in enumerate(specs) if _is_of(one.records, name) and not _is_number(one.keys_set)]
-            for name in plan.records
-        ]
+        self._of_rig = [plan.own_parameters(name) for name in plan.records]
         self.rows = Rows(plan, self._prepared)
         self.derived = Derived()
         self._runs: list[_Run] = []
@@ -128,6 +124,12 @@ class Problem:
         """How many runs have been made, of all records and pieces."""
         return self.laboratory.made
 
+    def failed(self) -> list[str]:
+        """Return a line if runs could not be made, so that the search went around them."""
+        found = self.laboratory.failed
+        first = f"the first: {found[0]}" if found else ""
+        return [f"note: {len(found)} of {self.runs} runs could not be made, {first}"] if found else []
+
     def unbalanced(self, whole: Array) -> list[str]:
         """Return a line where energy or momentum of runs does not balance, at these values or others."""
         return self.laboratory.said_of_unbalanced(self._readings([whole])[0])
@@ -136,7 +138,7 @@ class Problem:
     def count(self) -> int:
         """How many residuals there are."""
         rows = sum(len(target.data) for target in self._prepared.targets.values())
-        return rows + sum(self._prepared.sizes_of_joints())
+        return rows + sum(self._prepared.sizes_of_joints()) + len(self.unknowns.prior_residuals(self.start))
 
     @takes()
     def residuals(self, values: ArrayLike) -> Array:
@@ -182,15 +184,15 @@ class Problem:
         Raises:
             NoRunError: One of them has none.
         """
-        found = self._readings(wholes)
-        return [self.rows.residuals(whole, one) for whole, one in zip(wholes, found, strict=True)]
+        found = self._without_priors(wholes)
+        return [self._with_priors(whole, one) for whole, one in zip(wholes, found, strict=True)]
 
     def tried(self, wholes: Sequence[Array]) -> list[Array | None]:
         """Return what :meth:`residuals_at` does, and None where there is no run."""
         answers: list[Array | None] = []
         for whole, found in zip(wholes, self._readings(wholes), strict=True):
             try:
-                answers.append(self.rows.residuals(whole, found))
+                answers.append(self._with_priors(whole, self.rows.residuals(whole, found)))
             except NoRunError:
                 answers.append(None)
         return answers
@@ -223,7 +225,7 @@ class Problem:
         self.derived = self.derived.once_more(found is not None, why)
         answer = runs if found is None else found
         assert answer is not None
-        return answer
+        return np.vstack([answer, self.unknowns.prior_slopes(self.unknowns.natural(searched))])
 
     def _by_equation(self, whole: Array) -> tuple[Array | None, str]:
         """Return the derivatives by the variational equation, or None and why there are none."""
@@ -248,8 +250,8 @@ class Problem:
         lower, upper = (one[:p] for one in self.unknowns.bounds())
 
         def of_parameters(ends: Sequence[Array]) -> list[Array]:
-            starts = searched[p:]
-            return self.residuals_at([self.unknowns.natural(np.concatenate([one, starts])) for one in ends])
+            whole = [np.concatenate([one, searched[p:]]) for one in ends]
+            return self._without_priors([self.unknowns.natural(one) for one in whole])
 
         found = by_differences(of_parameters, searched[:p], lower, upper, step)
         return np.hstack([found, self._by_starts(searched, step)]) if len(searched) > p else found
@@ -289,6 +291,13 @@ class Problem:
         return slopes
 
     # --- one evaluation
+
+    def _without_priors(self, wholes: Sequence[Array]) -> list[Array]:
+        found = self._readings(wholes)
+        return [self.rows.residuals(whole, one) for whole, one in zip(wholes, found, strict=True)]
+
+    def _with_priors(self, whole: Array, residuals: Array) -> Array:
+        return np.concatenate([residuals, self.unknowns.prior_residuals(whole)])
 
     def _whole(self, values: ArrayLike) -> Array:
         given = np.asarray(values, dtype=float)
@@ -339,11 +348,3 @@ class Problem:
             span = json.loads(rig.scenario)["duration"]
             windowed = self.plan.records[name].window is not None
             self._prepared.check_span(name, min(shifts), max(shifts), span, windowed)
-
-
-def _is_of(records: tuple[str, ...] | None, name: str) -> bool:
-    return records is None or name in records
-
-
-def _is_number(keys: tuple[str, ...]) -> bool:
-    return place_in_record(keys[0]) is not None

@@ -17,7 +17,10 @@ from antenna_pin.brief import brief
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.fit.covariance import Bands
+from antenna_pin.fit.expressions import evaluate
 from antenna_pin.fit.problem import Problem
+from antenna_pin.fit.sureness import student
+from antenna_pin.fit.validation import ValidationResult
 from antenna_pin.readable import number, prefixed
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
 from antenna_pin.trajectory import open_table, save_table, table_attributes
@@ -59,6 +62,8 @@ class Fit:
         message: How it ended, in words.
         evaluations: By steps of all searches.
         searches: All of them, the best first.
+        validation: Records that were not fitted, beside the model.
+        verdict: Objections to the fit as a whole, with their likely causes, a line each; () if none.
         notes: What is to be known besides, a line each.
     """
 
@@ -74,12 +79,19 @@ class Fit:
     message: str
     evaluations: int
     searches: tuple[Search, ...]
+    validation: tuple[ValidationResult, ...] = ()
+    verdict: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters."""
         return self.problem.names
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the search came to its end, and its residuals are not beyond chance."""
+        return self.converged and not self.bands.beyond_chance
 
     @property
     def runs(self) -> int:
@@ -156,7 +168,7 @@ class Fit:
         return self.problem.scenario(name, self.values)
 
     def lines(self) -> list[str]:
-        """Return what was found in words, a line for each parameter and one on the whole."""
+        """Return the verdict, if there is one, and a line for each parameter."""
         rows = [
             (name, *said_of_value(*one))
             for name, one in zip(
@@ -165,8 +177,31 @@ class Fit:
                 strict=True,
             )
         ]
+        if self.bands.without:  # which the verdict or a note says
+            rows = [(name, value, "no band") for name, value, _ in rows]
+        rows += self._derived()
         wide = max(len(row[0]) for row in rows)
-        return [f"{name.ljust(wide)}  {value}  {band}" for name, value, band in rows]
+        return [*self.verdict, *(f"{name.ljust(wide)}  {value}  {band}" for name, value, band in rows)]
+
+    def _derived(self) -> list[tuple[str, str, str]]:
+        """Return the derived numbers with their bands to first order, in words."""
+        rows, noise = [], self.bands.noise
+        reach = student(0.95, np.inf if noise == "given" else self.bands.freedoms)
+        steps = 1e-6 * np.diag(self.problem.unknowns.scale)
+        for name, one in self.problem.plan.derived.items():
+
+            def value(at: Array, text: str = one.value) -> float:
+                return evaluate(text, dict(zip(self.names, at.tolist(), strict=True)))
+
+            here = value(self.values)
+            ends = [(value(self.values + step), value(self.values - step)) for step in steps]
+            slopes = np.array([a - b for a, b in ends]) / (2.0 * np.diag(steps))
+            used = slopes != 0.0
+            covariance = self.bands.covariance[np.ix_(used, used)]
+            half = reach * np.sqrt(slopes[used] @ covariance @ slopes[used])
+            said = said_of_value(here, here - half, here + half, one.unit)
+            rows.append((name, said[0], "no band" if not np.isfinite(half) else said[1]))
+        return rows
 
     @takes()
     def write_scenario(self, path: str | os.PathLike[str], record: str | None = None) -> Path:
@@ -180,6 +215,7 @@ class Fit:
             OutputError: It cannot be written there.
         """
         target = check_writable(Path(path))
+        self.problem.plan.check_output(target)
         scenario = found_from(self.scenario(record), target.resolve().parent)
         name = next(iter(self.problem.plan.records)) if record is None else record
         files = ", ".join(dict.fromkeys(one.file for one in self.problem.plan.records.values()))
@@ -234,6 +270,9 @@ class Fit:
             "freedoms": bands.freedoms,
             "noise": plan.noise,
             "wider": bands.wider,
+            "chance": bands.chance,
+            "validation": "\n".join(one.words() for one in self.validation),
+            "verdict": "\n".join(self.verdict),
             "loss": plan.loss,
             "message": self.message,
             "converged": int(self.converged),
@@ -270,10 +309,8 @@ def said_of_value(value: float, low: float, high: float, unit: str) -> tuple[str
     factor, printed = prefixed(unit or "1", [value])
     behind = f" {printed}" if printed else ""
     if not (np.isfinite(low) and np.isfinite(high)):
-        return (
-            f"{number(factor * value, 5)}{behind}",
-            "no band: the records do not tell it, or a bound holds it",
-        )
+        why = "it stands at its bound" if np.isnan(low) else "the records do not tell it"
+        return f"{number(factor * value, 5)}{behind}", f"no band: {why}"
     half = 0.5 * (high - low)
     digits = 2 if half == 0.0 or value == 0.0 else 2 + max(0, int(np.floor(np.log10(abs(value) / half))) + 1)
     said = number(factor * value, min(max(digits, 2), 12))

@@ -123,10 +123,11 @@ class Rows:
         return dict(zip(self._prepared.targets, np.split(residuals[: ends[-1]], ends[:-1]), strict=True))
 
     def curve_numbers(self) -> NDArray[np.intp]:
-        """Return the number of the curve that each residual is of, (m,); each of joints has its own."""
+        """Return the number of the curve that each residual is of, (m,); each joint and prior has its own."""
         rows = [len(target.data) for target in self._prepared.targets.values()]
-        joints = sum(self._prepared.sizes_of_joints())
-        return np.repeat(np.arange(len(rows) + joints), [*rows, *[1] * joints])
+        single = sum(self._prepared.sizes_of_joints())
+        single += sum(one.prior is not None for one in self._plan.parameters.values())
+        return np.repeat(np.arange(len(rows) + single), [*rows, *[1] * single])
 
     def noise_of_statistics(self) -> Array:
         """Return what sensors' noise adds to the variance of each residual, (m,): of columns with an sd."""

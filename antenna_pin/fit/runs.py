@@ -10,11 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.errors import AntennaPinError
+from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench, Ran, at_times
 from antenna_pin.fit.columns import ColumnSpec
+from antenna_pin.fit.expressions import evaluate
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.sensors import instants, reading
+from antenna_pin.interruption import is_interruption
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.sweep.design import put_value
@@ -33,6 +35,7 @@ __all__ = [
     "scenario_with",
     "sensed",
     "until_of",
+    "reason_of",
 ]
 
 Array = NDArray[np.float64]
@@ -50,6 +53,8 @@ class Rig:
         name: Of the record.
         scenario: Its scenario as JSON, before what is fitted.
         keys: Of the scenario that are fitted, one tuple for each of :attr:`Asked.values`.
+        names: Of those values: what :attr:`derived` calls them.
+        derived: Numbers of the scenario that follow from the values: keys and expression of each.
         units: Of those values.
         sizes: Of those values: what a change is small beside [SI].
         columns: What is read, by name.
@@ -68,6 +73,8 @@ class Rig:
     columns: Mapping[str, ColumnSpec]
     read_in: Mapping[str, str]
     time: Array
+    names: tuple[str, ...] = ()
+    derived: tuple[tuple[tuple[str, ...], str], ...] = ()
     pieces: tuple[float, ...] = ()
     origins: tuple[str, ...] = ()
     begun: str = ""
@@ -140,7 +147,24 @@ def _scenario(text: str) -> Scenario:
 
 def scenario_with(rig: Rig, values: tuple[float, ...]) -> Scenario:
     """Return a record's scenario with values of its fitted keys [SI]."""
-    return _scenario_with(rig.scenario, rig.keys, rig.units, values)
+    return _scenario_with(*_assembly(rig, values))
+
+
+def _assembly(rig: Rig, values: tuple[float, ...]) -> tuple[Any, ...]:
+    """Return what a record's scenario with values is made of.
+
+    Raises:
+        ScenarioError: A derived number is none there.
+    """
+    every, units, numbers = list(rig.keys), list(rig.units), list(values)
+    for keys, expression in rig.derived:
+        try:
+            numbers.append(evaluate(expression, dict(zip(rig.names, values, strict=True))))
+        except ValueError as error:
+            raise ScenarioError(f"derived: {error}") from None
+        every.append(keys)
+        units.append("")
+    return rig.scenario, tuple(every), tuple(units), tuple(numbers)
 
 
 def _scenario_with(
@@ -160,7 +184,7 @@ def _bench(*test: Any) -> Bench:
 
 def bench_of(rig: Rig, values: tuple[float, ...]) -> Bench:
     """Return a record's test with values of its fitted keys [SI], set up."""
-    return _bench(rig.scenario, rig.keys, rig.units, values)
+    return _bench(*_assembly(rig, values))
 
 
 def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
@@ -176,8 +200,8 @@ def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
         good = [k for k, one in enumerate(made) if isinstance(one, _Made)]
         chunks = [one.ran.chunk for one in made if isinstance(one, _Made)]
         read = dict(zip(good, sensed(rig, bench, [rows[k] for k in good], chunks), strict=True))
-    except AntennaPinError as error:
-        return tuple(nothing(str(error)) for _ in asked.starts)
+    except Exception as error:
+        return tuple(nothing(reason_of(error)) for _ in asked.starts)
     return tuple(
         Readings(tuple(read[k]), one.lead, one.end, unbalanced=one.ran.unbalanced)
         if isinstance(one, _Made)
@@ -227,8 +251,8 @@ def _ran(rig: Rig, bench: Bench, rows: Array, piece: int, at: tuple[float, ...])
             start = piece_start(rig.begun, rig.origins[piece - 1], np.array(at), bench.system)
             lead = from_origin(rig.begun, rig.origins[piece - 1], start.q, start.v)
         ran = bench.run(np.unique(np.concatenate(wanted)), until_of(rig, bench, piece, rows), start)
-    except AntennaPinError as error:
-        return str(error)
+    except Exception as error:
+        return reason_of(error)
     if rig.pieces and piece < len(rig.pieces) - 2:
         joint = from_origin(rig.begun, rig.origins[piece], ran.end.q, ran.end.v)
     return ran.failed or _Made(ran, lead, joint)
@@ -243,26 +267,38 @@ def sensed(rig: Rig, bench: Bench, rows: Sequence[Array], chunks: Sequence[Chunk
         rig: Whose sensors.
         bench: Of whose system the runs are.
         rows: Of each, by the run's clock [s].
-        chunks: Samples of each, those among them at which its sensors are asked for.
+        chunks: Samples of each, those at which its sensors are asked for among them.
     """
-    seen: dict[bytes, Any] = {}  # of columns without filters the same
     read: list[list[Array]] = [[] for _ in rows]
-    ends = np.cumsum([len(one) for one in rows])
-    for name, column in rig.columns.items() if rows else ():
-        wanted = [instants(column, one) for one in rows]
-        if column.filter is not None and len(rows) > 1:  # a filter goes along one run
-            for k, one in enumerate(rows):
-                data = bench.data(at_times(chunks[k], wanted[k]))
-                read[k].append(reading(data, column, rig.read_in[name], one))
+    if not rows:
+        return read
+    data = bench.data(Chunk.joined(list(chunks)))
+    begins = np.concatenate([[0], np.cumsum([len(one.times) for one in chunks])])
+    for name, column in rig.columns.items():
+        if column.filter is None:
+            values = reading(data, column, rig.read_in[name], data["time"].values)
+            for own, first, one, chunk in zip(read, begins, rows, chunks, strict=False):
+                own.append(values[first + at_times(chunk, one)])
             continue
-        key = b"|".join(one.tobytes() for one in wanted)
-        if key not in seen:
-            found = [at_times(one, times) for one, times in zip(chunks, wanted, strict=True)]
-            seen[key] = bench.data(Chunk.joined(found))
-        whole = reading(seen[key], column, rig.read_in[name], np.concatenate(rows))
-        for k, part in enumerate(np.split(whole, ends[:-1])):
-            read[k].append(part)
+        for own, first, last, one in zip(read, begins, begins[1:], rows, strict=False):
+            part = data if len(rows) == 1 else data.isel(time=slice(first, last))
+            own.append(reading(part, column, rig.read_in[name], one))
     return read
+
+
+def reason_of(error: Exception) -> str:
+    """Return why there is no run, in words: refused, or dead of what nobody expected.
+
+    To a search both are a trial that cannot be made.
+
+    Raises:
+        Exception: The same, if it is an interruption.
+    """
+    if is_interruption(error):
+        raise error
+    if isinstance(error, AntennaPinError):
+        return str(error)
+    return f"the run died of {type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def nothing(why: str) -> Readings:

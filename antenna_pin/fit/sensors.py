@@ -5,8 +5,8 @@ An accelerometer at a point r of a link, with its axis d, both in the link's axe
 .. math:: f = (\mathbf{R} \mathbf{d})^T [\dot{\mathbf{v}}_P - \mathbf{g}], \quad
     \mathbf{v}_P = \mathbf{v} + \boldsymbol{\omega} \times \mathbf{R} \mathbf{r}.
 
-Behind a filter the mean of :math:`\dot{\mathbf{v}}_P` over each step of the filter counts, the change of the
-velocity over it, along the axis at its middle: the impulse of a blow shorter than the step is all there.
+Behind a filter velocity and position of the point count as well as its acceleration
+(:mod:`antenna_pin.fit.filters`): of a blow between two samples they give the impulse and the time.
 """
 
 from __future__ import annotations
@@ -22,13 +22,17 @@ from antenna_pin.analysis import joint_loads, mechanism_of, quantity
 from antenna_pin.directions import unit as along
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.filters import PER_PERIOD, filtered_means, filtered_points
+from antenna_pin.fit.filters import FilterInput, filter_response, input_of_acceleration, input_of_values
 from antenna_pin.mechanism import link_motion
 from antenna_pin.units import quantity as in_si
 
 __all__ = ["amount", "check_sensor", "instants", "noise_of", "reading", "unit_of"]
 
 Array = NDArray[np.float64]
+
+# Samples of a filter's input in one period of its corner: of an acceleration, whose moments between samples
+# are known, and of values that are straight between samples, to (2 pi / 64)^2 / 12 = 8e-4 at the corner.
+_PER_PERIOD, _PER_PERIOD_OF_VALUES = 24, 64
 
 
 def unit_of(data: xr.Dataset, column: ColumnSpec, place: str) -> str:
@@ -112,44 +116,39 @@ def noise_of(column: ColumnSpec, unit: str) -> float:
 def instants(column: ColumnSpec, time: Array) -> Array:
     """Return when of a run a column has to be asked for to be read at rising times [s].
 
-    Behind a filter these are the ends of even steps from zero on, up to behind the last.
+    Behind a filter these are even steps from zero on, and the last of the times.
     """
     if column.filter is None:
         return time
-    step = 1.0 / (PER_PERIOD * column.filter.corner)
-    return np.arange(math.floor(time[-1] / step) + 1) * step
+    count = _PER_PERIOD if column.sensor == "accelerometer" else _PER_PERIOD_OF_VALUES
+    step, last = 1.0 / (count * column.filter.corner), float(time[-1])
+    return np.append(np.arange(math.ceil(last / step)) * step, last)
 
 
 def reading(data: xr.Dataset, column: ColumnSpec, unit: str, time: Array) -> Array:
     """Return what a sensor reads at times, (n,), before its gain and offset.
 
     Args:
-        data: Of a run, at the :func:`instants` and no others.
+        data: Of a run, at the :func:`instants`; behind a filter further samples in between, such as those at
+            events, count too.
         column: Of the sensor.
         unit: Of what it reads.
         time: When it is read [s].
     """
     if column.filter is None:
         return _points(data, column, unit)
-    grid = np.asarray(data["time"].values, dtype=float)
-    step, corner, order = float(grid[1] - grid[0]), column.filter.corner, column.filter.order
     if column.sensor == "accelerometer":
-        out = filtered_means(_means(data, column, step), step, corner, order)
+        given = _acceleration(data, column)
     else:
-        out = filtered_points(_points(data, column, unit), step, corner, order)
-    from scipy.interpolate import make_interp_spline
-
-    # Between the last end of a step and the record's last row the spline goes on, by less than a step.
-    return np.asarray(make_interp_spline(grid, out, k=3)(time))
+        given = input_of_values(np.asarray(data["time"].values, dtype=float), _points(data, column, unit))
+    return filter_response(given, time, column.filter.corner, column.filter.order)
 
 
 def _points(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
     """Return what a sensor without a filter reads at a result's samples."""
     if column.sensor == "accelerometer":
         axes, arms, motion = _of_point(data, column)
-        spin = motion[:, 2]
-        found = motion[:, 3] + np.cross(motion[:, 4], arms) + np.cross(spin, np.cross(spin, arms))
-        return np.asarray(np.einsum("ni,ni->n", axes, found - _gravity(data, column)))
+        return np.asarray(np.einsum("ni,ni->n", axes, _of_arm(motion, arms) - _gravity(data, column)))
     if column.sensor == "force-cell":
         loads = joint_loads(data)[column.load or "force"].sel(moving_joint=column.joint).values
         direction = along(column.direction or (0.0, 0.0, 1.0))
@@ -163,13 +162,25 @@ def _points(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
     return values
 
 
-def _means(data: xr.Dataset, column: ColumnSpec, step: float) -> Array:
-    """Return the mean specific force over each step between a result's samples."""
+def _acceleration(data: xr.Dataset, column: ColumnSpec) -> FilterInput:
+    """Return the specific force between a result's samples as a filter's input."""
     axes, arms, motion = _of_point(data, column)
     velocity = motion[:, 1] + np.cross(motion[:, 2], arms)
-    middle = 0.5 * (axes[1:] + axes[:-1])
-    change = np.diff(velocity, axis=0) / step - _gravity(data, column)
-    return np.asarray(np.einsum("ni,ni->n", middle, change))
+    return input_of_acceleration(
+        np.asarray(data["time"].values, dtype=float),
+        axes,
+        motion[:, 0] + arms,
+        velocity,
+        _of_arm(motion, arms),
+        _gravity(data, column),
+    )
+
+
+def _of_arm(motion: Array, arms: Array) -> Array:
+    """Return the acceleration of a point on an arm from a link's origin, (n, 3) [m/s^2]."""
+    spin = motion[:, 2]
+    turned: Array = np.cross(motion[:, 4], arms) + np.cross(spin, np.cross(spin, arms))
+    return motion[:, 3] + turned
 
 
 def _of_point(data: xr.Dataset, column: ColumnSpec) -> tuple[Array, Array, Array]:

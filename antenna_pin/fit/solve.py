@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 import math
 import os
@@ -15,17 +16,20 @@ from numpy.typing import NDArray
 from antenna_pin.arguments import takes
 from antenna_pin.errors import MissingToolError
 from antenna_pin.files import check_writable
-from antenna_pin.fit.covariance import Bands, bands_of
+from antenna_pin.fit.covariance import WITHHELD, Bands, bands_of
 from antenna_pin.fit.growth import Growth, growth_of
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.losses import cost
 from antenna_pin.fit.notebook import Notebook
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.problem import Problem
+from antenna_pin.fit.residual_tests import notes_on_residuals
 from antenna_pin.fit.result import Fit, Search
 from antenna_pin.fit.runs import NoRunError
 from antenna_pin.fit.sureness import hang_together
 from antenna_pin.fit.surface import on_surface
+from antenna_pin.fit.validation import Validation
+from antenna_pin.fit.verdict import advises_starts, verdict_of
 from antenna_pin.readable import number
 from antenna_pin.sweep import Executor
 
@@ -38,9 +42,8 @@ Array = NDArray[np.float64]
 # which those before the last have ended.
 _TIGHTER, _ROUGHLY = 100.0, 1e-2
 
-# Sum of squares over degrees of freedom from which on an end is a bad one; and how many steps of differences
-# a start may be off by, then.
-_BAD, _REACH = 4.0, 100.0
+# How many steps of differences a start may be off by where the end is a bad one.
+_REACH = 100.0
 
 # By what bands are too narrow from which on that is said.
 _NARROW = 1.5
@@ -88,10 +91,14 @@ def run_fit(
     except ImportError:
         raise MissingToolError("a fit needs lmfit; install it with pip install 'antenna-pin[fit]'") from None
     target = None if out is None else check_writable(Path(out))
+    if target is not None:
+        plan.check_output(target)
     notebook = None if target is None else Notebook(target)
     try:
+        validation = Validation(plan, executor)
         problem = Problem(plan, Laboratory(executor, notebook, progress))
         found = _found(problem)
+        found = dataclasses.replace(found, validation=validation.at(found.names, found.values))
         if target is not None:
             found.save(target)
         if then is not None:
@@ -132,8 +139,9 @@ def _found(problem: Problem) -> Fit:
         values = np.full(p, math.nan) if end is None else unknowns.natural(end.x)[:p]
         searches.append(Search(start[:p], values, math.nan if end is None else float(end.cost)))
     bands = bands_of(problem.plan, unknowns, whole, residuals, slopes, problem.rows.curve_numbers())
-    bad = best.status <= 0 or bands.chi2 > _BAD * bands.freedoms
-    grown = _grown(problem, first, whole, bad)
+    bad = best.status <= 0 or bands.chi2 > WITHHELD * bands.freedoms
+    # Where a search from many starts comes first, what is not straight from afar may be a valley's side.
+    grown = _grown(problem, first, whole, bad and not advises_starts(problem, bands))
     return Fit(
         problem=problem,
         values=whole[:p],
@@ -145,8 +153,10 @@ def _found(problem: Problem) -> Fit:
         message=_ENDS.get(int(best.status), str(best.message)),
         evaluations=int(sum(end.nfev for _, end in ends if end is not None)),
         searches=tuple(searches),
+        verdict=verdict_of(problem, whole, bands),
         notes=(
             *problem.notes,
+            *problem.failed(),
             *problem.unbalanced(whole),
             *grown,
             *_together(problem, bands, residuals),
@@ -163,13 +173,16 @@ def _of_derivatives(problem: Problem) -> list[str]:
 
 def _together(problem: Problem, bands: Bands, residuals: Array) -> list[str]:
     """Return a line where residuals are no white noise, so that bands are too narrow."""
-    curves = [name for name, one in problem.rows.by_curve(residuals).items() if hang_together(one)]
+    every = problem.rows.by_curve(residuals)
+    curves = [name for name, one in every.items() if hang_together(one)]
+    others = [] if bands.beyond_chance else list(notes_on_residuals(every))
     if not curves or bands.wider < _NARROW:
-        return []
+        return others
     return [
+        *others,
         f"note: residuals of {', '.join(curves)} hang together in time: bands are up to "
         f'{number(bands.wider, 2)} times too narrow (noise = "correlated" counts it); the model lacks '
-        "something, or the noise is not white"
+        "something, or the noise is not white",
     ]
 
 

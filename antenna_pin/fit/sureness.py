@@ -26,7 +26,17 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.losses import Loss, curvature, influence
 from antenna_pin.fit.rank import DOUBT, Rank, rank_of
 
-__all__ = ["NOISES", "Noise", "Residuals", "Sure", "hang_together", "persistence", "sure", "variance_factor"]
+__all__ = [
+    "NOISES",
+    "Noise",
+    "Residuals",
+    "Sure",
+    "hang_together",
+    "persistence",
+    "student",
+    "sure",
+    "variance_factor",
+]
 
 Array = NDArray[np.float64]
 
@@ -241,7 +251,7 @@ def _held(problem: Residuals, values: Array, slope: Array) -> NDArray[np.bool_]:
 
 def _curvature(along: Array, bend: Array, loss: Loss) -> Array:
     whole = along.T @ (along * bend[:, None])
-    if not np.linalg.eigvalsh(whole)[0] > 0.0:
+    if len(whole) and not np.linalg.eigvalsh(whole)[0] > 0.0:  # there is none where nothing is told
         raise InvalidParameterError(
             "fit",
             "loss",

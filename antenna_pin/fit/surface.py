@@ -33,6 +33,7 @@ from antenna_pin.fit.covariance import bands_of
 from antenna_pin.fit.plan import SurfaceSpec
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.result import Fit, Search
+from antenna_pin.fit.verdict import verdict_of
 
 __all__ = ["Surface", "on_surface"]
 
@@ -178,7 +179,13 @@ def on_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
         message=words,
         evaluations=len(points),
         searches=(Search(unknowns.start, whole, cost),),
-        notes=(*problem.notes, *problem.unbalanced(whole), *_odd(bands.chi2, bands.freedoms)),
+        verdict=verdict_of(problem, whole, bands),
+        notes=(
+            *problem.notes,
+            *problem.failed(),
+            *problem.unbalanced(whole),
+            *_odd(bands.chi2, bands.freedoms),
+        ),
     )
 
 

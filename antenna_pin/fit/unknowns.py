@@ -32,6 +32,8 @@ class Unknowns:
         lower: Bounds, (p,) [SI]; infinite if there is none.
         upper: Likewise.
         scale: Size of each, (p,) [SI]: of its start, or of the way between its bounds.
+        prior_mean: Means of priors, (p,) [SI].
+        prior_sd: Their standard deviations, (p,) [SI]; infinite if there is none.
         logarithmic: Of which the logarithm is searched for, (p,).
         states: How many coordinates there are, h.
     """
@@ -43,6 +45,8 @@ class Unknowns:
     lower: Array
     upper: Array
     scale: Array
+    prior_mean: Array
+    prior_sd: Array
     logarithmic: NDArray[np.bool_]
     states: int
 
@@ -60,6 +64,8 @@ class Unknowns:
             lower=lower,
             upper=upper,
             scale=np.array([size_of(*n[:3]) for n in numbers]),
+            prior_mean=np.array([one.prior_numbers()[0] for one in specs.values()]),
+            prior_sd=np.array([one.prior_numbers()[1] for one in specs.values()]),
             logarithmic=np.array([one.scale == "log" for one in specs.values()]),
             states=states,
         )
@@ -93,6 +99,18 @@ class Unknowns:
         rates, p = 1.0 / self.sizes(), self.count
         rates[:p] = np.where(self.logarithmic, 1.0 / np.where(self.logarithmic, whole[:p], 1.0), rates[:p])
         return rates
+
+    def prior_residuals(self, whole: Array) -> Array:
+        """Return values less the means of their priors, over the standard deviations, (priors,)."""
+        known = np.isfinite(self.prior_sd)
+        return np.asarray(((whole[: self.count] - self.prior_mean) / self.prior_sd)[known])
+
+    def prior_slopes(self, whole: Array) -> Array:
+        """Return the derivatives of the same by what a search has, (priors, p + h)."""
+        known = np.isfinite(self.prior_sd)
+        slopes = np.zeros((self.count, len(whole)))
+        slopes[:, : self.count] = np.diag(1.0 / self.prior_sd / self.rates(whole)[: self.count])
+        return slopes[known]
 
     def bounds(self) -> tuple[Array, Array]:
         """Return the bounds of what a search has, (p + h,) each."""

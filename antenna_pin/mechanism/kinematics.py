@@ -115,15 +115,15 @@ def link_motion(
     ]
     data, frame = model.createData(), mechanism.frame(link)
     world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-    attitudes, found = np.zeros((states[0].shape[0], 3, 3)), np.zeros((states[0].shape[0], 5, 3))
-    for i, (qi, vi, ai) in enumerate(zip(*states, strict=True)):
+    count = states[0].shape[0]
+    placements, found = np.zeros((count, 4, 4)), np.zeros((count, 15))
+    for placement, row, qi, vi, ai in zip(placements, found, *states, strict=True):
         pin.forwardKinematics(model, data, qi, vi, ai)
-        place = pin.updateFramePlacement(model, data, frame)
-        twist = pin.getFrameVelocity(model, data, frame, world)
-        second = pin.getFrameClassicalAcceleration(model, data, frame, world)
-        attitudes[i] = place.rotation
-        found[i] = (place.translation, twist.linear, twist.angular, second.linear, second.angular)
-    return attitudes, found
+        placement[:] = pin.updateFramePlacement(model, data, frame).homogeneous
+        row[3:9] = pin.getFrameVelocity(model, data, frame, world).vector
+        row[9:] = pin.getFrameClassicalAcceleration(model, data, frame, world).vector
+    found[:, :3] = placements[:, :3, 3]
+    return placements[:, :3, :3], found.reshape(count, 5, 3)
 
 
 def _rows(place: str, name: str, value: ArrayLike, width: int) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.fit.covariance import BEYOND_CHANCE
 from antenna_pin.fit.profile_words import from_to, profile_interval
 from antenna_pin.fit.sureness import hang_together, persistence
 from antenna_pin.plot import correlations, table_figures
@@ -98,7 +99,7 @@ def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
             "nothing of itself; those of profiles hold where the model is bent as well.",
         ),
     )
-    converged = bool(int(table.attrs["converged"]))
+    converged = bool(int(table.attrs["converged"])) and not table.attrs.get("verdict")
     values = "; ".join(f"{row.name} {row.cells[0].text}" for row in rows[:4])
     outcome = "fitted" if converged else "not at an end"
     return part, Judged(finding.label, converged, outcome, values)
@@ -162,11 +163,12 @@ def _notes(table: xr.Dataset, names: list[str]) -> Iterator[str]:
                 f"Residuals of {name} hang together in time: {counted}. "
                 "The model lacks something, or the noise is not white."
             )
+    yield from str(table.attrs.get("verdict", "")).splitlines()
     if table.attrs["noise"] == "given" and float(table.attrs["freedoms"]) > 0.0:
         from scipy.stats import chi2
 
         chance = float(chi2.sf(float(table.attrs["chi2"]), float(table.attrs["freedoms"])))
-        if chance < _RARE:
+        if BEYOND_CHANCE <= chance < _RARE:
             yield "Residuals are larger than the stated noise: the model lacks something, or sd is too small."
         elif chance > 1.0 - _RARE:
             yield "Residuals are smaller than the stated noise: sd is too large, and intervals are too wide."

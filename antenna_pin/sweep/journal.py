@@ -75,10 +75,10 @@ def read_journal(path: Path, key: bytes) -> ReadJournal:
     return ReadJournal(entries, damaged, torn)
 
 
-def deleted(path: Path) -> OutputError:
+def deleted(path: Path, what: str = "study") -> OutputError:
     """Return what is to be raised where a journal has been deleted."""
     return OutputError(
-        f"{path}: must stay while the study runs, got deleted or replaced, and its finished runs with it; "
+        f"{path}: must stay while the {what} runs, got deleted or replaced, and its finished runs with it; "
         "give the same command again, with --out elsewhere if something clears it"
     )
 
@@ -90,14 +90,17 @@ class Journal:
         path: The journal, made if missing.
         key: Digest of the study.
         keep: Entries to start from, where it has to be written anew for damage; None to go on behind its end.
+        what: What it is a part of, a word for messages.
 
     Raises:
         OutputError: It cannot be written, or another process has it.
     """
 
-    def __init__(self, path: Path, key: bytes, keep: Iterable[dict[str, Any]] | None = None) -> None:
+    def __init__(
+        self, path: Path, key: bytes, keep: Iterable[dict[str, Any]] | None = None, what: str = "study"
+    ) -> None:
         """Open the journal."""
-        self.path, self._key = path, key
+        self.path, self._key, self._what = path, key, what
         # The lock is on a file of its own: the journal may be replaced.
         lock = path.with_name(".lock")
         try:
@@ -108,7 +111,7 @@ class Journal:
                 if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
                     os.close(self._lock)
                     raise OutputError(
-                        f"{path.parent}: must not be in use, got another process that runs this study; let "
+                        f"{path.parent}: must not be in use, got another process that runs this {what}; let "
                         "it end"
                     ) from None
             if keep is not None:
@@ -129,7 +132,7 @@ class Journal:
             OutputError: It has been.
         """
         if not is_there(self.path, self._file):
-            raise deleted(self.path)
+            raise deleted(self.path, self._what)
 
     def add(self, entry: dict[str, Any]) -> None:
         """Write the line of a finished run.
@@ -207,4 +210,4 @@ def begun(folder: Path, about: Mapping[str, Any], what: str) -> tuple[dict[int, 
     except OSError as error:
         raise OutputError(f"{journal}: cannot be read: {error.strerror}") from error
     keep = old.entries.values() if old.damaged or old.torn else None
-    return dict(old.entries), Journal(journal, key, keep)
+    return dict(old.entries), Journal(journal, key, keep, what)

@@ -2,11 +2,14 @@
 """A fit in pieces over one run of its record: play, stiffness, restitution, friction, 54 states of a hinge.
 
 The record is that of scripts/fit_coverage.py, 60 ms, made by equations and an integrator that are none of the
-package's; 10 pieces of 6 ms. Beside it what one Jacobian takes, by differences.
+package's; 10 pieces of 6 ms. Beside it what one Jacobian takes, by differences; and one evaluation of a
+record behind a filter, that of the deployment, over its run.
 """
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import sys
 import tempfile
 import time
@@ -19,8 +22,12 @@ from bench_tools import Report
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from fit_coverage import FIT, TIMES, TRUTH, record, write_record  # noqa: E402
 
-from antenna_pin import simulate  # noqa: E402
+from antenna_pin import Scenario, simulate  # noqa: E402
 from antenna_pin.fit import Problem, load_fit, run_fit  # noqa: E402
+from antenna_pin.fit.sensors import instants  # noqa: E402
+from antenna_pin.simulation.from_scenario import settings_of  # noqa: E402
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 
 
 def seconds(make: Callable[[], object]) -> float:
@@ -28,6 +35,35 @@ def seconds(make: Callable[[], object]) -> float:
     began = time.perf_counter()
     make()
     return time.perf_counter() - began
+
+
+def over_its_run(path: Path) -> tuple[float, float]:
+    """Return the time of one evaluation of a fit of one record over those of its run.
+
+    Returns:
+        Over a run that is sampled at the times that the fit asks for, and over one as the scenario has it.
+    """
+    problem = Problem(load_fit(path))
+    (name, record), rig = next(iter(problem.plan.records.items())), problem._prepared.rigs[0]
+    wanted = [instants(column, rig.time + record.clock_shift) for column in rig.columns.values()]
+    at = np.unique(np.concatenate(wanted))
+    first = problem.scenario(name, problem.start)
+    own = settings_of(first)
+    sampled = dataclasses.replace(own, output_rate=1.0 / first.duration, output_times=tuple(at[at >= 0.0]))
+
+    def build(k: int) -> Scenario:  # each time of other numbers, as in a search
+        return problem.scenario(name, problem.start * (1.0 + 1e-6 * k))
+
+    times = []
+    for k in range(1, 6):
+        calls = (
+            functools.partial(problem.residuals, problem.start * (1.0 + 1e-6 * k)),
+            lambda k=k: simulate(build(k), settings=sampled),
+            lambda k=k: simulate(build(k), settings=own),
+        )
+        times.append([seconds(call) for call in calls])
+    fit, same, plain = np.min(times, axis=0)
+    return float(fit / same), float(fit / plain)
 
 
 def main() -> int:
@@ -49,6 +85,9 @@ def main() -> int:
         report.add(
             f"the fit, {len(problem.states)} states, over one run", seconds(lambda: run_fit(plan)) / once
         )
+    same, plain = over_its_run(EXAMPLES / "deployment.fit.toml")
+    report.add("a filtered record, over a run with its samples", same, limit=2.0)
+    report.add("a filtered record, over a run", plain)
     return report.finish()
 
 

@@ -79,6 +79,14 @@ def test_a_value_at_its_bound_is_held_and_said_so(times):
     assert found.error[0] == pytest.approx(0.1 / np.sqrt(times.size), rel=1e-12, abs=0.0)
 
 
+@pytest.mark.parametrize("noise", ["given", "estimated", "correlated"])
+def test_values_that_are_all_at_their_bounds_are_held(times, noise):
+    """Nothing is left to be told: errors are zero, and all residuals are free."""
+    model = line(times, -2.0 - 0.5 * times, 0.1, lower=np.zeros(2))
+    found = sure(model, np.zeros(2), noise=noise)
+    assert found.held.all() and not found.error.any() and found.freedom == times.size
+
+
 @pytest.mark.parametrize("loss", LOSSES)
 def test_slopes_of_losses_are_those_of_their_costs(loss):
     """By central differences: the error of h = 1e-5 is h^2 / 6 times a third derivative below 10."""
