@@ -179,7 +179,7 @@ class Fit:
         Raises:
             OutputError: It cannot be written there.
         """
-        target = check_writable(Path(path))
+        target = check_writable(path, ".toml")
         scenario = found_from(self.scenario(record), target.resolve().parent)
         name = next(iter(self.problem.plan.records)) if record is None else record
         files = ", ".join(dict.fromkeys(one.file for one in self.problem.plan.records.values()))

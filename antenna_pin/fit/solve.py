@@ -6,7 +6,6 @@ import importlib
 import math
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -87,7 +86,7 @@ def run_fit(
         importlib.import_module("lmfit")
     except ImportError:
         raise MissingToolError("a fit needs lmfit; install it with pip install 'antenna-pin[fit]'") from None
-    target = None if out is None else check_writable(Path(out))
+    target = None if out is None else check_writable(out, ".nc")
     notebook = None if target is None else Notebook(target)
     try:
         problem = Problem(plan, Laboratory(executor, notebook, progress))

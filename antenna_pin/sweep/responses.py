@@ -36,7 +36,7 @@ def _share(value: object) -> float:
 
 
 class ResponseSpec(Spec):
-    """One number of each run: by a measure, or a function.
+    """One number of each run: by a measure, or a function; a text alone stands for either.
 
     Attributes:
         measure: Name of a measure.
@@ -67,6 +67,16 @@ class ResponseSpec(Spec):
     confidence: Annotated[float, BeforeValidator(_share)] = 0.997
     units: str = ""
     title: str = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_text(cls, data: Any) -> Any:
+        """Let a text stand for a measure, or, with a colon, for a function."""
+        if isinstance(data, str):
+            return {"function" if ":" in data else "measure": data}
+        if isinstance(data, Mapping) and ":" in str(data.get("measure", "")) and "function" not in data:
+            return {"function" if key == "measure" else key: value for key, value in data.items()}
+        return data
 
     @property
     def compares(self) -> bool:

@@ -127,12 +127,12 @@ class Trajectory(_Later):
         return self.outcome in ENDED_WELL
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the NetCDF file, under a temporary name first; return its path.
+        """Write the NetCDF file ``NAME.nc``, under a temporary name first; return its path.
 
         Raises:
-            OutputError: It cannot be written there.
+            OutputError: The name ends otherwise, or it cannot be written there.
         """
-        target = check_writable(path)
+        target = check_writable(path, ".nc")
         with replacing(target) as partial:
             write(self.stored(), partial)
         return target

@@ -280,6 +280,22 @@ def test_numbers_are_those_of_single_runs(write, tmp_path):
     ]
 
 
+@pytest.mark.parametrize(
+    "responses",
+    [
+        'responses = ["own.py:turns", "impacts"]\n{more}{parameters}',
+        '{more}{parameters}\n[responses]\nturns = "own.py:turns"\nimpacts = "impacts"',
+        '{more}{parameters}\n[responses]\nturns.measure = "own.py:turns"\nimpacts.measure = "impacts"',
+    ],
+)
+def test_a_function_stands_where_a_measure_may(write, tmp_path, responses):
+    """In a list, as a text and as a measure it is the number of each run that it is as a function."""
+    (tmp_path / "own.py").write_text("def turns(run):\n    return run.data.sizes['episode']\n")
+    text = 'scenario = "impact_pair"\nset.duration = "2 ms"\n' + responses
+    table = run_study(write(PLAY + 'values = ["0.05 mm", "0.1 mm"]', text=text), tmp_path / "a.study")
+    assert (table["turns"] == table["impacts"]).all() and (table["turns"] > 0).all()
+
+
 def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
     """By a clock of the test's own: a run of T takes 0.1 s and 2 s per millisecond, of T = 1 ms to 8 ms.
 
