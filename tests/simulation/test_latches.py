@@ -188,6 +188,7 @@ def test_a_rigid_latch_lets_go_at_its_torque_and_by_an_event():
     names, times = seen(run)
     assert names == ["latch l0: let go"]
     assert times[0] == 1.0
+    assert run.summary()["latches"]["l0"]["held_at_end"] is False
     assert run.data.q.values[-1, 0] == pytest.approx(0.5 * 3.0, rel=1e-10)
     held = run.data.time.values < 1.0
     assert run.data.element_effort.values[held, 0] == pytest.approx(-4.0, rel=1e-12)
