@@ -69,7 +69,7 @@ class RigidStop(Limits):
         """
         if key not in ("on", "lower", "upper"):
             return None
-        self._check("rigid stop", "let that happen while the joint is there", met, _LOCATED)
+        self._check("rigid stop", "set it while the joint is within", met, _LOCATED)
         limit = self.lowest if self.mode == LOWER else self.highest
         return Change(FREE) if self.mode != FREE and abs(met.angle - limit) > _LOCATED else None
 
