@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -42,6 +43,11 @@ class RigidStop(Limits):
 
     kernels: ClassVar[str] = "rigid_stop_kernels"
     loaded: ClassVar[tuple[int, ...]] = (2,)
+    change_names: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "touch": ("bounces", "rests"),
+        "rest": ("rests",),
+        "lift-off": ("left",),
+    }
     holds: ClassVar[bool] = True
 
     restitution: float = parameter(rule="zero or more")

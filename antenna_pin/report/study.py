@@ -67,7 +67,7 @@ def _status(study: xr.Dataset, name: str) -> _Status:
 
 
 def _faults(study: xr.Dataset) -> dict[tuple[str, str], NDArray[np.bool_]]:
-    """Return which runs have each fault, by its words and the outcome that it makes; a run has one at most."""
+    """Return which runs have each fault, of which one has at most one, by its words and the outcome."""
     outcomes = study["outcome"].values
     lacking = np.zeros(outcomes.shape, dtype=bool)
     for response in _names(study, "responses"):
