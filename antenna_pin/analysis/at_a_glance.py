@@ -171,13 +171,13 @@ def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
         yield Line("stops", text)
     latches = summary.get("latches", {})
     if latches:
-        held = {name: one["last_capture"] for name, one in latches.items() if one["held_at_end"]}
+        holding = {name: one["last_capture"] for name, one in latches.items() if one["held_at_end"]}
         refused = sum(one["refusals"] for one in latches.values())
-        text = f"{len(held)} of {len(latches)} latched at the end"
-        if caught := {name: time for name, time in held.items() if time is not None}:
+        text = f"{len(holding)} of {len(latches)} latched at the end"
+        if caught := {name: time for name, time in holding.items() if time is not None}:
             last = max(caught, key=lambda name: caught[name])
             text += f", the last ({last}) at {readable(caught[last], 's', 6)}"
-        if released := [name for name, one in latches.items() if one["captures"] and name not in held]:
+        if released := [name for name, one in latches.items() if one["captures"] and name not in holding]:
             text += f"; released: {', '.join(released)}"
         energies = [one["largest_energy_refused"] for one in latches.values() if one["refusals"]]
         if refused:

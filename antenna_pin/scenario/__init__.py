@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         SphericalClearance,
         TouchingSpec,
     )
-    from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
+    from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, LinkPlaceSpec, PlaceSpec
     from antenna_pin.scenario.controllers import (
         AttitudeSpec,
         BangBangSpec,
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
     from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec, settings_key
     from antenna_pin.scenario.laws import LawChange, LawSpec
-    from antenna_pin.scenario.load import load_scenario
+    from antenna_pin.scenario.load import load_scenario, scenario_named
     from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
     from antenna_pin.scenario.numbers import Number, number_of, with_number
     from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
@@ -127,6 +127,7 @@ _HOMES = {
     "MechanismSpec": "mechanism",
     "OrbitSpec": "pointing",
     "OutputSpec": "integrator",
+    "LinkPlaceSpec": "closures",
     "PlaceSpec": "closures",
     "PlanarClearance": "clearance",
     "PointsSpec": "drives",
@@ -146,6 +147,7 @@ _HOMES = {
     "number_of": "numbers",
     "with_number": "numbers",
     "load_scenario": "load",
+    "scenario_named": "load",
     "joint_limits": "stops",
     "models_path": "shipped",
     "scenario_cases": "shipped",
@@ -213,6 +215,7 @@ __all__ = [
     "PlanarClearance",
     "CylindricalClearance",
     "PrismaticClearance",
+    "LinkPlaceSpec",
     "PlaceSpec",
     "PointsSpec",
     "PointingSpec",
@@ -227,6 +230,7 @@ __all__ = [
     "joint_limits",
     "list_scenarios",
     "load_scenario",
+    "scenario_named",
     "models_path",
     "scenario_cases",
     "scenario_summary",

@@ -277,8 +277,6 @@ class Jump:
 
 
 Action = Mark | Stop | Set | Jump | Kink | Switch | Edge
-# What may stand together in one event.
-_SEVERAL = Mark | Stop | Set
 
 
 # --- the event ------------------------------------------------------------------------------------------
@@ -308,7 +306,7 @@ class Event:
     name: str
     when: Callable[[Moment], float]
     direction: Literal[-1, 0, 1] = 0
-    action: Action | Sequence[Action] = field(default_factory=Mark)
+    action: Action | Sequence[Mark | Stop | Set] = field(default_factory=Mark)
     after: int = 1
     once: bool = False
     nodes: int = 4
@@ -323,11 +321,6 @@ class Event:
             check_takes(place, "rate", self.when.rate, "moment")
         if self.direction not in (-1, 0, 1):
             raise InvalidParameterError(place, "direction", "-1, 0 or 1", self.direction)
-        several = isinstance(self.action, Sequence)
-        for one in self.actions:
-            if not isinstance(one, _SEVERAL if several else Action):
-                rule = "Mark(), Stop(), Set(...) or Jump(...), or several of the first three"
-                raise InvalidParameterError(place, "action", rule, one)
         for name in ("after", "nodes"):
             if not (isinstance(getattr(self, name), int) and getattr(self, name) >= 1):
                 raise InvalidParameterError(place, name, "a whole number of 1 or more", getattr(self, name))

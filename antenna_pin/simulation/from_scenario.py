@@ -143,8 +143,8 @@ def _direction(table: Any) -> str:
     return str(getattr(table, "direction", "both"))
 
 
-def _actions(scenario: Scenario, name: str) -> Action | tuple[Action, ...]:
-    found: list[Action] = []
+def _actions(scenario: Scenario, name: str) -> Action | tuple[Mark | Stop | Set, ...]:
+    found: list[Mark | Stop | Set] = []
     for one in scenario.events[name].actions:
         if one == "set":
             found += [Set(place, number) for place, number in scenario.to_set(name).items()]

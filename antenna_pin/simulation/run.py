@@ -27,7 +27,7 @@ from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.files import check_writable
 from antenna_pin.interruption import interruptible
 from antenna_pin.parameters import holds
-from antenna_pin.scenario import Scenario, settings_key
+from antenna_pin.scenario import Scenario, scenario_named, settings_key
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.check_controllers import check_controllers
 from antenna_pin.simulation.checkpoint import Checkpoint, about_run, check_same
@@ -163,9 +163,9 @@ def prepared(
 
 @takes(duration="s", checkpoint="s", angles="rad")
 def simulate(
-    model: Scenario | System,
-    *,
+    model: Scenario | System | str | os.PathLike[str],
     duration: float | str | None = None,
+    *,
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
     angles: Mapping[str, float] | None = None,
@@ -188,7 +188,7 @@ def simulate(
     interval: with ``resume`` the run goes on from there, and ends bit for bit as if it had never stopped.
 
     Args:
-        model: What to run.
+        model: What to run; or the name of a shipped scenario, or a path, whose default case is run.
         duration: Time span [s], or text as ``"0.1 s"``, from ``start`` on; the scenario's if not given. This
             and ``settings`` enter the result's scenario as overrides.
         q: Initial configuration, (nq,); the scenario's, or neutral. Its quaternions must be of length 1 to
@@ -228,7 +228,7 @@ def simulate(
                 raise InvalidParameterError("simulate", name, rule, said=type(begun).__name__)
         start, duration = stood.start, stood.about["span"] if duration is None else duration
     given, began = First(q, v, angles, start), None if stood is None else stood.begin
-    ready = prepared("simulate", model, given, settings, events, duration, began, controllers)
+    ready = prepared("simulate", scenario_named(model), given, settings, events, duration, began, controllers)
     system, scenario, used, events, controllers, begin, span, first = ready
     if span is None:
         raise InvalidParameterError("simulate", "duration", "given for a system built in Python [s]", None)

@@ -59,7 +59,10 @@ class ResponseSpec(Spec):
     function: str | None = None
     of: str | None = None
     index: Literal["APE", "MPE", "RPE", "PDE", "PRE"] = "APE"
-    component: Literal["half-cone", "boresight", "cross", "up"] = "half-cone"
+    component: Annotated[
+        Literal["half-cone", "boresight", "cross", "up"],
+        BeforeValidator(lambda name: name.replace("_", "-") if isinstance(name, str) else name),
+    ] = "half-cone"
     value: Literal["largest", "level"] = "largest"
     window: PositiveTime | None = None
     drift_spacing: PositiveTime | None = None

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
-from antenna_pin._views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text
+from antenna_pin._views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text, item_of
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.state import State
@@ -27,11 +27,13 @@ from antenna_pin.trajectory.read import names_along
 from antenna_pin.trajectory.touches import met_by_elements
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
+    from numpy.typing import NDArray
 
     from antenna_pin.scenario import Scenario
 
-__all__ = ["Trajectory", "library_versions"]
+__all__ = ["RunEvent", "Trajectory", "library_versions", "open_run"]
 
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
 
@@ -52,6 +54,20 @@ def library_versions() -> dict[str, str]:
     return dict(_versions())
 
 
+class RunEvent(NamedTuple):
+    """An event of a run: of the user's, or of an element whose mode changes.
+
+    Attributes:
+        name: Of the event, such as ``latch root: latched``.
+        time: When [s].
+        energy: That its action brought in [J].
+    """
+
+    name: str
+    time: float
+    energy: float
+
+
 class _Later:
     __slots__ = ("_unlabelled",)  # what the data of a result are made of, beside its fields
 
@@ -61,7 +77,8 @@ class Trajectory(_Later):
     """One run, sampled.
 
     It shows itself: ``run.plot("contact_forces")``, ``run.record("run.html")``,
-    ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.views`).
+    ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.views`). A quantity
+    over time is ``run["hinge.angle"]``, by the names of ``run.analyse.quantities()``.
 
     Attributes:
         data: Labelled by time, contact, axis and more; units and long names on each (docs/trajectory.md).
@@ -109,6 +126,29 @@ class Trajectory(_Later):
                 object.__setattr__(self, "data", unlabelled.labelled())
                 object.__setattr__(self, "_unlabelled", None)  # after: another thread may ask meanwhile
             return object.__getattribute__(self, "data")
+
+    def __getitem__(self, name: str) -> xr.DataArray:
+        """Return a quantity over time by name: ``run["hinge.angle"]``, ``run["kinetic_energy"]``.
+
+        Raises:
+            UnknownNameError: There is none of that name.
+            FileFormatError: The result is a lean one, without series.
+        """
+        return item_of(self, name)
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Times of the samples, (samples,) [s]; some stand twice, where something jumps."""
+        found: NDArray[np.float64] = self.data["time"].values
+        return found
+
+    @property
+    def events(self) -> tuple[RunEvent, ...]:
+        """Events in order of time."""
+        if "event" not in self.data.sizes:
+            return ()
+        columns = (self.data[name].values.tolist() for name in ("event", "event_time", "event_energy"))
+        return tuple(map(RunEvent, *columns))
 
     @property
     def constraints(self) -> dict[str, Any]:
@@ -255,6 +295,15 @@ class Trajectory(_Later):
     def _repr_html_(self) -> str:
         """Show the run in a notebook: how it ended, what has happened, its motion, what data there are."""
         return as_html(self)
+
+
+def open_run(path: str | os.PathLike[str]) -> Trajectory:
+    """Return a run that was saved, ``NAME.nc``.
+
+    Raises:
+        FileFormatError: It is no whole result, or one of an unknown version of the format.
+    """
+    return Trajectory.load(path)
 
 
 def _scenario(text: str) -> Scenario:
