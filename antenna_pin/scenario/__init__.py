@@ -72,7 +72,7 @@ if TYPE_CHECKING:
         scenario_cases,
         scenario_summary,
     )
-    from antenna_pin.scenario.stops import joint_limits
+    from antenna_pin.scenario.stops import joint_limits, moved_joints
     from antenna_pin.scenario.write import found_from, scenario_toml
 
 _HOMES = {
@@ -149,6 +149,7 @@ _HOMES = {
     "load_scenario": "load",
     "scenario_named": "load",
     "joint_limits": "stops",
+    "moved_joints": "stops",
     "models_path": "shipped",
     "scenario_cases": "shipped",
     "scenario_summary": "shipped",
@@ -228,6 +229,7 @@ __all__ = [
     "AnySpring",
     "TimeEvent",
     "joint_limits",
+    "moved_joints",
     "list_scenarios",
     "load_scenario",
     "scenario_named",

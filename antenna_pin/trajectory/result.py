@@ -157,6 +157,12 @@ class Trajectory(_Later):
         return found
 
     @property
+    def assumed(self) -> tuple[str, ...]:
+        """What of the URDF was passed over, and what was taken for granted, in words."""
+        lines = (json.loads(self.data.attrs.get(name, "[]")) for name in ("left_out", "assumed"))
+        return tuple(line for each in lines for line in each)
+
+    @property
     def advice(self) -> str:
         """What the run found out about how it is best made, in words; empty if nothing."""
         return str(self.data.attrs.get("advice", ""))
