@@ -174,8 +174,8 @@ def run(
             typer.echo(f"saved {path}{next_one if summary and target is None else ''}")
             for said in json.loads(trajectory.data.attrs.get("assumed", "[]")):
                 say(f"note: {said}")
-            if trajectory.outcome.name == "COMPLETED" and (more := trajectory.message.partition("; ")[2]):
-                say(f"note: {more}")
+            if trajectory.outcome.name == "COMPLETED" and (passed := trajectory.message.partition("; ")[2]):
+                say(f"note: {passed}")
             say_start(trajectory, chosen, "note: ")
             say_spin(trajectory, "note: ")
             say_limits(trajectory, "note: ")

@@ -52,7 +52,15 @@ if TYPE_CHECKING:
         JointsSpec,
         PointsSpec,
     )
-    from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
+    from antenna_pin.scenario.events import (
+        AngleEvent,
+        ChangeEvent,
+        EventSpec,
+        ForceEvent,
+        GapEvent,
+        RateEvent,
+        TimeEvent,
+    )
     from antenna_pin.scenario.flexible import FlexibleSpec, ModalDataSpec, ModeSpec, ModesSpec, PetalsSpec
     from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
     from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec, settings_key
@@ -78,6 +86,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "AnchorSpec": "closures",
     "AngleEvent": "events",
+    "ChangeEvent": "events",
     "CaseSummary": "shipped",
     "ClearanceSpec": "clearance",
     "TouchingSpec": "clearance",
@@ -167,6 +176,7 @@ __all__ = [
     "SPRING_SPECS",
     "AnchorSpec",
     "AngleEvent",
+    "ChangeEvent",
     "CaseSummary",
     "ClearanceSpec",
     "ClosureSpec",
