@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 _FIRST = 2.5  # [s] of wall time to the first look; from look to look as much again as there was before
 _LONG = 60.0  # [s] of wall time that a run may still take without a word
+# Trial steps, or [s] of wall time, on which a pace can rest: the first steps load what they call.
+_STEPS, _PATIENCE = 100, 15.0
 _OTHER = 4.0  # times longer, or shorter, than was told: it is told again
 _ALIKE = 2.0  # times the least estimate up to which the greatest is no other
 # Steps' share of their tolerance that round-off may have before it is what holds them.
@@ -50,7 +52,7 @@ class Expected:
         """Begin without a look."""
         self.left, self.step = math.nan, 0.0
         self.range = math.nan, math.nan
-        self._best = 0.0
+        self._best, self._tried = 0.0, 0
         self.rejected = self.relocated = 0.0
         self._end = end
         self._told = math.nan
@@ -61,7 +63,7 @@ class Expected:
     def begin(self, t: float, made: Made) -> None:
         """Take the time from here on: at t [s], with what a run that goes on has made before."""
         self._mark, self._start = (t, made), t
-        self._began, self._next = made.wall, made.wall + _FIRST
+        self._began, self._next, self._tried = made.wall, made.wall + _FIRST, made.tried
 
     def look(self, t: float, made: Made) -> bool:
         """Look at a run that has come to t [s], if it is time to; return whether it is to be told of."""
@@ -72,6 +74,7 @@ class Expected:
         self._next = self._began + 2.0 * (made.wall - self._began)
         if then.wall == self._began:
             return False
+        rests = made.tried - self._tried >= _STEPS or made.wall - self._began >= _PATIENCE
         left = self._left(t, way, made.wall - then.wall)
         # At two looks, or by the whole way so far: a burst of impacts or events is soon over.
         others = self._before, self._left(t, t - self._start, made.wall - self._began)
@@ -80,7 +83,7 @@ class Expected:
         known = left, others[1], self._left(t, self._best, 1.0)
         self._before = left
         whole = made.wall + left
-        if not (sure and left > _LONG) or self._told / _OTHER <= whole <= self._told * _OTHER:
+        if not (rests and sure and left > _LONG) or self._told / _OTHER <= whole <= self._told * _OTHER:
             return False
         self.left, self._told = left, whole
         self.range = min(known), max(known)
