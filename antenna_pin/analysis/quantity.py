@@ -251,7 +251,7 @@ def _signal(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
         if variable in data
         for owner in names_along(data, str(data[variable].dims[1]))
     ]
-    if "[" not in name and (near := difflib.get_close_matches(name, shorts, n=_SHOWN)):
+    if "." in name and "[" not in name and (near := difflib.get_close_matches(name, shorts, n=_SHOWN)):
         raise UnknownNameError("quantity", "name", name, near)
     if wanted.labels:
         raise UnknownNameError("quantity", "variable", wanted.variable, _near(wanted.variable, variables))
