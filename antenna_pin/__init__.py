@@ -3,7 +3,7 @@
 Three lines run a shipped scenario::
 
     from antenna_pin import load_scenario, simulate
-    run = simulate(load_scenario("bai2020", case="case3"), duration=0.2)
+    run = simulate(load_scenario("bai2020", case="case3"), "0.2 s")
     run.save("case3.nc")
 
 The names below are loaded when first used, so that importing the package is quick. Completion finds what is
@@ -17,6 +17,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    __version__: str
     from antenna_pin.assemble import build_system, initial_state, urdf_variant
     from antenna_pin.constraints import Anchor, Closure, Coupling
     from antenna_pin.dynamics import System, assembled
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from antenna_pin.settings import ErrorScales, RunSettings
     from antenna_pin.simulation import Progress, simulate
     from antenna_pin.sweep import Study, load_study, open_study, run_study
-    from antenna_pin.trajectory import Counts, Outcome, Trajectory
+    from antenna_pin.trajectory import Counts, Outcome, Trajectory, open_run
 
 _HOMES = {
     "Anchor": "constraints",
@@ -66,6 +67,7 @@ _HOMES = {
     "load_study": "sweep",
     "models_path": "scenario",
     "modes": "linear",
+    "open_run": "trajectory",
     "open_study": "sweep",
     "run_fit": "fit",
     "run_study": "sweep",
@@ -115,6 +117,7 @@ __all__ = [
     "System",
     "Trajectory",
     "Urdf",
+    "__version__",
     "analysis",
     "assembled",
     "build_mechanism",
@@ -138,6 +141,7 @@ __all__ = [
     "models_path",
     "modes",
     "nonlinear",
+    "open_run",
     "open_study",
     "plot",
     "record",
@@ -153,6 +157,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
         return getattr(importlib.import_module(f"antenna_pin.{_HOMES[name]}"), name)
+    if name == "__version__":
+        return importlib.import_module("antenna_pin.trajectory").library_versions()["antenna_pin"]
     if name in _ROOMS:
         return importlib.import_module(f"antenna_pin.{name}")
     raise AttributeError(f"module 'antenna_pin' has no attribute {name!r}")

@@ -10,7 +10,7 @@ from typing import Any
 
 from numba.core import event
 
-__all__ = ["CompileClock", "compiling_timed"]
+__all__ = ["CompileClock", "compiling_so_far", "compiling_timed"]
 
 _KIND = "numba:compile"
 
@@ -28,6 +28,10 @@ class CompileClock(event.Listener):  # type: ignore[misc]
         self._thread = threading.get_ident()
         self._depth, self._began = 0, 0.0
 
+    def is_of(self, thread: int) -> bool:
+        """Return whether it takes the time of a thread."""
+        return self._thread == thread
+
     def on_start(self, _: Any) -> None:
         """Hear that something is to be compiled."""
         if threading.get_ident() == self._thread:
@@ -43,12 +47,24 @@ class CompileClock(event.Listener):  # type: ignore[misc]
                 self.seconds += time.perf_counter() - self._began
 
 
+#: Clocks that run, of all threads, the innermost last.
+_clocks: list[CompileClock] = []
+
+
 @contextlib.contextmanager
 def compiling_timed() -> Iterator[CompileClock]:
     """Take the time that is spent compiling."""
     clock = CompileClock()
     event.register(_KIND, clock)
+    _clocks.append(clock)
     try:
         yield clock
     finally:
+        _clocks.remove(clock)
         event.unregister(_KIND, clock)
+
+
+def compiling_so_far() -> float:
+    """Return how long this thread has compiled since its time is taken [s]."""
+    here = threading.get_ident()
+    return next((clock.seconds for clock in reversed(_clocks) if clock.is_of(here)), 0.0)

@@ -37,6 +37,7 @@ __all__ = [
     "Plotter",
     "as_html",
     "as_text",
+    "item_of",
 ]
 
 T = TypeVar("T")
@@ -55,6 +56,7 @@ VIEWS = {
     "Orbit.report": "orbits.reported",
     "Modes.plot": "modes.plotted",
     "Modes.record": "modes.recorded",
+    "Trajectory.item": "numbers.item_of",
     "Trajectory.card": "_cards.run_card",
     "Scenario.card": "_cards.scenario_card",
     "Study.card": "_cards.study_card",
@@ -72,6 +74,12 @@ def _reader(name: str) -> Any:
 def as_html(result: object) -> str:
     """Return a result, or what was run, as HTML for a notebook."""
     return str(_reader(f"{type(result).__name__}.card")(result).html())
+
+
+def item_of(result: object, name: str) -> xr.DataArray:
+    """Return a quantity of a result by name, over time."""
+    found: xr.DataArray = _reader(f"{type(result).__name__}.item")(result, name)
+    return found
 
 
 def as_text(result: object) -> str:

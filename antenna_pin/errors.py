@@ -66,6 +66,10 @@ class NotSimulatedWarning(UserWarning):
     """Something of a URDF is left out of what is simulated."""
 
 
+class AssumedWarning(UserWarning):
+    """Something is taken for granted that neither a scenario nor its URDF says."""
+
+
 class StiffRunWarning(UserWarning):
     """The explicit steps of a run are held short by what an implicit method would step over."""
 

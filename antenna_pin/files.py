@@ -71,14 +71,23 @@ def absence(path: str | os.PathLike[str], what: str = "file") -> str:
     return "must be a regular file, got a device or a pipe" if there else f"no such {what}"
 
 
-def check_writable(path: str | os.PathLike[str]) -> Path:
+def check_writable(path: str | os.PathLike[str], suffix: str | None = None) -> Path:
     """Return the path if a file can be written there; else raise before any work is done.
 
+    Args:
+        path: Of the file.
+        suffix: That its name must have, for what has one format alone.
+
     Raises:
-        OutputError: The folder is missing, not writable or full, the name is too long, or the path is that of
-            a folder or a device.
+        OutputError: The name ends otherwise, the folder is missing, not writable or full, the name is too
+            long, or the path is that of a folder or a device.
     """
     target = Path(path)
+    if suffix is not None and target.suffix.lower() != suffix and not target.is_dir():
+        hint = f"try {target.with_suffix(suffix)}" if target.name else "name a file"
+        if target.suffix.lower() == ".pdf" and suffix == ".html":
+            hint += ", which a browser prints as a PDF"
+        raise OutputError(f"{target}: the output's name must end in {suffix}; {hint}")
     folder = target.parent
     try:
         mode = target.stat().st_mode

@@ -140,7 +140,9 @@ def main() -> int:
     if given.hands:
         share = (given.count - failed) / alone
         loaded = given.count - failed
-        print(f"{loaded} of {given.count} load, {100 * share:.1f} % of the {alone} that Pinocchio alone loads")
+        print(
+            f"{loaded} of {given.count} load, {100 * share:.1f} % of the {alone} that Pinocchio alone loads"
+        )
         return 1 if share < _GOAL else 0
     done = "are refused by their slips" if given.slips else "load as what they mean"
     print(f"{given.count - failed} of {given.count} {done}; Pinocchio alone loads {alone}")

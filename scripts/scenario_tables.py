@@ -22,6 +22,7 @@ from antenna_pin.scenario import (
     SPRING_SPECS,
     AnchorSpec,
     AngleEvent,
+    ChangeEvent,
     ClearanceSpec,
     ClosureSpec,
     ContactClearance,
@@ -208,6 +209,7 @@ _EVENTS: dict[str, type[Any]] = {
     "time": TimeEvent,
     "gap": GapEvent,
     "force": ForceEvent,
+    "change": ChangeEvent,
 }
 _FLEXIBLE: dict[str, type[Any]] = {"modes": ModesSpec, "petals": PetalsSpec, "modal-data": ModalDataSpec}
 
@@ -251,14 +253,15 @@ def _mechanism() -> list[Part]:
             title="[mechanism.joints.JOINT]",
             line="kind, frame, bounds, damping and friction of a joint, in place of the URDF's",
             more="`damping` c and `friction` T, else those of the URDF's `<dynamics>`, act as "
-            "-c w - T w / sqrt(w² + w_r²): smooth, without sticking unless `sticks = true`. Their loss is "
-            "the entry "
+            "-c w - T sign(w), and T holds what it sticks, as `[frictions.NAME]`. Where a joint has play or "
+            "no axis of its own, is moved by a motion, or has `sticks = false` or a "
+            "`regularisation_speed` w_r, T is rounded off, -c w - T w / sqrt(w² + w_r²): a load L below T "
+            "creeps at w_r L / sqrt(T² - L²), and a run says so. Their loss is the entry "
             "`JOINT.dynamics`. At a joint with play they act about its axis *beside* the friction of its "
             "contacts; "
             "`friction = 0` leaves that alone. A joint without an axis has none of them, and a run says "
-            "so. Little "
-            "inertia I behind much friction is stiff (time scale w_r I / T): `radau5`, or a larger "
-            "`regularisation_speed` w_r.",
+            "so. Little inertia I behind much friction that is rounded off is stiff (time scale w_r I / T): "
+            "`radau5`, or a larger `regularisation_speed` w_r.",
             rows=keys_of(JointSpec, without=("motion",)),
         ),
         Part(

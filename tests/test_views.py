@@ -55,6 +55,11 @@ def test_a_figure_that_there_is_not_is_refused_with_those_that_there_are(pair):
         run.plot("contact_forces", beside=3)
     with pytest.raises(OutputError, match=r"must end in \.html"):
         run.record("run.avi")
+    for write in (run.report, run.report(figures=False, recordings=False).save, run.record().save):
+        with pytest.raises(OutputError, match=r"must end in \.html; try x\.html, which a browser prints"):
+            write("x.pdf")
+    with pytest.raises(OutputError, match=r"must end in \.nc; try x\.nc"):
+        run.save("x.csv")
 
 
 def test_the_numbers_are_those_of_the_command(pair):

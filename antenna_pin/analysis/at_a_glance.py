@@ -134,10 +134,13 @@ def _apart(data: xr.Dataset, joint: str) -> str:
         return ""
     place = names_along(data, "clearance_joint").index(joint)
     part = LOOKS[json.loads(data.attrs["clearance_joints"])[joint]["kind"]].picture
+    way = np.asarray(data["journal_position"].values[:, place, :], dtype=float)
     # Along a guide a slider is to move, and a ball is to turn.
-    axes = 2 if part in ("slider", "rod") else 3
-    off = float(np.linalg.norm(data["journal_position"].values[:, place, :axes], axis=-1).max())
-    said = [] if _is_nothing(off, "m") else [f"{readable(off, 'm', 3)} off"]
+    across = float(np.linalg.norm(way if part == "ball" else way[:, :2], axis=-1).max())
+    said = [] if _is_nothing(across, "m") else [f"{readable(across, 'm', 3)} off"]
+    along = float(np.abs(way[:, 2]).max()) if part == "journal" else 0.0
+    if not _is_nothing(along, "m"):
+        said = [f"{one} radially" for one in said] + [f"{readable(along, 'm', 3)} axially"]
     if "journal_tilt" in data and part != "ball":
         tilt = float(np.abs(data["journal_tilt"].values[:, place]).max())
         said += [] if _is_nothing(tilt, "rad") else [f"{readable(tilt, 'rad', 3)} askew"]
@@ -168,12 +171,14 @@ def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
         yield Line("stops", text)
     latches = summary.get("latches", {})
     if latches:
-        caught = {name: one["last_capture"] for name, one in latches.items() if one["captures"]}
+        holding = {name: one["last_capture"] for name, one in latches.items() if one["held_at_end"]}
         refused = sum(one["refusals"] for one in latches.values())
-        text = f"{len(caught)} of {len(latches)} latched"
-        if caught:
+        text = f"{len(holding)} of {len(latches)} latched at the end"
+        if caught := {name: time for name, time in holding.items() if time is not None}:
             last = max(caught, key=lambda name: caught[name])
             text += f", the last ({last}) at {readable(caught[last], 's', 6)}"
+        if released := [name for name, one in latches.items() if one["captures"] and name not in holding]:
+            text += f"; released: {', '.join(released)}"
         energies = [one["largest_energy_refused"] for one in latches.values() if one["refusals"]]
         if refused:
             text += f"; {_counted(refused, 'refusal')}, at most {readable(max(energies), 'J')}"

@@ -4,6 +4,7 @@ The grammar::
 
     quantity  = "time" | number | "|" number or vector "|" | signal
     number    = variable                                  kinetic_energy
+              | joint or contact "." short name           hinge.angle, elevation.radial+.gap
               | variable "[" label { "," label } "]"      motion_angle[elevation], v[base.wx]
               | vector "." component                      joint_force[s2].x, base_position.z
     vector    = variable [ "[" label "]" ]                joint_force[s2]
@@ -14,6 +15,9 @@ out. The component of a vector or quaternion stands behind a dot, or as the last
 dimension that has only one may be left out: with one joint with play, ``joint_force.x`` is its force. Between
 bars stands the length of a vector or the size of a number. Blanks beside brackets, commas and bars are of no
 meaning.
+
+Short names, those of a session (:mod:`antenna_pin.session`), are ``angle``, ``rate`` and ``acceleration`` of
+a joint, turning or sliding, ``gap``, ``depth_rate``, ``force`` and ``touching`` of a contact.
 
 Vectors that follow from a result are named as if they stood in it: ``body_velocity[LINK].x`` and the like, in
 world axes, ``journal_velocity[JOINT].x``, in those of the bearing, and ``base_force.x`` and ``base_moment.x``
@@ -49,6 +53,15 @@ _NAME = re.compile(r"(?P<variable>[^\[\].|]+)(?:\[(?P<labels>.*)\])?(?:\.(?P<com
 _ORDER = {"q": 0, "v": 1, "a": 2}  # of the derivative of a configuration by time
 _RATES = ("", "/s", "/s^2")
 _SHOWN = 8  # names that a message offers
+_SHORT = {
+    "angle": ("motion_angle", "slide_position"),
+    "rate": ("motion_rate", "slide_rate"),
+    "acceleration": ("motion_acceleration", "slide_acceleration"),
+    "gap": ("gap",),
+    "depth_rate": ("depth_rate",),
+    "force": ("normal_force",),
+    "touching": ("touching",),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +127,7 @@ def quantity(run: RunLike, name: str) -> Quantity:
     time = sample_times(data, "quantity")
     if name.strip() == "time":
         return Quantity("time", time, time, "s", "time")
-    wanted = QuantityName.parse(name)
+    wanted = _in_full(data, name) or QuantityName.parse(name)
     if wanted.variable in DERIVED:
         return _derived(data, name, wanted)
     if wanted.variable not in _recorded(data):
@@ -127,6 +140,17 @@ def quantity(run: RunLike, name: str) -> Quantity:
     return _made(
         time, values, wanted, dims, labels, units, str(array.attrs.get("long_name", wanted.variable))
     )
+
+
+def _in_full(data: xr.Dataset, name: str) -> QuantityName | None:
+    """Return what a short name stands for; None if it is none."""
+    text = name.strip()
+    size = len(text) > 2 and text.startswith("|") and text.endswith("|")
+    owner, _, short = text.strip("|").strip().rpartition(".")
+    for variable in _SHORT.get(short, ()):
+        if variable in data and owner in names_along(data, str(data[variable].dims[1])):
+            return QuantityName(variable, (owner,), size)
+    return None
 
 
 def _made(
@@ -220,6 +244,15 @@ def _signal(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
             return Quantity(inside, one.time, one.values, one.units, inside)
         return Quantity(f"|{inside}|", one.time, np.abs(one.values), one.units, f"size of {inside}")
     variables = ["time", *_recorded(data), *DERIVED]
+    shorts = [
+        f"{owner}.{short}"
+        for short, names in _SHORT.items()
+        for variable in names
+        if variable in data
+        for owner in names_along(data, str(data[variable].dims[1]))
+    ]
+    if "." in name and "[" not in name and (near := difflib.get_close_matches(name, shorts, n=_SHOWN)):
+        raise UnknownNameError("quantity", "name", name, near)
     if wanted.labels:
         raise UnknownNameError("quantity", "variable", wanted.variable, _near(wanted.variable, variables))
     raise UnknownNameError("quantity", "name", inside, _near(inside, [*variables, *known]))

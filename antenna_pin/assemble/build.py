@@ -17,9 +17,10 @@ from antenna_pin.assemble.shaken import among_others
 from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
 from antenna_pin.control import measures_of
 from antenna_pin.dynamics import HeldKind, System, settled
-from antenna_pin.errors import MechanismError, NotSimulatedWarning
+from antenna_pin.errors import AssumedWarning, MechanismError, NotSimulatedWarning
 from antenna_pin.mechanism import Mechanism, WrittenUrdf, build_mechanism
 from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
+from antenna_pin.scenario.assumed import said_of_assumed
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = ["build_system"]
@@ -52,16 +53,19 @@ def build_system(scenario: Scenario) -> System:
     found = dict(among_others(scenario, found))
     drives, springs = found.pop("drives"), found.pop("springs")
     dry = found.pop("frictions", {})
-    frictions, sticking, left_out = frictions_of(scenario, mechanism, {**springs, **dry})
-    if dry or sticking:
-        found["frictions"] = {**dry, **sticking}
     if said.strict and mechanism.impossible:
         raise MechanismError(
             f"{urdf.where}: {mechanism.impossible[0]}; correct it, name the link in "
             "mechanism.allow_impossible_inertia, or leave out mechanism.strict"
         )
-    for line in (*said_of_file(as_written(scenario), mechanism), *left_out):
-        warnings.warn(line, NotSimulatedWarning, stacklevel=2)
+    own = frictions_of(scenario, mechanism, {**springs, **dry})
+    if dry or own.sticking:
+        found["frictions"] = {**dry, **own.sticking}
+    left_out = (*said_of_file(as_written(scenario), mechanism), *own.left_out)
+    assumed = (*said_of_assumed(scenario.clearance), *own.assumed)
+    for lines, category in ((left_out, NotSimulatedWarning), (assumed, AssumedWarning)):
+        for line in lines:
+            warnings.warn(line, category, stacklevel=2)
     types = types_as_written(scenario)
     system = System(
         mechanism,
@@ -71,7 +75,7 @@ def build_system(scenario: Scenario) -> System:
             if isinstance(spec, TouchingSpec)
         ],
         drives=drives,
-        springs={**springs, **frictions},
+        springs={**springs, **own.smooth},
         elements=found,
         held={
             name: _HELD[types[name]]
@@ -81,6 +85,8 @@ def build_system(scenario: Scenario) -> System:
         closures=closures_of(scenario, mechanism),
         couplings=couplings_of(scenario, mechanism),
         elastic=by_name(scenario, parts),
+        left_out=left_out,
+        assumed=assumed,
     )
     _check_events(scenario, system)
     _check_controllers(scenario, system)

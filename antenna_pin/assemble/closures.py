@@ -12,7 +12,7 @@ from antenna_pin.assemble.places import check_known, where
 from antenna_pin.constraints import CLOSURES, OPPOSITE, Anchor, Closure
 from antenna_pin.errors import ScenarioError
 from antenna_pin.mechanism import WORLD, Mechanism, link_poses, rotation
-from antenna_pin.scenario import AnchorSpec, PlaceSpec, Scenario
+from antenna_pin.scenario import AnchorSpec, LinkPlaceSpec, Scenario
 
 __all__ = ["axes_turned", "closures_of", "link_of"]
 
@@ -95,7 +95,7 @@ def axes_turned(scenario: Scenario, mechanism: Mechanism, closures: Mapping[str,
 
 
 def link_of(
-    scenario: Scenario, mechanism: Mechanism, spec: PlaceSpec, *place: str
+    scenario: Scenario, mechanism: Mechanism, spec: LinkPlaceSpec, *place: str
 ) -> tuple[str, tuple[float, float, float]]:
     """Return the link that a place or frame is on, and the frame's axis there, z if it has none of its own.
 

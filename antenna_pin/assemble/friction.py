@@ -2,24 +2,42 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
+from typing import NamedTuple
 
-from antenna_pin.assemble.places import check_motion, where
+from antenna_pin.assemble.places import check_motion, slides, where
 from antenna_pin.assemble.variant import as_written
 from antenna_pin.elements import JointFriction, StickingFriction
 from antenna_pin.errors import ScenarioError
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.scenario import Scenario
+from antenna_pin.readable import readable
+from antenna_pin.scenario import Scenario, moved_joints
 
-__all__ = ["frictions_of"]
+__all__ = ["Frictions", "frictions_of"]
+
+# Of its limit: the load by which the creep of a friction that is rounded off is described.
+_LOAD = 0.5
 
 
-def frictions_of(
-    scenario: Scenario, mechanism: Mechanism, others: Collection[str]
-) -> tuple[dict[str, JointFriction], dict[str, StickingFriction], tuple[str, ...]]:
-    """Return the friction of each joint that has some, as ``JOINT.dynamics``, and lines on what is left out.
+class Frictions(NamedTuple):
+    """Friction of joints themselves.
 
-    First that which is rounded off at rest, then that which sticks.
+    Attributes:
+        smooth: That which is rounded off at rest, by name.
+        sticking: That which sticks, by name.
+        left_out: Lines on what is not simulated.
+        assumed: Lines on what is rounded off though nothing says so.
+    """
+
+    smooth: dict[str, JointFriction]
+    sticking: dict[str, StickingFriction]
+    left_out: tuple[str, ...]
+    assumed: tuple[str, ...]
+
+
+def frictions_of(scenario: Scenario, mechanism: Mechanism, others: Collection[str]) -> Frictions:
+    """Return the friction of each joint that has some, as ``JOINT.dynamics``.
 
     That of a joint with play acts about its axis, beside the friction of its contacts.
 
@@ -54,8 +72,10 @@ def frictions_of(
             numbers[name]["regularisation_speed"] = change.regularisation_speed
     # Those have an axis though they are free.
     with_axis = {*scenario.clearance, *(one.joint for one in scenario.families.get("bearings", {}).values())}
+    moved = moved_joints(scenario.model_dump(include={"drives", "couplings"}, exclude_none=True))
     found: dict[str, JointFriction] = {}
     sticking: dict[str, StickingFriction] = {}
+    assumed: list[str] = []
     left_out = list(urdf.not_simulated)
     for name, given in numbers.items():
         if name not in mechanism.joints or not (given.get("damping") or given.get("friction")):
@@ -76,9 +96,30 @@ def frictions_of(
                 f"{where(scenario, family, own)}: must have another name, which that of the joint's own "
                 "friction bears"
             )
-        if name in scenario.mechanism.joints and scenario.mechanism.joints[name].sticks:
-            dry, wet = given.get("friction", 0.0), given.get("damping", 0.0)
+        dry, wet = given.get("friction", 0.0), given.get("damping", 0.0)
+        spec = scenario.mechanism.joints.get(name)
+        sticks = None if spec is None else spec.sticks
+        can_stick = slot.kind not in ("floating", "planar") and name not in moved
+        if sticks or (sticks is None and can_stick and dry > 0.0 and "regularisation_speed" not in given):
             sticking[own] = StickingFriction(joint=name, coulomb=dry, viscous=wet)
-        else:
-            found[own] = JointFriction(joint=name, **given)  # type: ignore[arg-type]  # of numbers only
-    return found, sticking, tuple(left_out)
+            continue
+        found[own] = JointFriction(joint=name, **given)  # type: ignore[arg-type]  # of numbers only
+        if dry > 0.0 and name not in moved:
+            assumed.append(_said_of_creep(found[own], slides(scenario, slot), can_stick))
+    return Frictions(found, sticking, tuple(left_out), tuple(assumed))
+
+
+def _said_of_creep(friction: JointFriction, slid: bool, can_stick: bool) -> str:
+    """Return by how much a joint creeps under a load that its friction should hold."""
+    rate = friction.regularisation_speed * _LOAD / math.sqrt(1.0 - _LOAD**2)
+    units = ("N", "m/s") if slid else ("N m", "rad/s")
+    limit, creep = readable(friction.friction, units[0], 3), readable(rate, units[1], 3)
+    way_out = (
+        f"mechanism.joints.{friction.joint}.sticks = true holds it"
+        if can_stick
+        else "only a joint without play can stick; a lower regularisation_speed creeps less"
+    )
+    return (
+        f"{friction.joint}: its friction of {limit} is rounded off at rest and does not stick: under half "
+        f"that load it creeps at {creep}; {way_out}"
+    )

@@ -232,9 +232,7 @@ def writable_file(path: Path, suffix: str) -> Path:
     """
     from antenna_pin.files import check_writable
 
-    if path.suffix != suffix and not path.is_dir():
-        raise OutputError(f"{path}: the output's name must end in {suffix}; try {path.with_suffix(suffix)}")
-    return check_writable(path)
+    return check_writable(path, suffix)
 
 
 def figure_target(path: Path | None, command: str, option: str) -> Path | None:

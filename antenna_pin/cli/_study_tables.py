@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING
 
 from antenna_pin.cli._common import say
 from antenna_pin.cli._tables import number_text, print_rows
-from antenna_pin.readable import number, prefixed
+from antenna_pin.readable import lasting, number, prefixed
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from antenna_pin.sweep import Design
+    from antenna_pin.sweep import Design, RunTime
 
 _SHOWN = 12  # runs of a dry run's table
 _GRID = 40  # runs of a grid, a row each
+_ALIKE = 2.0  # times the least estimate of a time up to which the greatest is no other
 
 
 def run_rows(design: Design) -> tuple[list[str], list[list[str]]]:
@@ -29,15 +30,14 @@ def run_rows(design: Design) -> tuple[list[str], list[list[str]]]:
     return head, rows
 
 
-def said_of_time(runs: int, seconds: float, cores: int) -> str:
-    """Return what a study takes, in words."""
-    total = runs * seconds / min(cores, runs)
-    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min"), (0.0, "s")):
-        if total >= 2.0 * size:
-            text = f"{total / size if size else total:.2g} {unit}"
-            break
+def said_of_time(runs: int, seconds: RunTime, cores: int) -> str:
+    """Return what a study takes, in words: a range where the pace of runs changes on their way."""
+    alike = seconds.most <= _ALIKE * seconds.least
+    times = (seconds.mean,) if alike else (seconds.least, seconds.most)
+    each = " to ".join(f"{one:.2g}" for one in times)
+    whole = " to ".join(lasting(runs * one / min(cores, runs)) for one in times)
     where = "1 core" if cores == 1 else f"{cores} cores"
-    return f"some {seconds:.2g} s a run, by trials of three of them; some {text} on {where}"
+    return f"some {each} s a run, by trials of three of them; some {whole} on {where}"
 
 
 def outcome_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:

@@ -36,7 +36,7 @@ from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, rows_of, 
 from antenna_pin.cli._progress import progress_bar
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import flat
-from antenna_pin.errors import LedgerOpenWarning
+from antenna_pin.errors import AssumedWarning, LedgerOpenWarning
 from antenna_pin.interruption import ended_by
 from antenna_pin.numerals import decimal_in
 
@@ -149,13 +149,13 @@ def run(
         chosen = chosen.with_overrides(changes) if changes else chosen
         span = None if duration is None else positive_quantity(duration, "s", "--duration", "run")
 
-    from antenna_pin.scenario.assumed import said_of_assumed
     from antenna_pin.simulation import UnsavedError, simulate
 
     with contextlib.ExitStack() as stack:
         with progress_bar(stem(chosen), progress and not quiet) as report:
             more: dict[str, Any] = {"out": path, "checkpoint": interval, "resume": resume is not None}
-            warnings.simplefilter("ignore", LedgerOpenWarning)  # said at the end
+            for category in (LedgerOpenWarning, AssumedWarning):  # said at the end
+                warnings.simplefilter("ignore", category)
             try:
                 trajectory = simulate(chosen, duration=span, progress=report, **more)
             except UnsavedError as error:
@@ -172,8 +172,10 @@ def run(
         if not quiet:
             next_one = f"; all numbers: antenna-pin info --all {shlex.quote(str(path))}"
             typer.echo(f"saved {path}{next_one if summary and target is None else ''}")
-            for said in said_of_assumed(chosen.clearance):
+            for said in json.loads(trajectory.data.attrs.get("assumed", "[]")):
                 say(f"note: {said}")
+            if trajectory.outcome.name == "COMPLETED" and (passed := trajectory.message.partition("; ")[2]):
+                say(f"note: {passed}")
             say_start(trajectory, chosen, "note: ")
             say_spin(trajectory, "note: ")
             say_limits(trajectory, "note: ")

@@ -40,7 +40,7 @@ def view(
     from antenna_pin.files import check_writable
 
     opened = browser_for_pages("view", "--no-browser makes the page and prints its path") if browser else None
-    target = check_writable(out) if out is not None else None
+    target = check_writable(out, ".html") if out is not None else None
     packages = package_folders(package_path)
     run = load_result(file)
     reference = None if ideal is None else load_result(ideal)

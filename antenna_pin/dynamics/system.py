@@ -85,6 +85,8 @@ class System:
         couplings: Joints that follow others, by name, beside those that the URDF couples (``<mimic>``).
         elements: Elements of further families, by the family's table and then by name: ``{"stops": {...}}``.
         elastic: Elastic parts of flexible links, by name, which is also that of their joint and their spring.
+        left_out: Lines on what of the URDF is passed over or not simulated, for results.
+        assumed: Lines on what is taken for granted, for results.
     """
 
     def __init__(
@@ -99,9 +101,13 @@ class System:
         couplings: Mapping[str, Coupling] | None = None,
         elements: Mapping[str, Mapping[str, ForceElement]] | None = None,
         elastic: Mapping[str, ElasticPart] | None = None,
+        left_out: Sequence[str] = (),
+        assumed: Sequence[str] = (),
     ) -> None:
         """Lay out the state and compose the program of force elements."""
         self.mechanism = mechanism
+        #: What is passed over of the URDF, and what is taken for granted, in words.
+        self.left_out, self.assumed = tuple(left_out), tuple(assumed)
         self.model = mechanism.model
         self.clearances = tuple(clearances)
         names = [joint.name for joint in self.clearances]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
@@ -40,6 +41,11 @@ class Capture(ModalElement):
     """
 
     modes: ClassVar[tuple[str, ...]] = ("outside", "inside", "held", "let go")
+    change_names: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "capture": ("latched",),
+        "refusal": ("refused",),
+        "release": ("let go",),
+    }
     switches: ClassVar[int] = 3
     weighs: ClassVar[bool] = True
     remembers: ClassVar[tuple[str, ...]] = ("side",)

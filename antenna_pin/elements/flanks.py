@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -33,6 +34,12 @@ class Flanks(Modal, BetweenJoints):
 
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
     modes: ClassVar[tuple[str, ...]] = ("apart", "plus", "minus", "both")
+    sides: ClassVar[tuple[str, ...]] = ("plus", "minus")
+    change_names: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "touch": ("on", "taut"),
+        "turn": ("turns",),
+        "lift-off": ("off", "slack"),
+    }
     switches: ClassVar[int] = 3
     remembers: ClassVar[tuple[str, ...]] = ("turned", "lost", "struck")
     # What is recorded of a side that comes into contact, and that leaves it.

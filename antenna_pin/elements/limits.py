@@ -27,6 +27,7 @@ class Limits(ModalElement):
     """
 
     modes: ClassVar[tuple[str, ...]] = ("free", "lower", "upper")
+    sides: ClassVar[tuple[str, ...]] = ("lower", "upper")
     switches: ClassVar[int] = 3
 
     lower: float | None = parameter("rad", sliding="m", default=None)

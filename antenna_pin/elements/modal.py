@@ -112,6 +112,9 @@ class Modal(ForceElement):
     # neighbours each has its own. And the modes in which it does.
     goes_by: ClassVar[Mapping[str, Remembered]] = _NOTHING_KEPT
     goes_by_in: ClassVar[tuple[int, ...]] = ()
+    # Changes that an event may be about, with what is recorded of each behind its side, and the sides.
+    change_names: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+    sides: ClassVar[tuple[str, ...]] = ()
     # Whether it is dry friction: what sticks and what slips is decided of all of them together.
     together: ClassVar[bool] = False
 
@@ -178,6 +181,12 @@ class Modal(ForceElement):
     def lets_go(self) -> Change | None:
         """Return its change where its row no longer holds; None of one that has no such mode."""
         return None
+
+    @classmethod
+    def is_change(cls, name: str, side: str | None, what: str) -> bool:
+        """Return whether a recorded change is the named one, at this side if one is given."""
+        at, _, said = what.rpartition(": ")
+        return said.startswith(cls.change_names[name]) and side in (None, at)
 
     @classmethod
     def own_keys(cls) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -42,6 +43,11 @@ class RigidStop(Limits):
 
     kernels: ClassVar[str] = "rigid_stop_kernels"
     loaded: ClassVar[tuple[int, ...]] = (2,)
+    change_names: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "touch": ("bounces", "rests"),
+        "rest": ("rests",),
+        "lift-off": ("left",),
+    }
     holds: ClassVar[bool] = True
 
     restitution: float = parameter(rule="zero or more")
@@ -69,7 +75,7 @@ class RigidStop(Limits):
         """
         if key not in ("on", "lower", "upper"):
             return None
-        self._check("rigid stop", "let that happen while the joint is there", met, _LOCATED)
+        self._check("rigid stop", "set it while the joint is within", met, _LOCATED)
         limit = self.lowest if self.mode == LOWER else self.highest
         return Change(FREE) if self.mode != FREE and abs(met.angle - limit) > _LOCATED else None
 

@@ -68,6 +68,7 @@ class StickingFriction(ModalElement):
 
     kernels: ClassVar[str] = "sticking_friction_kernels"
     modes: ClassVar[tuple[str, ...]] = _MODES
+    change_names: ClassVar[Mapping[str, tuple[str, ...]]] = {"stick": ("sticks",), "slip": ("slips",)}
     switches: ClassVar[int] = 2
     loaded: ClassVar[tuple[int, ...]] = (1,)
     remembers: ClassVar[tuple[str, ...]] = ("where", "prescribed")

@@ -85,6 +85,11 @@ class EndStop(Limits):
     remembers: ClassVar[tuple[str, ...]] = ("approach", "turned", "lost", "struck")
     goes_by: ClassVar[Mapping[str, Remembered]] = {"approach": "rate"}
     goes_by_in: ClassVar[tuple[int, ...]] = (LOWER, UPPER)
+    change_names: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "touch": ("on",),
+        "turn": ("turns",),
+        "lift-off": ("off",),
+    }
 
     stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
     exponent: float = parameter("1", rule="1 or more", default=1.0)

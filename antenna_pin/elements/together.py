@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from antenna_pin.elements.capture import Capture
 from antenna_pin.elements.element import ForceElement
-from antenna_pin.elements.limits import Limits
+from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.errors import MechanismError, UnknownNameError
 
 __all__ = ["check_together"]
@@ -31,8 +31,8 @@ def check_together(families: Mapping[str, Mapping[str, ForceElement]]) -> None:
                 raise UnknownNameError(place, "element in switches_off", name, known)
         first, last = latch.window
         for other, stop in elements.items():
-            if isinstance(stop, Limits) and stop.joint == latch.joint:
-                if last <= stop.lowest or first >= stop.highest:
+            if isinstance(stop, RigidStop) and stop.joint == latch.joint:  # into others a joint is pressed
+                if last < stop.lowest or first > stop.highest:
                     raise MechanismError(
                         f"{place}: its window, {first:g} to {last:g}, must be within the stop {other}, "
                         f"{stop.lowest:g} to {stop.highest:g}: joint {latch.joint!r} does not get there"

@@ -214,7 +214,7 @@ class Fit:
         Raises:
             OutputError: It cannot be written there.
         """
-        target = check_writable(Path(path))
+        target = check_writable(path, ".toml")
         self.problem.plan.check_output(target)
         scenario = found_from(self.scenario(record), target.resolve().parent)
         name = next(iter(self.problem.plan.records)) if record is None else record

@@ -7,7 +7,6 @@ import importlib
 import math
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -90,7 +89,7 @@ def run_fit(
         importlib.import_module("lmfit")
     except ImportError:
         raise MissingToolError("a fit needs lmfit; install it with pip install 'antenna-pin[fit]'") from None
-    target = None if out is None else check_writable(Path(out))
+    target = None if out is None else check_writable(out, ".nc")
     if target is not None:
         plan.check_output(target)
     notebook = None if target is None else Notebook(target)

@@ -16,7 +16,7 @@ from typing import Any
 
 from antenna_pin.arguments import takes
 from antenna_pin.assemble import urdf_variant
-from antenna_pin.errors import InvalidParameterError, MissingToolError, OutputError
+from antenna_pin.errors import InvalidParameterError, MissingToolError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.fmu.packed import Packed, check_names
 from antenna_pin.scenario import Scenario
@@ -63,10 +63,7 @@ def export_fmu(
         MissingToolError: pythonfmu3 is not installed.
         OutputError: The file cannot be written.
     """
-    target = Path(out)
-    if target.suffix != ".fmu":
-        raise OutputError(f"{target}: the output's name must end in .fmu; try {target.with_suffix('.fmu')}")
-    target = check_writable(target)
+    target = check_writable(out, ".fmu")
     if not outputs:
         raise InvalidParameterError("fmu", "outputs", "one name or more, such as hinge.angle", said="none")
     for kind, names, others in (

@@ -167,7 +167,8 @@ def linearise(at: At) -> Linearisation:
         names = ", ".join(at.hold) or "none"
         raise MechanismError(
             "modes: something must be left free to move, got nothing beside what closures, motions and "
-            f"hold = {names} hold; hold less, or give a driven joint a torque in place of its motion"
+            f"hold = {names} hold; hold less, give a driven joint a torque in place of its motion, or joints "
+            "friction that does not stick"
         )
     # What velocities and accelerations must do as the directions turn, in the complement of N.
     shift, shift_place, shift_speed = np.zeros_like(n), np.zeros_like(n), np.zeros_like(n)

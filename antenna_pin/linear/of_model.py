@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -14,7 +15,7 @@ from antenna_pin.dynamics import System, check_closed, first_modes
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.linear.play import Play, prepared
 from antenna_pin.linear.result import Modes, modes_at
-from antenna_pin.scenario import Scenario
+from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.simulation import simulate
 from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory, is_lean
@@ -26,7 +27,7 @@ Array = NDArray[np.float64]
 
 @takes(at="s", approach_speed="m/s")
 def modes(
-    model: Scenario | System | Trajectory,
+    model: Scenario | System | Trajectory | str | os.PathLike[str],
     *,
     at: float | State | Trajectory | None = None,
     q: ArrayLike | None = None,
@@ -40,7 +41,7 @@ def modes(
     """Return natural frequencies, damping ratios and shapes of small motions about a state.
 
     Args:
-        model: A scenario or a system; or a run, which means the state that it ended in.
+        model: A scenario, or its name or path, or a system; or a run, which means the state that it ended in.
         at: A time to which a scenario is run first [s], a run for the state that it ended in, or a state; the
             start if not given.
         q: Configuration instead, (nq,).
@@ -59,6 +60,7 @@ def modes(
     Raises:
         AntennaPinError: What is asked makes no sense; one line that says why.
     """
+    model = scenario_named(model)
     if isinstance(model, Trajectory):
         for name, given in (("at", at), ("q", q), ("v", v)):
             if given is not None:

@@ -8,7 +8,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.arguments import takes
+from antenna_pin.dynamics import System, acting_in
+from antenna_pin.elements import Modal
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.linear.play import At
 from antenna_pin.linear.result import Modes
 from antenna_pin.linear.shares import bodies_of
 from antenna_pin.readable import number
@@ -61,15 +64,18 @@ def swing(modes: Modes, mode: int, amplitude: float = 1.0) -> Trajectory:
         said += f", damping {number(100.0 * ratio)} %"
     said += ", drawn as large as can be seen"
     configuration, velocity = list(system.names_q), list(system.names_v)
+    discrete = _element_modes(system, at)
     data = xr.Dataset(
         {
             "q": (("time", "configuration"), q, {"units": "m, rad or 1"}),
             "v": (("time", "coordinate"), v, {"units": "m/s or rad/s"}),
+            "element_mode": (("time", "element"), np.tile(list(discrete.values()), (len(time), 1))),
         },
         coords={
             "time": ("time", time, {"units": "s"}),
             "configuration": configuration,
             "coordinate": velocity,
+            "element": list(discrete),
         },
         attrs={
             "form": "full",
@@ -83,6 +89,13 @@ def swing(modes: Modes, mode: int, amplitude: float = 1.0) -> Trajectory:
     return Trajectory(
         data=data, outcome=Outcome.COMPLETED, message=said, counts=Counts(), scenario=modes.scenario, end=None
     )
+
+
+def _element_modes(system: System, at: At) -> dict[str, int]:
+    """Return the mode of each element that has modes in the state, by place."""
+    numbers = {one.place: one.element.mode for one in acting_in(system) if isinstance(one.element, Modal)}
+    changed = {place: int(number) for place, number in at.adjusted if place.endswith(".mode")}
+    return {place: changed.get(f"{place}.mode", number) for place, number in numbers.items()}
 
 
 def _largest(modes: Modes, shape: NDArray[np.complex128]) -> float:

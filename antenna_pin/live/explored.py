@@ -161,7 +161,7 @@ class Explored:
         Raises:
             AntennaPinError: It is none, or cannot be written.
         """
-        target = check_writable(Path(path))
+        target = check_writable(path, ".toml")
         text = scenario_toml(found_from(self.scenario(), target.resolve().parent))
         with replacing(target) as partial:
             partial.write_text(text, encoding="utf-8")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import importlib
+import os
 import secrets
 import socket
 import threading
@@ -15,7 +16,7 @@ from typing import Any
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, MissingToolError, OutputError
 from antenna_pin.live.explored import SPAN, Explored
-from antenna_pin.scenario import Scenario
+from antenna_pin.scenario import Scenario, scenario_named
 
 __all__ = ["Exploration", "explore"]
 
@@ -27,7 +28,7 @@ _PORTS = 65535
 
 @takes(duration="s")
 def explore(
-    scenario: Scenario,
+    scenario: Scenario | str | os.PathLike[str],
     *,
     joint: str | None = None,
     duration: float | str = SPAN,
@@ -39,7 +40,7 @@ def explore(
     In a notebook what is returned shows itself; else open its ``url`` in a browser.
 
     Args:
-        scenario: Where it starts from.
+        scenario: Where it starts from; or its name or path.
         joint: Which joint is looked at first; the first with play, or the first that moves.
         duration: How much of the run is made after each change [s].
         port: Where it listens; a free one if 0.
@@ -53,6 +54,7 @@ def explore(
     """
     assert not isinstance(duration, str)  # read already, by `takes`
     check_bokeh()
+    scenario = scenario_named(scenario)
     if not 0 <= port <= _PORTS:
         raise InvalidParameterError("explore", "port", f"from 0 to {_PORTS}", port)
     target = Path.cwd() if out is None else Path(out)

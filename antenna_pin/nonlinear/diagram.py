@@ -128,7 +128,7 @@ def bifurcation(
     )
     chosen = tuple(branch for branch in BRANCHES if branch in branches)
     _check(asked, given)
-    target = None if out is None else check_writable(out)
+    target = None if out is None else check_writable(out, ".nc")
     with Parts.of(target, asked, given, chosen) as parts:
         _Driver(asked, given, chosen, parts, workers, progress).run()
         table = diagram_table(asked, given, chosen, parts.entries)

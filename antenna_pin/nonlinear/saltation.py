@@ -109,7 +109,7 @@ class Saltation:
     def _event(self, one: Passage, carried: Carried, time: float, y: Array) -> Carried:
         """Carry displacements through an event."""
         event = one.event
-        if not one.acts or not isinstance(event.action, Set | Jump | Switch):
+        if not one.acts or not event.has(Set, Jump, Switch):
             return carried
         field = self._field
         up = field.lift(carried.frame, time, y).up

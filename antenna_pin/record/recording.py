@@ -75,12 +75,12 @@ class Recording:
         return page.embedded(self.data, identity, height, packed=packed)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the page; return its path.
+        """Write the page, ``NAME.html``; return its path.
 
         Raises:
-            OutputError: It cannot be written there.
+            OutputError: The name ends otherwise, or it cannot be written there.
         """
-        target = check_writable(path)
+        target = check_writable(path, ".html")
         with replacing(target) as partial:
             partial.write_text(self.html, encoding="utf-8")
         return target

@@ -30,14 +30,14 @@ def record_several(
 
     Args:
         runs: The runs, one or more.
-        path: Of the page.
+        path: Of the page, ``NAME.html``.
         title: Of the page.
         max_megabytes: Size that each recording keeps to, the viewer included [MB].
 
     Raises:
         AntennaPinError: A run that cannot be recorded, or a page that cannot be written.
     """
-    target = check_writable(path)
+    target = check_writable(path, ".html")
     made = [
         (str(run.data.attrs.get("case") or run.data.attrs.get("title") or f"run {k}"), run)
         for k, run in enumerate(runs, 1)

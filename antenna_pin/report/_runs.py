@@ -81,7 +81,7 @@ def reported(runs: Iterable[Run] | Run) -> list[ReportedRun]:
     found: list[tuple[str, str, Trajectory, Path | None]] = []
     for number, entry in enumerate([runs] if one else runs, start=1):  # type: ignore[arg-type]
         if _is_pair(entry):
-            found.append((str(entry[0]), "", entry[1], None))  # type: ignore[index]
+            found.append((str(entry[0]), "", entry[1], None))  # type: ignore[index, arg-type]
         elif isinstance(entry, Trajectory):
             found.append((str(entry.data.attrs.get("case") or f"run {number}"), "", entry, None))
         elif isinstance(entry, str | os.PathLike):

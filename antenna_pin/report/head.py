@@ -151,10 +151,11 @@ def _stopped(runs: Sequence[ReportedRun]) -> Iterator[Row]:
     if any(latches):
         said = []
         for one in latches:
-            caught = [latch["last_capture"] for latch in one.values() if latch["captures"]] if one else []
+            held = [latch["last_capture"] for latch in one.values() if latch["held_at_end"]] if one else []
+            caught = [time for time in held if time is not None]
             last = f" by {readable(max(caught), 's')}" if caught else ""
-            said.append(f"{len(caught)} of {len(one)}{last}" if one else "")
-        yield words("latched", said)
+            said.append(f"{len(held)} of {len(one)}{last}" if one else "")
+        yield words("latched at the end", said)
 
 
 def _error(run: ReportedRun) -> float | None:

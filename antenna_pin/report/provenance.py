@@ -41,6 +41,9 @@ def provenance(
     files = tuple(((run.label,), str(run.file)) for run in runs if run.file is not None)
     if files:
         statements.append(Statement(label="files", texts=files, code=True))
+    assumed = tuple(((run.label,), "; ".join(run.run.assumed)) for run in runs if run.run.assumed)
+    if assumed:
+        statements.append(Statement(label="assumed, or left out", texts=assumed))
     sources = dict.fromkeys(run.run.scenario.source for run in runs if run.run.scenario is not None)
     if any(sources):
         statements.append(

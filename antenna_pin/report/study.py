@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from antenna_pin import plot
 from antenna_pin.arguments import takes
@@ -59,25 +59,30 @@ def study_report(study: xr.Dataset, *, title: str | None = None, figures: bool =
 
 
 def _status(study: xr.Dataset, name: str) -> _Status:
-    counts = Counter(map(str, np.ravel(study["outcome"].values)))
-    count, pending = study["outcome"].size, counts["PENDING"]
-    unbalanced = counts["LEDGER_OPEN"]
-    bad = count - pending - counts["COMPLETED"] - counts["STOPPED"]
-    early = bad - unbalanced
-    ends = f"{early} of them did not reach their end" if early else "all of them reached their end"
-    said = f"{count - pending} of {count} runs made; {ends}"
-    if unbalanced:
-        said += f"; the energy or momentum of {unbalanced} does not balance"
-    outcome = (
-        "PENDING"
-        if pending
-        else "COMPLETED"
-        if not bad
-        else "SOME ENDED EARLY"
-        if early
-        else "SOME DO NOT BALANCE"
-    )
-    return _Status(name, outcome, said, not pending and not bad)
+    count, pending = study["outcome"].size, int((study["outcome"].values == "PENDING").sum())
+    faults = {words: outcome for (words, outcome), runs in _faults(study).items() if runs.any()}
+    outcome = "PENDING" if pending else next(iter(faults.values()), "COMPLETED")
+    said = f"{count - pending} of {count} runs made; {_counted(study) or 'all of them reached their end'}"
+    return _Status(name, outcome, said, not pending and not faults)
+
+
+def _faults(study: xr.Dataset) -> dict[tuple[str, str], NDArray[np.bool_]]:
+    """Return which runs have each fault, of which one has at most one, by its words and the outcome."""
+    outcomes = study["outcome"].values
+    lacking = np.zeros(outcomes.shape, dtype=bool)
+    for response in _names(study, "responses"):
+        lacking |= np.isnan(study[response].values.astype(float))
+    ended, unbalanced = np.isin(outcomes, ("COMPLETED", "STOPPED")), outcomes == "LEDGER_OPEN"
+    return {
+        ("did not reach their end", "SOME ENDED EARLY"): ~ended & ~unbalanced & (outcomes != "PENDING"),
+        ("do not balance their energy or momentum", "SOME DO NOT BALANCE"): unbalanced,
+        ("lack a response", "SOME LACK A RESPONSE"): ended & lacking,
+    }
+
+
+def _counted(study: xr.Dataset) -> str:
+    """Return how many runs have each fault; "" if none has any."""
+    return ", ".join(f"{runs.sum()} {words}" for (words, _), runs in _faults(study).items() if runs.any())
 
 
 def _names(study: xr.Dataset, what: str) -> list[str]:
@@ -227,7 +232,7 @@ def _failures(study: xr.Dataset) -> Section:
     table = Table(
         columns=("run", "parameters", "outcome", "why"),
         rows=tuple(rows[:_MOST_FAILURES]),
-        caption=f"{len(rows)} runs that did not reach their end, do not balance or lack a response",
+        caption=f"Runs that are not whole: {_counted(study)}",
         key="failures",
     )
     more = len(rows) - _MOST_FAILURES
@@ -241,12 +246,7 @@ def _failures(study: xr.Dataset) -> Section:
 
 def _failed(study: xr.Dataset) -> Iterator[Row]:
     names = _names(study, "parameters")
-    lacking = np.zeros(study["outcome"].shape, dtype=bool)
-    for response in _names(study, "responses"):
-        lacking |= np.isnan(study[response].values.astype(float))
-    outcomes = study["outcome"].values
-    ended = np.isin(outcomes, ("COMPLETED", "STOPPED"))
-    for place in np.argwhere((outcomes != "PENDING") & (lacking | ~ended)):
+    for place in np.argwhere(np.any(list(_faults(study).values()), axis=0)):
         one = study.isel(dict(zip(study["outcome"].dims, map(int, place), strict=True)))
         values = ", ".join(
             f"{name} = {readable(float(one[name]), str(one[name].attrs.get('units', '')))}"

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         SphericalClearance,
         TouchingSpec,
     )
-    from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, PlaceSpec
+    from antenna_pin.scenario.closures import AnchorSpec, ClosureSpec, LinkPlaceSpec, PlaceSpec
     from antenna_pin.scenario.controllers import (
         AttitudeSpec,
         BangBangSpec,
@@ -52,12 +52,20 @@ if TYPE_CHECKING:
         JointsSpec,
         PointsSpec,
     )
-    from antenna_pin.scenario.events import AngleEvent, EventSpec, ForceEvent, GapEvent, RateEvent, TimeEvent
+    from antenna_pin.scenario.events import (
+        AngleEvent,
+        ChangeEvent,
+        EventSpec,
+        ForceEvent,
+        GapEvent,
+        RateEvent,
+        TimeEvent,
+    )
     from antenna_pin.scenario.flexible import FlexibleSpec, ModalDataSpec, ModeSpec, ModesSpec, PetalsSpec
     from antenna_pin.scenario.initial import InitialBaseSpec, InitialJointSpec, InitialSpec
     from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, ScalesSpec, settings_key
     from antenna_pin.scenario.laws import LawChange, LawSpec
-    from antenna_pin.scenario.load import load_scenario
+    from antenna_pin.scenario.load import load_scenario, scenario_named
     from antenna_pin.scenario.mechanism import JointSpec, LinkSpec, MaterialSpec, MechanismSpec, ShapeSpec
     from antenna_pin.scenario.numbers import Number, number_of, with_number
     from antenna_pin.scenario.pointing import OrbitSpec, PointingSpec
@@ -72,12 +80,13 @@ if TYPE_CHECKING:
         scenario_cases,
         scenario_summary,
     )
-    from antenna_pin.scenario.stops import joint_limits
+    from antenna_pin.scenario.stops import joint_limits, moved_joints
     from antenna_pin.scenario.write import found_from, scenario_toml
 
 _HOMES = {
     "AnchorSpec": "closures",
     "AngleEvent": "events",
+    "ChangeEvent": "events",
     "CaseSummary": "shipped",
     "ClearanceSpec": "clearance",
     "TouchingSpec": "clearance",
@@ -127,6 +136,7 @@ _HOMES = {
     "MechanismSpec": "mechanism",
     "OrbitSpec": "pointing",
     "OutputSpec": "integrator",
+    "LinkPlaceSpec": "closures",
     "PlaceSpec": "closures",
     "PlanarClearance": "clearance",
     "PointsSpec": "drives",
@@ -146,7 +156,9 @@ _HOMES = {
     "number_of": "numbers",
     "with_number": "numbers",
     "load_scenario": "load",
+    "scenario_named": "load",
     "joint_limits": "stops",
+    "moved_joints": "stops",
     "models_path": "shipped",
     "scenario_cases": "shipped",
     "scenario_summary": "shipped",
@@ -164,6 +176,7 @@ __all__ = [
     "SPRING_SPECS",
     "AnchorSpec",
     "AngleEvent",
+    "ChangeEvent",
     "CaseSummary",
     "ClearanceSpec",
     "ClosureSpec",
@@ -213,6 +226,7 @@ __all__ = [
     "PlanarClearance",
     "CylindricalClearance",
     "PrismaticClearance",
+    "LinkPlaceSpec",
     "PlaceSpec",
     "PointsSpec",
     "PointingSpec",
@@ -225,8 +239,10 @@ __all__ = [
     "AnySpring",
     "TimeEvent",
     "joint_limits",
+    "moved_joints",
     "list_scenarios",
     "load_scenario",
+    "scenario_named",
     "models_path",
     "scenario_cases",
     "scenario_summary",

@@ -19,7 +19,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 
 from antenna_pin.arguments import fits
 from antenna_pin.directions import A_DIRECTION
-from antenna_pin.errors import nearest
+from antenna_pin.errors import InvalidParameterError, nearest
 from antenna_pin.parameters import RULES, beyond
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
 from antenna_pin.units import QuantityError, describe_unit, quantity, shown
@@ -187,6 +187,9 @@ Version = Annotated[Literal[1], BeforeValidator(_is_one)]
 """Version of the format of a file."""
 
 
+_OF_BASE = frozenset(dir(BaseModel))
+
+
 class Spec(BaseModel):
     """Base of all tables of a scenario.
 
@@ -209,6 +212,21 @@ class Spec(BaseModel):
 
     # Keeps pydantic from calling __init__ for nested tables, where an error would lose its place.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse any change in place."""
+        made = "with_overrides({...})" if hasattr(self, "with_overrides") else "a table with other values"
+        rule = f"left as it is: a table does not change once it is read; make {made}"
+        raise InvalidParameterError(type(self).__name__, name, rule, said=shown(value))
+
+    def __delattr__(self, name: str) -> None:
+        """Refuse any change in place."""
+        rule = "left as it is: a table does not change once it is read"
+        raise InvalidParameterError(type(self).__name__, name, rule, said="del")
+
+    def __dir__(self) -> list[str]:
+        """Return what completion is to find: keys and functions of its own, not those of its base."""
+        return [name for name in super().__dir__() if name.startswith("_") or name not in _OF_BASE]
 
     @classmethod
     def model_validate(cls, obj: Any, **options: Any) -> Self:

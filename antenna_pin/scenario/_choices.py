@@ -32,6 +32,7 @@ EVENT_SPECS = Classes(
         "time": "events.TimeEvent",
         "gap": "events.GapEvent",
         "force": "events.ForceEvent",
+        "change": "events.ChangeEvent",
     },
 )
 """Tables of events by their kind."""

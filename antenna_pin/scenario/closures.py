@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from antenna_pin.scenario._base import Direction, Position, Spec, refuse
 
-__all__ = ["AnchorSpec", "ClosureSpec", "PlaceSpec"]
+__all__ = ["AnchorSpec", "ClosureSpec", "LinkPlaceSpec", "PlaceSpec"]
 
 
 ClosureKind = Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]
@@ -16,13 +16,13 @@ ClosureKind = Literal["revolute", "universal", "spherical", "prismatic", "cylind
 _POINTS = ("spherical", "fixed")
 
 
-class PlaceSpec(Spec):
-    """A place on a link, or a frame.
+class LinkPlaceSpec(Spec):
+    """A link, or a frame, and a place on it that may be left out.
 
     Attributes:
         link: Name of the link, or ``world``.
         frame: Or a frame of the URDF, by its link or joint: its origin.
-        point: In the link's frame [m]; None for a frame's origin.
+        point: In the link's frame [m]; None for a frame's origin, and where no place is needed.
     """
 
     link: str | None = None
@@ -34,10 +34,27 @@ class PlaceSpec(Spec):
         if (self.link is None) == (self.frame is None):
             got = "neither" if self.link is None else "both"
             refuse(f"must have exactly one of link and frame, got {got}")
-        if self.link is not None and self.point is None:
-            refuse("is missing; it is a place in the link's frame, such as [0, 0, 0] for its origin", "point")
         if self.frame is not None and self.point is not None:
             refuse("must be left out beside frame, whose origin it is; or give link and point", "point")
+        return self
+
+    def check_point(self, *place: str) -> None:
+        """Refuse a link without a place on it, from inside a validator."""
+        if self.link is not None and self.point is None:
+            text = "is missing; it is a place in the link's frame, such as [0, 0, 0] for its origin"
+            refuse(text, *place, "point")
+
+
+class PlaceSpec(LinkPlaceSpec):
+    """A place on a link, or a frame.
+
+    Attributes:
+        point: In the link's frame [m]; None for a frame's origin.
+    """
+
+    @model_validator(mode="after")
+    def _check_point(self) -> Self:
+        self.check_point()
         return self
 
 

@@ -22,7 +22,7 @@ from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._kinds import OneOf, Tables
 from antenna_pin.scenario._made import MadeSpec, made_of, name_of_table
-from antenna_pin.scenario.closures import PlaceSpec
+from antenna_pin.scenario.closures import LinkPlaceSpec, PlaceSpec
 
 __all__ = [
     "DRIVE_SPECS",
@@ -119,10 +119,18 @@ class AtPointSpec(AllLinksSpec):
     """A table of a force element that acts on a link at a point.
 
     Attributes:
-        at: Where it acts.
+        at: Where it acts; of a torque alone a link is enough.
     """
 
-    at: PlaceSpec = Field(...)
+    at: LinkPlaceSpec = Field(...)
+
+    @model_validator(mode="after")
+    def _check_point(self) -> Self:
+        """Refuse a force without the point that it acts at."""
+        torque = getattr(self, "torque", None)
+        if torque is None or any(getattr(self, "force", ())):
+            self.at.check_point("at")
+        return self
 
     def build(self, **more: Any) -> Any:
         """Return the element; a place that is a frame has to be given.

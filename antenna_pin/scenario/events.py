@@ -19,9 +19,19 @@ from antenna_pin.scenario._base import (
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.units import shown
 
-__all__ = ["AngleEvent", "EventSpec", "ForceEvent", "GapEvent", "RateEvent", "TimeEvent", "number_to_set"]
+__all__ = [
+    "AngleEvent",
+    "ChangeEvent",
+    "EventSpec",
+    "ForceEvent",
+    "GapEvent",
+    "RateEvent",
+    "TimeEvent",
+    "numbers_to_set",
+]
 
 Direction = Literal["both", "rising", "falling"]
+ActionName = Literal["mark", "stop", "set"]
 
 
 def _count(value: object) -> int:
@@ -42,24 +52,47 @@ class _Event(Spec):
     """What all events share.
 
     Attributes:
-        action: ``mark`` it in the result, as every event is; ``stop`` the run; or ``set`` a number.
+        action: ``mark`` it in the result, as every event is; ``stop`` the run; ``set`` numbers; or several,
+            as ``["set", "stop"]``.
         after: The passage from which on that is done; earlier ones are only marked.
-        set: What is set: ``drives.NAME.KEY``, ``springs.NAME.KEY``, ...; the key ``on`` is the whole of it.
-        to: What it is set to; of ``on`` true or false.
+        once: Whether it is done at that passage alone, else at each from it on.
+        set: What is set: ``drives.NAME.KEY``, ``springs.NAME.KEY``, ...; the key ``on`` is the whole of it. A
+            table of such keys sets several, ``{ "springs.a.on" = false, "drives.b.value" = "2 N*m" }``.
+        to: What it is set to; of ``on`` true or false; left out beside a table.
     """
 
-    action: Literal["mark", "stop", "set"] = "mark"
+    action: ActionName | tuple[ActionName, ...] = "mark"
     after: Annotated[int, BeforeValidator(_count)] = 1
-    set: str | None = None
+    once: bool = False
+    set: str | dict[str, bool | float | str] | None = None
     to: bool | float | str | None = None
+
+    @property
+    def actions(self) -> tuple[ActionName, ...]:
+        """What is done, in order."""
+        return (self.action,) if isinstance(self.action, str) else self.action
+
+    @property
+    def numbers(self) -> dict[str, bool | float | str]:
+        """What is set to what, as given, by key."""
+        if self.set is None or isinstance(self.set, str):
+            return {} if self.set is None or self.to is None else {self.set: self.to}
+        return self.set
 
     @model_validator(mode="after")
     def _check_action(self) -> Self:
-        for name in ("set", "to"):
+        said = ", ".join(self.actions)
+        if not self.actions:
+            refuse("must be mark, stop or set, or several of these, got none", "action")
+        sets, table = "set" in self.actions, isinstance(self.set, dict)
+        for name, wanted in (("set", sets), ("to", sets and not table)):
             given = getattr(self, name)
-            if (given is None) == (self.action == "set"):
+            if (given is None) == wanted:
                 rule = "is missing; give it" if given is None else "must be left out"
-                refuse(f'{rule} where action is "{self.action}"', name, value=given)
+                beside = "beside a table in set" if sets and table else f'where action is "{said}"'
+                refuse(f"{rule} {beside}", name, value=given)
+        if table and not self.set:
+            refuse("must be the numbers to set, got an empty table", "set")
         return self
 
 
@@ -134,35 +167,71 @@ class ForceEvent(_Event):
     direction: Direction = "both"
 
 
-EventSpec = AngleEvent | RateEvent | TimeEvent | GapEvent | ForceEvent
+class ChangeEvent(_Event):
+    """An element or a contact changes: a latch captures, a stop is touched, a friction sticks.
+
+    Attributes:
+        of: Place of the element, as ``latches.root``, or name of a contact, as ``elevation.radial+``.
+        change: ``capture``, ``refusal`` or ``release`` of a latch; ``touch``, ``rest`` (of a rigid one),
+            ``turn`` (of others) or ``lift-off`` of a stop or a gear; ``stick`` or ``slip`` of a friction;
+            ``touch`` or ``lift-off`` of a contact.
+        side: ``lower`` or ``upper`` of a stop, ``plus`` or ``minus`` of a gear; either if left out.
+    """
+
+    kind: Literal["change"]
+    of: str
+    change: str
+    side: str | None = None
+
+
+EventSpec = AngleEvent | RateEvent | TimeEvent | GapEvent | ForceEvent | ChangeEvent
 """An event; ``kind`` says which class it is."""
 
 
-def number_to_set(event: EventSpec, tables: Mapping[str, Mapping[str, Spec]], *place: str) -> float:
-    """Return what an event sets, in SI units, or refuse it from inside a validator.
+def numbers_to_set(
+    event: EventSpec, tables: Mapping[str, Mapping[str, Spec]], *place: str
+) -> dict[str, float]:
+    """Return what an event sets by key, in SI units, or refuse it from inside a validator.
 
     Args:
-        event: One whose action is ``set``.
+        event: The event.
         tables: The elements of the scenario by family, then by name.
         *place: Where the event stands.
     """
-    element, _, key = (event.set or "").rpartition(".")
+    alone = event.to is not None
+    return {
+        key: _number_to_set(key, value, tables, place, () if alone else (key,))
+        for key, value in event.numbers.items()
+    }
+
+
+def _number_to_set(
+    whole: str,
+    given: bool | float | str,
+    tables: Mapping[str, Mapping[str, Spec]],
+    place: tuple[str, ...],
+    entry: tuple[str, ...],
+) -> float:
+    """Return one number to set; its key stands in an entry of the table in ``set``, or alone."""
+    element, _, key = whole.rpartition(".")
     kind, _, name = element.partition(".")
-    known = [f"{place}.{one}" for place, named in tables.items() for one in named]
+    known = [f"{family}.{one}" for family, named in tables.items() for one in named]
+    at = (*place, "set", *entry)
+    if not known:
+        refuse(f"must be of an element, FAMILY.NAME.KEY, but the scenario has none, got {whole!r}", *at)
     if element not in known:
-        refuse_name("element", element or key, known, *place, "set")
+        refuse_name("element", element or key, known, *at)
+    value_at = at if entry else (*place, "to")
     quantities = _quantities(tables[kind][name])
     switched = "on" in type(tables[kind][name]).model_fields
     if key == "on" and switched:
-        if not isinstance(event.to, bool):
-            refuse(f"must be true or false, got {shown(event.to)}", *place, "to", value=event.to)
-        return float(event.to)
+        if not isinstance(given, bool):
+            refuse(f"must be true or false, got {shown(given)}", *value_at, value=given)
+        return float(given)
     if key not in quantities:
-        refuse_key(
-            f"sets {key!r}, which {unknown_key([*quantities, *(['on'] * switched)], key)}", *place, "set"
-        )
+        refuse_key(f"sets {key!r}, which {unknown_key([*quantities, *(['on'] * switched)], key)}", *at)
     unit = quantities[key]
-    return read_quantity(event.to, unit.unit, unit.rule, *place, "to")
+    return read_quantity(given, unit.unit, unit.rule, *value_at)
 
 
 def _quantities(table: Spec) -> dict[str, Quantity]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from pydantic import ValidationError
 
@@ -27,7 +27,9 @@ from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import find_scenario, read_toml
 from antenna_pin.units import shown
 
-__all__ = ["load_scenario"]
+__all__ = ["load_scenario", "scenario_named"]
+
+Named = TypeVar("Named")
 
 
 class _Case(NamedTuple):
@@ -80,6 +82,16 @@ def load_scenario(
             note = f" (in case {other})"
             _check_case(Source(found.label, base, other, one.table, note=note, below=one.below), layer)
     return scenario
+
+
+def scenario_named(model: Named | str | os.PathLike[str]) -> Named | Scenario:
+    """Return what is run: a scenario by name or path in its default case, anything else as it is.
+
+    Raises:
+        ScenarioError: As :func:`load_scenario`.
+        UnknownNameError: Likewise.
+    """
+    return load_scenario(model) if isinstance(model, str | os.PathLike) else model
 
 
 def _take_cases(document: dict[str, Any], label: str) -> tuple[dict[str, _Case], str | None]:

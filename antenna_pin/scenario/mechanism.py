@@ -34,7 +34,8 @@ class JointSpec(JointTable, MadeSpec):
             ``planar``, free in the plane across its axis.
         regularisation_speed: Where its own Coulomb friction is 71 % of its limit [rad/s] ([m/s]); None for
             1e-3.
-        sticks: Whether its own Coulomb friction holds what it sticks, as ``[frictions.NAME]``.
+        sticks: Whether its own Coulomb friction holds what it sticks, as ``[frictions.NAME]``; if left out it
+            does at a joint without play that no motion moves, unless ``regularisation_speed`` is given.
     """
 
     kind: JointVariant | None = None

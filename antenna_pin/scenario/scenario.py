@@ -140,14 +140,11 @@ class Scenario(FamilyTables):
             raise UnknownNameError("Scenario", "material", name, {*self.materials, *contact.MATERIALS})
         return contact.MATERIALS[name]
 
-    def to_set(self, event: str) -> float | None:
-        """Return what an event sets its number to, in SI units; None if it sets nothing."""
-        table = self.events[event]
-        if table.action != "set":
-            return None
-        from antenna_pin.scenario.events import number_to_set
+    def to_set(self, event: str) -> dict[str, float]:
+        """Return what an event sets, in SI units, by key; {} if nothing."""
+        from antenna_pin.scenario.events import numbers_to_set
 
-        return number_to_set(table, self.families, "events", event)
+        return numbers_to_set(self.events[event], self.families, "events", event)
 
     @property
     def families(self) -> dict[str, Mapping[str, Any]]:

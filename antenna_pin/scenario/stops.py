@@ -13,7 +13,7 @@ from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.shipped import tables
 
-__all__ = ["ALL", "joint_limits", "with_urdf_limits"]
+__all__ = ["ALL", "joint_limits", "moved_joints", "with_urdf_limits"]
 
 #: Name of the table that stands for a stop at each joint with limits that has no stop of its own.
 ALL = "*"
@@ -86,7 +86,7 @@ def with_urdf_limits(data: Mapping[str, Any]) -> Any:
     for name, table in stops.items():
         if name == ALL:
             around = list(joint_limits(data["urdf_text"], continuous=True))
-            done |= _everywhere(stops, limits, _moved(data), around)
+            done |= _everywhere(stops, limits, moved_joints(data), around)
         elif name in open_:
             done[name] = {**table, **limits.get(str(table.get("joint", name)), {})}
         else:
@@ -110,8 +110,12 @@ def _changed(data: Mapping[str, Any]) -> dict[str, dict[str, float]]:
     return found
 
 
-def _moved(data: Mapping[str, Any]) -> set[str]:
-    """Return the joints that motions move, their own or those of the joints that they are coupled to."""
+def moved_joints(data: Mapping[str, Any]) -> set[str]:
+    """Return the joints that motions move, their own or those of the joints that they are coupled to.
+
+    Args:
+        data: All of a scenario, validated or not yet.
+    """
     found = {
         str(drive.get("joint", name))
         for name, one in tables(data.get("drives")).items()

@@ -63,7 +63,7 @@ class Happenings:
             late: By how much later it comes, of one that acts.
         """
         field, name = self._field, one.event.name
-        if not one.acts or not isinstance(one.event.action, Set | Jump | Switch):  # noted, or the run's end
+        if not one.acts or not one.event.has(Set, Jump, Switch):  # noted, or the run's end
             return Happened(name, time, self._late(one, time, y, ways), np.zeros_like(late))
         if isinstance(one.event.action, Jump):  # a function of the user's, which knows states only
             return Happened(name, time, late, np.full_like(late, np.nan))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType, TracebackType
@@ -17,7 +18,7 @@ from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.interruption import interruptible
 from antenna_pin.readable import readable
-from antenna_pin.scenario import Scenario
+from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.session.commands import Commands, in_si
 from antenna_pin.session.goals import looked_to, seconds, sought
 from antenna_pin.session.numbers import Numbers
@@ -43,7 +44,7 @@ class EndedError(AntennaPinError, RuntimeError):
 
 @takes(angles="rad", record="s")
 def start(
-    model: Scenario | System,
+    model: Scenario | System | str | os.PathLike[str],
     *,
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
@@ -57,7 +58,7 @@ def start(
     """Begin a run that is told from outside how far to go, and what to change on its way.
 
     Args:
-        model: What to run.
+        model: What to run; or the name of a shipped scenario, or a path, whose default case is run.
         q: Initial configuration, as :func:`antenna_pin.simulate` takes it.
         v: Initial velocity.
         angles: Angles of joints that turn without end.
@@ -71,7 +72,8 @@ def start(
     Raises:
         AntennaPinError: The input is not valid.
     """
-    return Session(model, First(q, v, angles, start), settings, tuple(events), record, controllers)
+    first = First(q, v, angles, start)
+    return Session(scenario_named(model), first, settings, tuple(events), record, controllers)
 
 
 class Session:

@@ -6,7 +6,19 @@ from antenna_pin._lazy import loaded_when_used
 
 if TYPE_CHECKING:
     from antenna_pin.simulation.checkpoint import Checkpoint
-    from antenna_pin.simulation.events import Angle, Event, Force, Gap, Jump, Mark, Rate, Set, Stop, Time
+    from antenna_pin.simulation.events import (
+        Angle,
+        ElementChange,
+        Event,
+        Force,
+        Gap,
+        Jump,
+        Mark,
+        Rate,
+        Set,
+        Stop,
+        Time,
+    )
     from antenna_pin.simulation.finish import UnsavedError
     from antenna_pin.simulation.keeper import CheckpointsWaitedWarning, NotKeptWarning
     from antenna_pin.simulation.moment import Moment
@@ -17,6 +29,7 @@ __all__ = [
     "Angle",
     "Checkpoint",
     "CheckpointsWaitedWarning",
+    "ElementChange",
     "Event",
     "Force",
     "Gap",
@@ -37,7 +50,7 @@ loaded_when_used(
     __name__,
     {
         "checkpoint": "Checkpoint",
-        "events": "Angle Event Force Gap Jump Mark Rate Set Stop Time",
+        "events": "Angle ElementChange Event Force Gap Jump Mark Rate Set Stop Time",
         "finish": "UnsavedError",
         "keeper": "CheckpointsWaitedWarning NotKeptWarning",
         "moment": "Moment",

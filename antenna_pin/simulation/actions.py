@@ -12,16 +12,18 @@ from antenna_pin.dynamics import Adjustments, NotFollowedError, Workspace, audit
 from antenna_pin.elements import OnLinks
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import Stepper
+from antenna_pin.readable import number
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.due import ZERO
 from antenna_pin.simulation.ending import RefusedError
-from antenna_pin.simulation.events import Event, Jump, Set, Stop
+from antenna_pin.simulation.events import ElementChange, Event, Jump, Set, Stop
 from antenna_pin.simulation.modes import Modes
 from antenna_pin.simulation.motions import Motions
 from antenna_pin.simulation.now import Sight
 from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 from antenna_pin.simulation.passages import Passage, passages_of
 from antenna_pin.simulation.samples import Samples
+from antenna_pin.simulation.switches import Changed
 from antenna_pin.simulation.watch import Crossing, Watch
 
 __all__ = ["Actions", "Happening"]
@@ -44,6 +46,14 @@ class Happening:
     energy: float
 
 
+def _said(action: Set | Jump) -> str:
+    """Return what an action sets, as a scenario writes it."""
+    if isinstance(action, Jump):
+        return "the state"
+    is_switch = action.place.endswith(".on")
+    return f"{action.place} = {str(bool(action.value)).lower() if is_switch else number(action.value)}"
+
+
 class Actions:
     """Does what events ask for, and keeps what has happened.
 
@@ -61,6 +71,7 @@ class Actions:
         modes: Those that have modes.
         motions: Those that prescribe motions.
         passages: What has happened at each instant, for who takes it from there; None if nobody does.
+        ending: Name of the event that ends the run here, if one does.
     """
 
     def __init__(
@@ -84,16 +95,15 @@ class Actions:
         self.modes = Modes(workspace, self.adjustments)
         self.motions = Motions(workspace, self.adjustments)
         self.passages: list[Passage] | None = None
+        self.ending: str | None = None
 
-    def take(self, crossings: Sequence[Crossing]) -> str | None:
+    def take(self, crossings: Sequence[Crossing]) -> None:
         """Count events that happen at the present instant and do what they ask for.
 
-        Events of the user's come first, in their order; then elements change, all together.
-
-        Returns:
-            The name of the event that ends the run, if one does.
+        Events of the user's come first, in their order; then elements change, all together, then events that
+        are on these changes happen.
         """
-        events, last, changes = self._watch.events, None, False
+        events, changes = self._watch.events, False
         switches: list[Event] = []
         for crossing in crossings:
             event = events[crossing.event]
@@ -106,11 +116,8 @@ class Actions:
                 changes = self._edge(event.action) or changes
             else:
                 changes = self._happen(event, count) or changes
-                if isinstance(event.action, Stop) and count >= event.after and self._counts:
-                    last = event.name
         if switches or changes:
             self._resolve(switches)
-        return last
 
     @property
     def _is_new(self) -> bool:
@@ -138,15 +145,17 @@ class Actions:
 
     def _happen(self, event: Event, count: int) -> bool:
         """Let an event of the user's happen; return whether it changes anything."""
-        changes = count >= event.after and isinstance(event.action, Set | Jump)
-        energy = 0.0
-        if changes:
-            try:
-                energy = self._carry_out(event.name, event.action)  # type: ignore[arg-type]
-            except InvalidParameterError as error:
-                what = f"sets {event.action.place} = {str(event.action.value).lower()}"  # type: ignore[union-attr]
-                raise RefusedError(f"event {event.name!r} {what}: {error}") from None
-        self._keep(event, count >= event.after)
+        acts, energy = event.acts(count), 0.0
+        changes = acts and event.has(Set, Jump)
+        for action in event.actions if acts else ():
+            if isinstance(action, Set | Jump):
+                try:
+                    energy += self._carry_out(event.name, action)
+                except InvalidParameterError as error:
+                    raise RefusedError(f"event {event.name!r} sets {_said(action)}: {error}") from None
+            elif isinstance(action, Stop) and self._counts:
+                self.ending = event.name
+        self._keep(event, acts)
         if self._counts:
             self.happened.append(Happening(event.name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())
@@ -154,8 +163,12 @@ class Actions:
 
     def _keep(self, event: Event, acts: bool) -> None:
         """Keep what has happened for who asks for it."""
-        if self.passages is not None:
-            self.passages.append(Passage(self._stepper.t, event, acts, (), self._workspace.program.copy()))
+        if self.passages is None:
+            return
+        if isinstance(event.when, ElementChange):
+            rule = "which neighbours come to at other times, through which no derivatives are carried"
+            raise NotFollowedError(f"event {event.name!r} is on a change of {event.when.element}, {rule}")
+        self.passages.append(Passage(self._stepper.t, event, acts, (), self._workspace.program.copy()))
 
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here.
@@ -242,7 +255,7 @@ class Actions:
                 self.adjustments.set(f"{place}.{key}", value)
 
     def _resolve(self, switches: Sequence[Event]) -> bool:
-        """Let elements change at the present state; return whether any does.
+        """Let elements change at the present state, and what is on these changes; return whether any does.
 
         Args:
             switches: Events at which functions of theirs have been found to pass.
@@ -274,7 +287,18 @@ class Actions:
                 self.passages += passages_of(modes.done, events, program, self._workspace, t)
         if changed or switches:
             self._watch.logical(ZERO, modes.grazed)
+        self._follow(modes.changed[recorded:])
         return changed
+
+    def _follow(self, changed: Sequence[Changed]) -> None:
+        """Let events happen that are on changes of elements, and what changes by them."""
+        changes = False
+        made = [(one.element, one.what) for one in changed]
+        for crossing in self._watch.on_changes(self.adjustments.elements, made):
+            count = self._watch.happen(crossing)
+            changes = self._happen(self._watch.events[crossing.event], count) or changes
+        if changes:
+            self._resolve(())
 
     def _renew(self) -> None:
         self._control.renew(self.adjustments.elements.values())

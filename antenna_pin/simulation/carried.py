@@ -52,7 +52,8 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     moment of inertia [kg m^2] that its joint has ``moved``; of parts that move the same shapes the first, on
     whose body these are, names the others in ``with``. If joints have friction of their own,
     ``joint_friction`` (JSON) has of each, by the name that it has among the springs, its ``joint``, whether
-    that ``slides``, and the numbers of its :class:`antenna_pin.elements.JointFriction`.
+    that ``slides``, and the numbers of its :class:`antenna_pin.elements.JointFriction`. ``left_out`` and
+    ``assumed`` (JSON) are lines on what of the URDF is not simulated, and on what is taken for granted.
     """
     mechanism = system.mechanism
     springs = {
@@ -89,6 +90,11 @@ def mechanism_attributes(system: System) -> dict[str, str]:
         **({"forces": json.dumps(forces)} if (forces := _forces(system)) else {}),
         **({"force_places": json.dumps(places)} if (places := _force_places(system)) else {}),
         **({"joint_friction": json.dumps(frictions)} if frictions else {}),
+        **{
+            name: json.dumps(lines)
+            for name, lines in (("left_out", system.left_out), ("assumed", system.assumed))
+            if lines
+        },
         **({"elastic_parts": json.dumps(_elastic_parts(system))} if system.elastic else {}),
     }
 

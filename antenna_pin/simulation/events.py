@@ -7,7 +7,7 @@ for. Contacts that touch and part are events of their own kind, always looked fo
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol, runtime_checkable
 
@@ -16,13 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.answers import AskedFunction, asked, check_takes
 from antenna_pin.arguments import fits, takes, unknown_type
-from antenna_pin.dynamics import Adjustments, System, Workspace
-from antenna_pin.errors import FunctionError, InvalidParameterError
+from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in
+from antenna_pin.elements import ForceElement, Modal
+from antenna_pin.errors import FunctionError, InvalidParameterError, UnknownNameError
 from antenna_pin.parameters import holds
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 
-__all__ = ["Angle", "Event", "Force", "Gap", "Jump", "Mark", "Rate", "Set", "Stop", "Time"]
+__all__ = ["Angle", "ElementChange", "Event", "Force", "Gap", "Jump", "Mark", "Rate", "Set", "Stop", "Time"]
 
 Array = NDArray[np.float64]
 
@@ -150,7 +151,61 @@ class Time:
         return moment.time - max((t for t in self.instants if t <= moment.time), default=self.instants[0])
 
 
-Condition = Angle | Rate | Gap | Force | Time
+@takes()
+@dataclass(frozen=True, slots=True)
+class ElementChange:
+    """An element changes its mode: a latch captures, a stop is touched, a friction sticks.
+
+    What a run records as a change (``change`` of the result) is meant; a latch that an event puts off is that
+    event. No function passes zero: the event is at the instant of the change, behind it.
+
+    Attributes:
+        element: Place of the element, as ``latches.root``.
+        change: ``capture``, ``refusal`` or ``release`` of a latch; ``touch``, ``rest``, ``turn`` or
+            ``lift-off`` of a stop or a gear; ``stick`` or ``slip`` of a friction.
+        side: ``lower`` or ``upper`` of a stop, ``plus`` or ``minus`` of a gear; None for either.
+    """
+
+    element: str
+    change: str
+    side: str | None = None
+
+    def __call__(self, moment: Moment) -> float:
+        """Return 1: it never passes by itself."""
+        return 1.0
+
+    def is_met(self, elements: Mapping[str, ForceElement], element: str, what: str) -> bool:
+        """Return whether a recorded change of an element is the one meant."""
+        found = elements[element]
+        return (
+            element == self.element
+            and isinstance(found, Modal)
+            and found.is_change(self.change, self.side, what)
+        )
+
+    def check(self, event: str, system: System) -> None:
+        """Refuse an element, a change or a side that there is not.
+
+        Raises:
+            UnknownNameError: It lists those that there are.
+        """
+        known = {
+            one.place: one.element
+            for one in acting_in(system)
+            if isinstance(one.element, Modal) and one.element.change_names
+        }
+        if self.element not in known:
+            raise UnknownNameError(event, "element with changes", self.element, known)
+        found = known[self.element]
+        for what, name, names in (
+            ("change", self.change, found.change_names),
+            ("side", self.side, found.sides),
+        ):
+            if name is not None and name not in names:
+                raise UnknownNameError(event, f"{what} of {self.element}", name, names)
+
+
+Condition = Angle | Rate | Gap | Force | Time | ElementChange
 
 
 # --- actions --------------------------------------------------------------------------------------------
@@ -242,16 +297,18 @@ class Event:
             to round-off. A jump of it past zero, at a contact or by another event, is a passage too. It must
             answer equal questions equally, or the run ends as ``FUNCTION_WITH_MEMORY``.
         direction: +1: rising; -1: falling; 0: both.
-        action: What happens.
+        action: What happens; or several of :class:`Set`, :class:`Stop` and :class:`Mark`, done in order.
         after: The passage from which on ``action`` is taken; the earlier ones are only recorded [-].
+        once: Whether it is taken at that passage alone.
         nodes: Parts of a step that are looked at [-].
     """
 
     name: str
     when: Callable[[Moment], float]
     direction: Literal[-1, 0, 1] = 0
-    action: Action = field(default_factory=Mark)
+    action: Action | Sequence[Mark | Stop | Set] = field(default_factory=Mark)
     after: int = 1
+    once: bool = False
     nodes: int = 4
 
     def __post_init__(self) -> None:
@@ -264,8 +321,6 @@ class Event:
             check_takes(place, "rate", self.when.rate, "moment")
         if self.direction not in (-1, 0, 1):
             raise InvalidParameterError(place, "direction", "-1, 0 or 1", self.direction)
-        if not isinstance(self.action, Action):
-            raise InvalidParameterError(place, "action", "Mark(), Stop(), Set(...) or Jump(...)", self.action)
         for name in ("after", "nodes"):
             if not (isinstance(getattr(self, name), int) and getattr(self, name) >= 1):
                 raise InvalidParameterError(place, name, "a whole number of 1 or more", getattr(self, name))
@@ -281,9 +336,22 @@ class Event:
         return AskedFunction(f"{name}when", self.when, told_moment), rate
 
     @property
+    def actions(self) -> tuple[Action, ...]:
+        """What happens, in order."""
+        return (self.action,) if isinstance(self.action, Action) else tuple(self.action)
+
+    def has(self, *kinds: type) -> bool:
+        """Return whether one of its actions is of these kinds."""
+        return any(isinstance(one, kinds) for one in self.actions)
+
+    def acts(self, count: int) -> bool:
+        """Return whether its actions are taken at this passage, counted from 1."""
+        return count == self.after if self.once else count >= self.after
+
+    @property
     def changes(self) -> bool:
         """Whether it may change what moves, or end it: nothing is known of what comes after it."""
-        return isinstance(self.action, Set | Jump | Stop | Switch | Edge)
+        return self.has(Set, Jump, Stop, Switch, Edge)
 
     def counts(self, side: float) -> bool:
         """Whether the function's passing to this sign is what is looked for."""
@@ -313,8 +381,11 @@ def check_events(events: Sequence[Event], system: System, y: ArrayLike) -> None:
         moment.set(0.0, y)  # type: ignore[arg-type]
         if isinstance(event.when, Force):
             moment.contact_number(event.when.contact)
+        if isinstance(event.when, ElementChange):
+            event.when.check(f"event {event.name!r}", system)
         for function in event.asked():
             if function is not None:
                 function(moment)
-        if isinstance(event.action, Set):
-            trial.set(event.action.place, event.action.value)
+        for action in event.actions:
+            if isinstance(action, Set):
+                trial.set(action.place, action.value)

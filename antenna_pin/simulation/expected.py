@@ -19,7 +19,10 @@ Array = NDArray[np.float64]
 
 _FIRST = 2.5  # [s] of wall time to the first look; from look to look as much again as there was before
 _LONG = 60.0  # [s] of wall time that a run may still take without a word
+# Trial steps, or [s] of wall time, on which a pace can rest: the first steps load what they call.
+_STEPS, _PATIENCE = 100, 15.0
 _OTHER = 4.0  # times longer, or shorter, than was told: it is told again
+_ALIKE = 2.0  # times the least estimate up to which the greatest is no other
 # Steps' share of their tolerance that round-off may have before it is what holds them.
 _NOISE = 0.1
 _TURN = 0.05  # [rad] that a joint turns in a step, and it is this that steps follow
@@ -36,7 +39,10 @@ class Expected:
         end: Of the run [s].
 
     Attributes:
-        left: Wall time that the run will still take, as last told [s]; NaN if nothing was told.
+        left: Wall time that the run will still take, as last told, by its pace since the last look [s]; NaN
+            if nothing was told.
+        range: The least and the greatest of that, by the fastest pace from look to look so far, by that since
+            the last one, and in all.
         step: Way of the run for each trial step, at its present pace [s].
         rejected: Share of trial steps that were rejected, likewise [-].
         relocated: Share of those that were made to end where something happens, likewise [-].
@@ -45,6 +51,8 @@ class Expected:
     def __init__(self, end: float) -> None:
         """Begin without a look."""
         self.left, self.step = math.nan, 0.0
+        self.range = math.nan, math.nan
+        self._best, self._tried = 0.0, 0
         self.rejected = self.relocated = 0.0
         self._end = end
         self._told = math.nan
@@ -55,7 +63,7 @@ class Expected:
     def begin(self, t: float, made: Made) -> None:
         """Take the time from here on: at t [s], with what a run that goes on has made before."""
         self._mark, self._start = (t, made), t
-        self._began, self._next = made.wall, made.wall + _FIRST
+        self._began, self._next, self._tried = made.wall, made.wall + _FIRST, made.tried
 
     def look(self, t: float, made: Made) -> bool:
         """Look at a run that has come to t [s], if it is time to; return whether it is to be told of."""
@@ -66,14 +74,19 @@ class Expected:
         self._next = self._began + 2.0 * (made.wall - self._began)
         if then.wall == self._began:
             return False
+        rests = made.tried - self._tried >= _STEPS or made.wall - self._began >= _PATIENCE
         left = self._left(t, way, made.wall - then.wall)
         # At two looks, or by the whole way so far: a burst of impacts or events is soon over.
-        sure = max(self._before, self._left(t, t - self._start, made.wall - self._began)) > _LONG
+        others = self._before, self._left(t, t - self._start, made.wall - self._began)
+        sure = max(others) > _LONG
+        self._best = max(self._best, way / (made.wall - then.wall))
+        known = left, others[1], self._left(t, self._best, 1.0)
         self._before = left
         whole = made.wall + left
-        if not (sure and left > _LONG) or self._told / _OTHER <= whole <= self._told * _OTHER:
+        if not (rests and sure and left > _LONG) or self._told / _OTHER <= whole <= self._told * _OTHER:
             return False
         self.left, self._told = left, whole
+        self.range = min(known), max(known)
         return True
 
     def _left(self, t: float, way: float, wall: float) -> float:
@@ -94,9 +107,16 @@ class Expected:
         took = lasting(self._mark[1].wall - self._began)
         if math.isinf(self.left):
             return f"at t = {t:.9g} s of {self._end:g} s, after {took}, the run makes no way at all"
+        least, most = self.range
+        if most <= _ALIKE * least:
+            how_long = f"{lasting(self.left)} at its present pace"
+        elif math.isinf(most):
+            how_long = f"{lasting(least)} or more, as its pace changes"
+        else:
+            how_long = f"{lasting(least)} to {lasting(most)}, as its pace changes"
         return (
-            f"at t = {t:.9g} s of {self._end:g} s, after {took}, the run will take another "
-            f"{lasting(self.left)} at its present pace, with steps of {number(self.step, 2)} s"
+            f"at t = {t:.9g} s of {self._end:g} s, after {took}, the run will take another {how_long}, with "
+            f"steps of {number(self.step, 2)} s"
         )
 
 

@@ -8,13 +8,15 @@ from typing import Any, Literal
 
 from antenna_pin.assemble import reference_for
 from antenna_pin.control import Controller
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.elements import FAMILIES
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import (
     Action,
     Angle,
     Condition,
+    ElementChange,
     Event,
     Force,
     Gap,
@@ -63,9 +65,10 @@ def events_of(scenario: Scenario) -> tuple[Event, ...]:
         Event(
             name=name,
             when=_CONDITIONS[table.kind](table),
-            direction=_DIRECTIONS[getattr(table, "direction", "both")],
-            action=_action(scenario, name),
+            direction=_DIRECTIONS[_direction(table)],
+            action=_actions(scenario, name),
             after=table.after,
+            once=table.once,
         )
         for name, table in scenario.events.items()
     )
@@ -113,11 +116,38 @@ _CONDITIONS: Mapping[str, Callable[[Any], Condition]] = {
     "time": lambda table: Time(*table.time),
     "gap": lambda table: Gap(table.contact, table.value),
     "force": lambda table: Force(table.contact, table.value),
+    "change": lambda table: (
+        ElementChange(table.of, table.change, table.side) if _is_element(table) else _of_contact(table)
+    ),
 }
+# Of a contact, by the way of its gap through zero.
+_OF_CONTACTS = {"touch": "falling", "lift-off": "rising"}
 
 
-def _action(scenario: Scenario, name: str) -> Action:
-    table, number = scenario.events[name], scenario.to_set(name)
-    if table.set is not None and number is not None:
-        return Set(table.set, number)
-    return Stop() if table.action == "stop" else Mark()
+def _is_element(table: Any) -> bool:
+    return table.of.partition(".")[0] in FAMILIES
+
+
+def _of_contact(table: Any) -> Gap:
+    """Return the condition of an event on a change of a contact: its gap passes zero."""
+    if table.change not in _OF_CONTACTS:
+        raise UnknownNameError("events", f"change of contact {table.of}", table.change, _OF_CONTACTS)
+    if table.side is not None:
+        raise InvalidParameterError("events", "side", "left out for a contact", table.side)
+    return Gap(table.of, 0.0)
+
+
+def _direction(table: Any) -> str:
+    if table.kind == "change" and not _is_element(table):
+        return _OF_CONTACTS.get(table.change, "both")
+    return str(getattr(table, "direction", "both"))
+
+
+def _actions(scenario: Scenario, name: str) -> Action | tuple[Mark | Stop | Set, ...]:
+    found: list[Mark | Stop | Set] = []
+    for one in scenario.events[name].actions:
+        if one == "set":
+            found += [Set(place, number) for place, number in scenario.to_set(name).items()]
+        else:
+            found.append(Stop() if one == "stop" else Mark())
+    return found[0] if len(found) == 1 else tuple(found)

@@ -299,7 +299,7 @@ class Audit:
             share = f", {number(self._most['energy_error'] / scale, 2)} of the {of}" if scale > 0.0 else ""
             text = f"the energy balance is off by {readable(first.error, 'J', 3)} (at most {most}{share})"
             found.append(self._opening(first, text, readable(bound, "J", 2)))
-        jumps = any(isinstance(event.action, Jump) for event in self._run.events)
+        jumps = any(event.has(Jump) for event in self._run.events)
         moving = self._run.system.keeps_momentum and not self.at_rest and not jumps
         for name, trail in self._momenta.items() if moving else ():
             bound, unit = self.momentum_bound(name), _MOMENTA[name]

@@ -329,17 +329,17 @@ class Run:
 
     def _act(self, crossings: list[Crossing]) -> None:
         """Let all happen that does at this instant."""
-        last = None
         with self._settling():
-            last = self.actions.take(crossings)
-        if last is not None and self.outcome is Outcome.COMPLETED:
-            self._stop(Outcome.STOPPED, f", event {last!r}")
+            self.actions.take(crossings)
 
     @contextmanager
     def _settling(self) -> Iterator[None]:
-        """End the run where modes of elements come to no end, or a motion cannot be followed."""
+        """End the run where modes come to no end, a motion cannot be followed, or an event says so."""
         try:
             yield
+            last, self.actions.ending = self.actions.ending, None
+            if last is not None and self.outcome is Outcome.COMPLETED:
+                self._stop(Outcome.STOPPED, f", event {last!r}")
         except NeverSettlesError as error:
             self._stop(error.outcome, error.seen)
         except MechanismError as error:

@@ -258,6 +258,7 @@ class Modes:
             Changed(
                 name=f"{FAMILIES[one.family].word} {one.name}: {what}",
                 element=place,
+                what=what,
                 time=t,
                 mode=element.modes[change.mode],
                 angle=met.angle,

@@ -74,11 +74,9 @@ def check_sets(events: Sequence[Event], system: System, y: Array) -> None:
     workspace = Workspace(system)
     adjustments = Adjustments(system, workspace.program)
     motions = Motions(workspace, adjustments)
-    sets = [event for event in events if isinstance(event.action, Set)]
-    places = [event.action.place.rpartition(".")[::2] for event in sets]  # type: ignore[union-attr]
-    for event, (element, key) in zip(sets, places, strict=True):
-        action = event.action
-        assert isinstance(action, Set)
+    sets = [(event, one) for event in events for one in event.actions if isinstance(one, Set)]
+    places = [action.place.rpartition(".")[::2] for _, action in sets]
+    for (event, action), (element, key) in zip(sets, places, strict=True):
         if not motions.is_one(element):
             if key == "on" and action.value:
                 check_restraint(workspace, adjustments, 0.0, y, element)

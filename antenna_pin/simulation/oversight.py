@@ -9,6 +9,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin._compile_time import compiling_so_far
 from antenna_pin.dynamics import Workspace
 from antenna_pin.errors import FunctionError, LongRunWarning, StiffRunWarning
 from antenna_pin.integrate import Stepper
@@ -30,6 +31,10 @@ Array = NDArray[np.float64]
 # Share of steps that are rejected, or end where something happens, from which on they take the time.
 _MANY = 0.2
 _WAY_OUT = "; integrator.max_wall_time ends a run in time, and keeps what it has"
+
+
+def _without_compiling(made: Made) -> Made:
+    return made._replace(wall=made.wall - compiling_so_far())
 
 
 class Oversight:
@@ -62,7 +67,7 @@ class Oversight:
     def begin(self, t: float, y: Array, made: Made) -> None:
         """Look at the state that the run starts from: time [s], [q, v, x], and what it has made before."""
         self._began = made.wall
-        self._expected.begin(t, made)
+        self._expected.begin(t, _without_compiling(made))
         self._repeatable.look(t, y, 0)
 
     def look(self, t: float, y: Array, made: Made, interrupted: bool) -> tuple[Outcome | None, str]:
@@ -77,13 +82,13 @@ class Oversight:
         limit = self._control.limit(made.tried, t, made.wall - self._began)
         if self._stiffness.look(t, y, made.tried):
             warnings.warn(f"at t = {t:.9g} s the run is {self.advice}", StiffRunWarning, stacklevel=2)
-        if self._expected.look(t, made):
+        if self._expected.look(t, _without_compiling(made)):
             known = self._slow or self.advice
             why = self._why(t, y)
             said = "what makes it slow was said" if why == known else why
             warnings.warn(f"{self._expected.words(t)}: {said}{_WAY_OUT}", LongRunWarning, stacklevel=2)
         elif limit is Outcome.NO_PROGRESS:
-            self._expected.measure(t, made)
+            self._expected.measure(t, _without_compiling(made))
             self._why(t, y)
         words = self._repeatable.look(t, y, made.evaluations)
         if words:

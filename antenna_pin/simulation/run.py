@@ -7,7 +7,6 @@ import math
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -25,9 +24,10 @@ from antenna_pin.dynamics import (
 )
 from antenna_pin.engine import check_compiled
 from antenna_pin.errors import InvalidParameterError, ScenarioError
+from antenna_pin.files import check_writable
 from antenna_pin.interruption import interruptible
 from antenna_pin.parameters import holds
-from antenna_pin.scenario import Scenario, settings_key
+from antenna_pin.scenario import Scenario, scenario_named, settings_key
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.check_controllers import check_controllers
 from antenna_pin.simulation.checkpoint import Checkpoint, about_run, check_same
@@ -163,9 +163,9 @@ def prepared(
 
 @takes(duration="s", checkpoint="s", angles="rad")
 def simulate(
-    model: Scenario | System,
-    *,
+    model: Scenario | System | str | os.PathLike[str],
     duration: float | str | None = None,
+    *,
     q: ArrayLike | None = None,
     v: ArrayLike | None = None,
     angles: Mapping[str, float] | None = None,
@@ -188,7 +188,7 @@ def simulate(
     interval: with ``resume`` the run goes on from there, and ends bit for bit as if it had never stopped.
 
     Args:
-        model: What to run.
+        model: What to run; or the name of a shipped scenario, or a path, whose default case is run.
         duration: Time span [s], or text as ``"0.1 s"``, from ``start`` on; the scenario's if not given. This
             and ``settings`` enter the result's scenario as overrides.
         q: Initial configuration, (nq,); the scenario's, or neutral. Its quaternions must be of length 1 to
@@ -203,8 +203,8 @@ def simulate(
         controllers: What commands it at instants of its own, by name, beside the scenario's own. The run
             works on copies: nothing that is given is changed.
         progress: Called about ten times a second.
-        out: File of the result, written at the end; its folder of parts is removed then, unless the run was
-            interrupted.
+        out: File of the result, ``NAME.nc``, written at the end; its folder of parts is removed then, unless
+            the run was interrupted.
         checkpoint: Wall time from one checkpoint to the next [s].
         resume: Whether to go on with the run whose checkpoint is beside ``out``; what it was begun with, the
             initial state excepted, is given again. ``duration`` is that run's if not given.
@@ -219,7 +219,8 @@ def simulate(
         raise InvalidParameterError("simulate", "checkpoint", "positive [s]", checkpoint)
     if resume and out is None:
         raise InvalidParameterError("simulate", "out", "given beside resume", None)
-    stood = Checkpoint.load(Path(out)) if resume and out is not None else None
+    target = None if out is None else check_writable(out, ".nc")
+    stood = Checkpoint.load(target) if resume and target is not None else None
     if stood is not None:
         for name, begun in (("start", start), ("q", q), ("v", v), ("angles", angles)):
             if begun is not None:
@@ -227,7 +228,7 @@ def simulate(
                 raise InvalidParameterError("simulate", name, rule, said=type(begun).__name__)
         start, duration = stood.start, stood.about["span"] if duration is None else duration
     given, began = First(q, v, angles, start), None if stood is None else stood.begin
-    ready = prepared("simulate", model, given, settings, events, duration, began, controllers)
+    ready = prepared("simulate", scenario_named(model), given, settings, events, duration, began, controllers)
     system, scenario, used, events, controllers, begin, span, first = ready
     if span is None:
         raise InvalidParameterError("simulate", "duration", "given for a system built in Python [s]", None)
@@ -235,13 +236,13 @@ def simulate(
         scenario = as_run(scenario, float(span), used)
     told = given.told(scenario) if stood is None else stood.about["start"]
     keeper = None
-    if out is None:
+    if target is None:
         check_room(system, float(span) * used.output_rate + len(used.output_times))
     else:
         about = about_run(system, scenario, used, float(span), told, events, controllers)
         if stood is not None:
             check_same(stood, about)
-        keeper = Keeper(out, system, about, checkpoint, stood)
+        keeper = Keeper(target, system, about, checkpoint, stood)
     with keeper or contextlib.nullcontext(), compiling_timed() as compiling:
         run = Run(system, first, begin + float(span), used, events, begin, controllers=controllers)
         if stood is not None:

@@ -48,6 +48,7 @@ class Changed:
     Attributes:
         name: What it is, such as ``stop hinge: upper: on``.
         element: Place of the element.
+        what: The change in words, such as ``upper: on``.
         time: When [s].
         mode: The next one, in a word.
         angle: Of the joint [rad] ([m]).
@@ -60,6 +61,7 @@ class Changed:
 
     name: str
     element: str
+    what: str
     time: float
     mode: str
     angle: float

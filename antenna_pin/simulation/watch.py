@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Workspace
+from antenna_pin.elements import ForceElement
 from antenna_pin.integrate import Stepper
 from antenna_pin.roots import root_between
 from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
 from antenna_pin.simulation.dips import with_dips
-from antenna_pin.simulation.events import Event, Time
+from antenna_pin.simulation.events import ElementChange, Event, Time
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.own_actions import GRAZE, STILL, Switch
 from antenna_pin.state import EventMemory
@@ -64,7 +65,9 @@ class Watch:
         self._memories = [Memory() for _ in events]
         self._values = [0.0] * len(self.events)
         self._times = [k for k, event in enumerate(self.events) if isinstance(event.when, Time)]
-        self._functions = [k for k, event in enumerate(self.events) if not isinstance(event.when, Time)]
+        self._on_changes = [k for k, event in enumerate(self.events) if isinstance(event.when, ElementChange)]
+        others = {*self._times, *self._on_changes}
+        self._functions = [k for k in range(len(self.events)) if k not in others]
         asked = [event.asked() for event in self.events]
         self._whens, self._rates = [when for when, _ in asked], [rate for _, rate in asked]
         self.instants = sorted(
@@ -150,7 +153,7 @@ class Watch:
     def happen(self, crossing: Crossing) -> int:
         """Count an event that happens at the present state; return how often it has by now."""
         k = crossing.event
-        memory, watched = self._memories[k], k not in self._times
+        memory, watched = self._memories[k], k in self._functions
         if watched:
             self._set_here()
             self._values[k] = self._whens[k](self.moment)
@@ -170,6 +173,23 @@ class Watch:
             instants: tuple[float, ...] = self.events[k].when.instants  # type: ignore[attr-defined]
             due += [Crossing(k, 0.0) for t in instants if self._memories[k].last < t <= self.stepper.t]
         return due
+
+    def on_changes(
+        self, elements: Mapping[str, ForceElement], changed: Iterable[tuple[str, str]]
+    ) -> list[Crossing]:
+        """Return the events on changes of elements that have been recorded at the present time.
+
+        Args:
+            elements: Of the run, by place.
+            changed: Place and words of each.
+        """
+        made = tuple(changed)
+        whens = {k: self.events[k].when for k in self._on_changes if self._memories[k].last != self.stepper.t}
+        return [
+            Crossing(k, 0.0)
+            for k, when in whens.items()
+            if isinstance(when, ElementChange) and any(when.is_met(elements, *one) for one in made)
+        ]
 
     # --- search ---------------------------------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from antenna_pin.dynamics import motion_block
 from antenna_pin.engine import watch_kernels as kernels
-from antenna_pin.simulation.events import Angle, Event, Force, Gap, Rate, Time
+from antenna_pin.simulation.events import Angle, ElementChange, Event, Force, Gap, Rate, Time
 from antenna_pin.simulation.kinks import Passing
 from antenna_pin.simulation.switches import Switching
 from antenna_pin.simulation.watch import Watch
@@ -16,7 +16,7 @@ __all__ = ["Watched", "is_known"]
 
 def is_known(event: Event) -> bool:
     """Whether compiled code knows an event's function: those of one's own it does not."""
-    return isinstance(event.when, Angle | Rate | Gap | Force | Time | Passing | Switching)
+    return isinstance(event.when, Angle | Rate | Gap | Force | Time | ElementChange | Passing | Switching)
 
 
 class Watched:
@@ -34,7 +34,7 @@ class Watched:
         system = watch.moment.system
         self._watch = watch
         known = [k for k, event in enumerate(watch.events) if is_known(event)]
-        self._places = [k for k in known if not isinstance(watch.events[k].when, Time)]
+        self._places = [k for k in known if not isinstance(watch.events[k].when, Time | ElementChange)]
         functions = np.zeros(len(self._places), kernels.WATCHED)
         blocks = [system.program]
         for row, k in zip(functions, self._places, strict=True):

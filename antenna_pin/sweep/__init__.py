@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from antenna_pin.sweep.driver import Standing, run_study
     from antenna_pin.sweep.here import Executor, Here
     from antenna_pin.sweep.measures import MEASURES
-    from antenna_pin.sweep.prepared import Prepared, Trial, prepare, run_seconds, trial
+    from antenna_pin.sweep.prepared import Prepared, RunTime, Trial, prepare, run_seconds, trial
     from antenna_pin.sweep.sensitivity import sensitivities
     from antenna_pin.sweep.store import open_study
     from antenna_pin.sweep.study import Study, list_studies, load_study
@@ -24,6 +24,7 @@ __all__ = [
     "Prepared",
     "Standing",
     "Study",
+    "RunTime",
     "Trial",
     "design_of",
     "list_studies",
@@ -44,7 +45,7 @@ loaded_when_used(
         "driver": "Standing run_study",
         "here": "Executor Here",
         "measures": "MEASURES",
-        "prepared": "Prepared Trial prepare run_seconds trial",
+        "prepared": "Prepared RunTime Trial prepare run_seconds trial",
         "sensitivity": "sensitivities",
         "store": "open_study",
         "study": "Study list_studies load_study",

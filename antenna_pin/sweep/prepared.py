@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from antenna_pin.sweep.study import Study
 from antenna_pin.sweep.work import Job, Work, scenario_of
 from antenna_pin.trajectory import Trajectory, is_lean, library_versions
 
-__all__ = ["Prepared", "Trial", "prepare", "run_seconds", "trial"]
+__all__ = ["Prepared", "RunTime", "Trial", "prepare", "run_seconds", "trial"]
 
 _TRIAL_SHARE = 0.02  # of a run's duration
 _LONG_ENOUGH = 1.0  # [s] for a trial to tell the pace of a run
@@ -156,31 +156,47 @@ def trial(prepared: Prepared, run: int = 0) -> Trial:
     return Trial(whole, tuple(notes))
 
 
+class RunTime(NamedTuple):
+    """Estimates of the time that a run takes [s].
+
+    Attributes:
+        least: At the greatest pace that was seen.
+        mean: At the last pace.
+        most: At the least pace.
+    """
+
+    least: float
+    mean: float
+    most: float
+
+
 @takes()
-def run_seconds(prepared: Prepared) -> float:
-    """Return an estimate of the time that a run takes on this machine [s]: the mean of three of them.
+def run_seconds(prepared: Prepared) -> RunTime:
+    """Return estimates of the time that a run takes on this machine [s]: the means of three of them.
 
     Of the first, the middle and the last run, longer and longer parts are made, up to the whole or until one
-    has taken a second; what is left is taken to go on at the pace of what the last part added.
+    has taken a second; what is left is taken to go on at a pace of these parts.
 
     Raises:
         AntennaPinError: One of them cannot be built.
     """
     last = prepared.design.count - 1
-    return float(np.mean([_seconds(prepared, run) for run in sorted({0, last // 2, last})]))
+    every = np.mean([_seconds(prepared, run) for run in sorted({0, last // 2, last})], axis=0)
+    return RunTime(*map(float, every))
 
 
-def _seconds(prepared: Prepared, run: int) -> float:
+def _seconds(prepared: Prepared, run: int) -> RunTime:
     scenario = scenario_of(prepared.work, prepared.job(run))
-    share, before, spent = _TRIAL_SHARE, (0.0, 0.0), 0.0
+    share, before, paces = _TRIAL_SHARE, (0.0, 0.0), list[float]()
     while True:
         began = time.perf_counter()
-        simulate(scenario, duration=share * scenario.duration)
-        spent = time.perf_counter() - began
-        if share == 1.0 or spent > _LONG_ENOUGH:
-            pace = (spent - before[1]) / (share - before[0])
-            return spent + max(pace, 0.0) * (1.0 - share)
-        before, share = (share, spent), min(2.0 * share, 1.0)
+        counts = simulate(scenario, duration=share * scenario.duration).counts
+        spent = time.perf_counter() - began - counts.compile_seconds  # which is for once
+        stepping = counts.wall_seconds  # without what it takes to build it
+        paces.append(max((stepping - before[1]) / (share - before[0]), 0.0))
+        if share == 1.0 or stepping > _LONG_ENOUGH:
+            return RunTime(*(spent + one * (1.0 - share) for one in (min(paces), paces[-1], max(paces))))
+        before, share = (share, stepping), min(2.0 * share, 1.0)
 
 
 def _reference(prepared: Prepared, job: Job, span: float) -> Trajectory | None:

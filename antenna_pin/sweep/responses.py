@@ -36,7 +36,7 @@ def _share(value: object) -> float:
 
 
 class ResponseSpec(Spec):
-    """One number of each run: by a measure, or a function.
+    """One number of each run: by a measure, or a function; a text alone stands for either.
 
     Attributes:
         measure: Name of a measure.
@@ -59,7 +59,10 @@ class ResponseSpec(Spec):
     function: str | None = None
     of: str | None = None
     index: Literal["APE", "MPE", "RPE", "PDE", "PRE"] = "APE"
-    component: Literal["half-cone", "boresight", "cross", "up"] = "half-cone"
+    component: Annotated[
+        Literal["half-cone", "boresight", "cross", "up"],
+        BeforeValidator(lambda name: name.replace("_", "-") if isinstance(name, str) else name),
+    ] = "half-cone"
     value: Literal["largest", "level"] = "largest"
     window: PositiveTime | None = None
     drift_spacing: PositiveTime | None = None
@@ -67,6 +70,16 @@ class ResponseSpec(Spec):
     confidence: Annotated[float, BeforeValidator(_share)] = 0.997
     units: str = ""
     title: str = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_text(cls, data: Any) -> Any:
+        """Let a text stand for a measure, or, with a colon, for a function."""
+        if isinstance(data, str):
+            return {"function" if ":" in data else "measure": data}
+        if isinstance(data, Mapping) and ":" in str(data.get("measure", "")) and "function" not in data:
+            return {"function" if key == "measure" else key: value for key, value in data.items()}
+        return data
 
     @property
     def compares(self) -> bool:

@@ -89,7 +89,7 @@ class Study(RunsFile):
         parameters: What is varied, by name.
         sampling: How parameters with distributions are sampled.
         reference: What some responses compare a run with.
-        responses: The numbers that are kept of each run, by name; or a list of measures.
+        responses: The numbers that are kept of each run, by name; or a list of measures and functions.
         results: Whose full result files are kept: ``none``, those that ``failed`` (ended early or with
             an open ledger), or ``all``.
         name: Of the study: that of its file.
@@ -122,13 +122,20 @@ class Study(RunsFile):
     @model_validator(mode="before")
     @classmethod
     def _name_responses(cls, data: Any) -> Any:
-        """Let a list of measures stand for responses of their names."""
-        if isinstance(data, Mapping) and isinstance(data.get("responses"), list | tuple):
-            for i, name in enumerate(data["responses"]):
-                if not isinstance(name, str):
-                    refuse(f"must be the name of a measure, got {name!r}", "responses", i)
-            return dict(data) | {"responses": {name: {"measure": name} for name in data["responses"]}}
-        return data
+        """Let a list of measures and functions stand for responses of their names."""
+        if not (isinstance(data, Mapping) and isinstance(data.get("responses"), list | tuple)):
+            return data
+        named: dict[str, str] = {}
+        for i, entry in enumerate(data["responses"]):
+            if not isinstance(entry, str):
+                rule = "must be the name of a measure or a function, FILE.py:NAME"
+                refuse(f"{rule}, got {entry!r}", "responses", i)
+            name = entry.rpartition(":")[2]
+            if named.setdefault(name, entry) != entry:
+                rule = f"must have a name of its own, got that of {named[name]}; give both in [responses]"
+                refuse(rule, "responses", i)
+            named[name] = entry
+        return dict(data) | {"responses": named}
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:

@@ -15,7 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from antenna_pin.errors import AntennaPinError, LedgerOpenWarning, MissingToolError
+from antenna_pin.errors import AntennaPinError, AssumedWarning, LedgerOpenWarning, MissingToolError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
 from antenna_pin.simulation.run import check_scenario
@@ -184,6 +184,7 @@ def _told_of(job: Job) -> Iterator[None]:
     """Have what a run warns of say which of the study it is."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LedgerOpenWarning)  # such runs are counted, with their message
+        warnings.simplefilter("ignore", AssumedWarning)  # alike of all runs; each result has it
         told = warnings.showwarning
 
         def with_number(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:

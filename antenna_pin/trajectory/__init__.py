@@ -20,7 +20,7 @@ if TYPE_CHECKING:
         names_along,
         series,
     )
-    from antenna_pin.trajectory.result import Trajectory, library_versions
+    from antenna_pin.trajectory.result import RunEvent, Trajectory, library_versions, open_run
     from antenna_pin.trajectory.table import (
         FORMATS,
         KINDS,
@@ -50,6 +50,7 @@ __all__ = [
     "Counts",
     "ModeChange",
     "Outcome",
+    "RunEvent",
     "Span",
     "TableKind",
     "Touch",
@@ -72,6 +73,7 @@ __all__ = [
     "met_by_meshes",
     "mode_changes",
     "names_along",
+    "open_run",
     "open_table",
     "save_table",
     "series",
@@ -91,7 +93,7 @@ loaded_when_used(
         "outcome": "Counts ENDED_WELL REACHED_END Outcome",
         "read": "contact_ends contact_joints contact_kinds contacts_of is_lean names_along series",
         "plain": "columns_of",
-        "result": "Trajectory library_versions",
+        "result": "RunEvent Trajectory library_versions open_run",
         "table": "FORMATS KINDS TableKind format_of kind_of open_table save_table table_attributes",
         "touches": "ModeChange Touch elements_of latch_changes mode_changes touches",
     },

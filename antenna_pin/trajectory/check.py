@@ -54,7 +54,9 @@ _WORDS = {"form": ("full", "lean")}
 # Those that a result may do without.
 _OPTIONAL = {
     "elements",
+    "assumed",
     "joint_friction",
+    "left_out",
     "point_springs",
     "forces",
     "force_places",

@@ -177,6 +177,8 @@ JSON_ATTRIBUTES: dict[str, tuple[Any, str]] = {
     "closures": (dict[str, _Closure], "closure"),
     "couplings": (dict[str, _Coupling], "coupling"),
     "constraints": (dict[str, Any], ""),
+    "left_out": (list[str], ""),
+    "assumed": (list[str], ""),
 }
 
 

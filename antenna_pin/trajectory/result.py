@@ -4,34 +4,31 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
-import math
 import os
 import platform
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
-from antenna_pin._views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text
+from antenna_pin._views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text, item_of
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.state import State
-from antenna_pin.trajectory.blows import blow_counts
 from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
 from antenna_pin.trajectory.labelled import Content, Unlabelled
-from antenna_pin.trajectory.meshes import met_by_meshes
 from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
-from antenna_pin.trajectory.read import names_along
-from antenna_pin.trajectory.touches import met_by_elements
+from antenna_pin.trajectory.summary import summary_of
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
+    from numpy.typing import NDArray
 
     from antenna_pin.scenario import Scenario
 
-__all__ = ["Trajectory", "library_versions"]
+__all__ = ["RunEvent", "Trajectory", "library_versions", "open_run"]
 
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
 
@@ -52,6 +49,20 @@ def library_versions() -> dict[str, str]:
     return dict(_versions())
 
 
+class RunEvent(NamedTuple):
+    """An event of a run: of the user's, or of an element whose mode changes.
+
+    Attributes:
+        name: Of the event, such as ``latch root: latched``.
+        time: When [s].
+        energy: That its action brought in [J].
+    """
+
+    name: str
+    time: float
+    energy: float
+
+
 class _Later:
     __slots__ = ("_unlabelled",)  # what the data of a result are made of, beside its fields
 
@@ -61,7 +72,8 @@ class Trajectory(_Later):
     """One run, sampled.
 
     It shows itself: ``run.plot("contact_forces")``, ``run.record("run.html")``,
-    ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.views`).
+    ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.views`). A quantity
+    over time is ``run["hinge.angle"]``, by the names of ``run.analyse.quantities()``.
 
     Attributes:
         data: Labelled by time, contact, axis and more; units and long names on each (docs/trajectory.md).
@@ -110,11 +122,40 @@ class Trajectory(_Later):
                 object.__setattr__(self, "_unlabelled", None)  # after: another thread may ask meanwhile
             return object.__getattribute__(self, "data")
 
+    def __getitem__(self, name: str) -> xr.DataArray:
+        """Return a quantity over time by name: ``run["hinge.angle"]``, ``run["kinetic_energy"]``.
+
+        Raises:
+            UnknownNameError: There is none of that name.
+            FileFormatError: The result is a lean one, without series.
+        """
+        return item_of(self, name)
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Times of the samples, (samples,) [s]; some stand twice, where something jumps."""
+        found: NDArray[np.float64] = self.data["time"].values
+        return found
+
+    @property
+    def events(self) -> tuple[RunEvent, ...]:
+        """Events in order of time."""
+        if "event" not in self.data.sizes:
+            return ()
+        columns = (self.data[name].values.tolist() for name in ("event", "event_time", "event_energy"))
+        return tuple(map(RunEvent, *columns))
+
     @property
     def constraints(self) -> dict[str, Any]:
         """How many closures, couplings and motions hold, and how well; {} of a tree that nothing holds."""
         found: dict[str, Any] = json.loads(self.data.attrs.get("constraints", "{}"))
         return found
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """What of the URDF was passed over, and what was taken for granted, in words."""
+        lines = (json.loads(self.data.attrs.get(name, "[]")) for name in ("left_out", "assumed"))
+        return tuple(line for each in lines for line in each)
 
     @property
     def advice(self) -> str:
@@ -127,12 +168,12 @@ class Trajectory(_Later):
         return self.outcome in ENDED_WELL
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the NetCDF file, under a temporary name first; return its path.
+        """Write the NetCDF file ``NAME.nc``, under a temporary name first; return its path.
 
         Raises:
-            OutputError: It cannot be written there.
+            OutputError: The name ends otherwise, or it cannot be written there.
         """
-        target = check_writable(path)
+        target = check_writable(path, ".nc")
         with replacing(target) as partial:
             write(self.stored(), partial)
         return target
@@ -195,58 +236,8 @@ class Trajectory(_Later):
         Of closed loops and prescribed motions also how many equations they are, how well they were held, and
         what they carried.
         """
-        data = self.data
-        title = data.attrs.get("title", "")
-        result: dict[str, Any] = {
-            "title": title,
-            "case": data.attrs.get("case", ""),
-            "outcome": self.outcome.name,
-            "message": self.message,
-            "time": float(data.attrs["end_time"]),
-            "samples": int(data.attrs["samples"]),
-            "counts": asdict(self.counts),
-            "conservation": json.loads(data.attrs["conservation"]),
-            "gap_difference": float(data.attrs["gap_difference"]),
-            "motion": _by_label(data, "joint", _MOTION),
-            "contacts": {},
-        }
-        if "sliding_joint" in data.sizes:
-            result["slides"] = _by_label(data, "sliding_joint", _SLIDES)
-        if "elastic_part" in data.sizes:
-            result["elastic_parts"] = _elastic_parts(data)
-        if self.constraints:
-            result["constraints"] = self.constraints
-            result["closures"] = _closures(data)
-            result["motions"] = _motions(data)
-        if "coupling" in data.sizes:
-            result["couplings"] = _couplings(data)
-        result |= met_by_elements(data)
-        if gears := met_by_meshes(data):
-            result["gears"] = gears
-        if "sampled" in data.sizes:
-            result["controllers"] = _by_label(data, "sampled", _CONTROLLERS)
-        if "bearing" in data.sizes:
-            result["bearings"] = _by_label(data, "bearing", _BEARINGS)
-        if "force" in data.sizes:
-            result["forces"] = _forces(data)
-        if "contact" not in data.sizes:
-            return result
-        index = data["episode_contact"].values
-        for number, name in enumerate(data["contact"].values):
-            mine = index == number
-            peaks = data["peak_force"].values[mine]
-            result["contacts"][str(name)] = {
-                "episodes": int(mine.sum()),
-                "peak_force": float(peaks.max()) if mine.any() else 0.0,
-                "peak_depth": float(data["peak_depth"].values[mine].max()) if mine.any() else 0.0,
-                "largest_approach_speed": (
-                    float(data["approach_speed"].values[mine].max()) if mine.any() else 0.0
-                ),
-                "impulse": float(data["impulse"].values[mine].sum()),
-                "dissipated": float(data["dissipated"].values[mine].sum()),
-            }
-        result["blows"] = {name: {"blows": count} for name, count in blow_counts(data).items()}
-        return result
+        ended = {"outcome": self.outcome.name, "message": self.message, "counts": asdict(self.counts)}
+        return summary_of(self.data, ended, self.constraints)
 
     def __repr__(self) -> str:
         """Show what was run, how it ended and what has happened; ``summary()`` has all numbers."""
@@ -257,94 +248,16 @@ class Trajectory(_Later):
         return as_html(self)
 
 
+def open_run(path: str | os.PathLike[str]) -> Trajectory:
+    """Return a run that was saved, ``NAME.nc``.
+
+    Raises:
+        FileFormatError: It is no whole result, or one of an unknown version of the format.
+    """
+    return Trajectory.load(path)
+
+
 def _scenario(text: str) -> Scenario:
     from antenna_pin.scenario import Scenario
 
     return Scenario.model_validate_json(text)
-
-
-# Entries of a summary by their variables.
-_MOTION = {"angle": "final_angle", "rate": "final_rate", "peak_acceleration": "peak_acceleration"}
-_BEARINGS = {"peak_force": "peak_bearing_force", "peak_moment": "peak_bearing_moment"}
-_CONTROLLERS = {"ticks": "ticks", "saturated": "saturated_ticks"}
-_SLIDES = {
-    "position": "final_position",
-    "slide_rate": "final_slide_rate",
-    "peak_slide_acceleration": "peak_slide_acceleration",
-}
-
-
-def _elastic_parts(data: xr.Dataset) -> dict[str, dict[str, float]]:
-    """Return how far each elastic part went, [m] if it slides, else [rad], and the energy that it took."""
-    about = json.loads(data.attrs["elastic_parts"])
-    return {
-        name: {
-            "peak_shift" if one["slides"] else "peak_deflection": float(data["peak_deflection"].values[k]),
-            "peak_elastic_energy": float(data["peak_elastic_energy"].values[k]),
-            "elastic_loss": float(data["total_elastic_loss"].values[k]),
-        }
-        for k, (name, one) in enumerate(about.items())
-    }
-
-
-def _forces(data: xr.Dataset) -> dict[str, dict[str, float]]:
-    """Return impulse, angular impulse about the world's origin, by their sizes, and work of each force."""
-    return {
-        str(name): {
-            "impulse": math.hypot(*data["total_impulse"].values[k].tolist()),
-            "angular_impulse": math.hypot(*data["total_angular_impulse"].values[k].tolist()),
-            "work": float(data["total_force_work"].values[k]),
-        }
-        for k, name in enumerate(data["force"].values)
-    }
-
-
-def _closures(data: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return what each closure joins and carried at most."""
-    about = json.loads(data.attrs["closures"])
-    return {
-        name: {
-            "kind": one["kind"],
-            "links": [one["first_body"], one["second_body"]],
-            "peak_force": float(data["peak_closure_force"].sel(closure=name)),
-            "peak_moment": float(data["peak_closure_moment"].sel(closure=name)),
-        }
-        for name, one in about.items()
-    }
-
-
-def _couplings(data: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return what each coupling joins, and its largest force where the follower slides, else torque."""
-    about = json.loads(data.attrs["couplings"])
-    return {
-        name: {
-            "joints": [one["follower"], one["leader"]],
-            "peak_force" if one["slides"] else "peak_torque": float(
-                data["peak_coupling_torque"].sel(coupling=name)
-            ),
-        }
-        for name, one in about.items()
-    }
-
-
-def _motions(data: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return what it took to hold each prescribed motion: a force where the joint slides, else a torque."""
-    about = json.loads(data.attrs["drives"])
-    return {
-        name: {
-            "joint": about[name]["joint"],
-            "peak_force" if about[name]["slides"] else "peak_torque": float(
-                data["peak_effort"].sel(motion=name)
-            ),
-            "work": float(data["total_work"].sel(drive=name)),
-        }
-        for name in names_along(data, "motion")
-    }
-
-
-def _by_label(data: xr.Dataset, dim: str, entries: Mapping[str, str]) -> dict[str, dict[str, float]]:
-    """Return the values of variables along one dimension, by label."""
-    return {
-        str(name): {entry: float(data[variable].values[k]) for entry, variable in entries.items()}
-        for k, name in enumerate(data[dim].values)
-    }

@@ -7,7 +7,7 @@ its onset, where the joint turns back, and at its release.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -204,11 +204,21 @@ def met_by_elements(data: xr.Dataset) -> dict[str, dict[str, dict[str, Any]]]:
                 "largest_energy_refused": _most(change.energy for change in refused) if refused else None,
                 "last_capture": captures[-1].time if captures else None,
                 "let_go": sum(change.what == "let go" for change in own),
+                "held_at_end": _is_held(data, place, own),
             }
         else:
             continue
         found[family][name]["element_loss"] = float(data["total_element_loss"].sel(element=place))
     return {family: named for family, named in found.items() if named}
+
+
+def _is_held(data: xr.Dataset, place: str, changes: Sequence[ModeChange]) -> bool:
+    """Return whether a latch holds at the end; in a lean result as far as its own changes say."""
+    if not is_lean(data) and "element_mode" in data:
+        number = int(data["element_mode"].sel(element=place).values[-1])
+        return bool(elements_of(data)[place]["modes"][number] == "held")
+    last = [change.what for change in changes if change.what in ("latched", "let go")][-1:]
+    return last == ["latched"]
 
 
 def _most(values: Iterable[float]) -> float:

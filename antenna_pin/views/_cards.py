@@ -67,6 +67,7 @@ def run_card(run: Trajectory) -> Card:
             *_contacts(summary),
             Fold("kept", "energy and momentum", table(list(_kept(summary)))),
         ]
+    facts[len(facts) - 1 : -1] = [Fact("assumed", line) for line in run.assumed]
     hint = "summary() has the numbers; plot(NAME), record(FILE), report(FILE), analyse()"
     return Card(
         "Trajectory of", ", case ".join(named) or "a system built in Python", tuple(facts), tuple(folds), hint

@@ -20,10 +20,26 @@ from antenna_pin.analysis import (
     spectrogram,
     spectrum,
 )
+from antenna_pin.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["RunNumbers"]
+__all__ = ["RunNumbers", "item_of"]
+
+
+@takes()
+def item_of(run: Trajectory, name: str) -> xr.DataArray:
+    """Return a quantity of a run by name over time, with its unit (:func:`antenna_pin.analysis.quantity`).
+
+    Raises:
+        UnknownNameError: There is none; names that come near are listed.
+        FileFormatError: The result is a lean one, without series.
+    """
+    found = quantity(run, name)
+    about = {"units": found.units, "long_name": found.meaning}
+    time = xr.Variable("time", found.time, {"units": "s"})
+    return xr.DataArray(found.values, {"time": time}, name=found.name, attrs=about)
+
 
 #: Functions of ``antenna_pin.analysis`` whose first argument is a run.
 OF_A_RUN = (

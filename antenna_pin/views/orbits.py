@@ -55,7 +55,7 @@ def reported(
         OutputError: It cannot be written there.
     """
     if path is not None:
-        check_writable(path)
+        check_writable(path, ".html")
     one = isinstance(beside, Trajectory | xr.Dataset) or not isinstance(beside, Iterable)
     several = [beside] if one else list(beside)
     made = report(cast("Any", [*several, _table(orbit)]), **options)

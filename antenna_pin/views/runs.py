@@ -197,7 +197,7 @@ def recorded(
                 f"record: path must end in .html (page), .png (picture), .mp4 or .gif (video), got {target}"
             )
         if suffix == ".html":
-            check_writable(target)
+            check_writable(target, suffix)
         else:
             check_film(target, suffix)
     made = record(run, ideal, view=view, joint=joint, **options)
@@ -229,7 +229,7 @@ def reported(
         AntennaPinError: What :func:`antenna_pin.report.report` refuses.
     """
     if path is not None:
-        check_writable(path)
+        check_writable(path, ".html")
     made = report(cast("Any", [*_several(beside), run]), **options)
     if path is not None:
         made.save(path)

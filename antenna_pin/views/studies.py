@@ -124,7 +124,7 @@ def reported(
         OutputError: It has not been run there, or the report cannot be written.
     """
     if path is not None:
-        check_writable(path)
+        check_writable(path, ".html")
     made = study_report(_opened(study, store), title=title, figures=figures)
     if path is not None:
         made.save(path)

@@ -204,10 +204,11 @@ def test_trees_of_several_joints(seed):
 
 
 def two_masses(carried):
-    """Two masses of one frequency, each thrown at a stop of its own; on one carriage that moves if carried."""
+    """Two masses of one frequency, each thrown at a stop of its own; if carried, on a carriage that moves."""
     own = 'iyy="1" izz="1" ixy="0" ixz="0" iyz="0"'
     link = '<link name="{}"><inertial><mass value="{}"/><inertia ixx="1" ' + own + "/></inertial></link>"
-    slide = '<joint name="{}" type="prismatic"><parent link="{}"/><child link="{}"/><axis xyz="1 0 0"/></joint>'
+    ends = '<parent link="{}"/><child link="{}"/><axis xyz="1 0 0"/></joint>'
+    slide = '<joint name="{}" type="prismatic">' + ends
     parts = [link.format("a", 2), link.format("b", 3)]
     on = "carriage" if carried else "world"
     if carried:

@@ -7,8 +7,9 @@ import pytest
 import umsgpack
 from scipy.spatial.transform import Rotation
 
-from antenna_pin import load_scenario, simulate
+from antenna_pin import load_scenario, modes, simulate
 from antenna_pin.analysis import body_poses
+from antenna_pin.linear import swing
 from antenna_pin.record import record
 
 
@@ -114,3 +115,13 @@ def test_a_spring_between_points_goes_from_one_to_the_other(tmp_path):
         np.tile(np.eye(2), (len(end), 1, 1)), abs=1e-6
     )
     assert np.einsum("tik,ti->tk", across, drawn[:, :, 2]) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_mode_shape_is_drawn_with_stops_and_latches_as_they_are_in_its_state(array_run):
+    """Small motions change no mode: a shape has that of the state all along, in which the run ended."""
+    swings = swing(modes(array_run), 9)
+    now = array_run.data["element_mode"].isel(time=-1)
+    assert now.values.any()
+    for place in map(str, swings.data["element"].values):
+        assert set(swings.data["element_mode"].sel(element=place).values) == {int(now.sel(element=place))}
+    assert listed(record(swings), "stops")["paths"]

@@ -360,8 +360,9 @@ def test_a_result_file_holds_its_events(tmp_path):
         ({"after": 0}, "event 'e': after must be a whole number of 1 or more, got 0"),
         (
             {"action": "stop"},
-            "Event: action must be a Mark, a Stop, a Set, a Jump, a Kink, a Switch or an Edge, got 'stop'",
+            "an Edge or a sequence of a Mark, a Stop or a Set, got 'stop'",
         ),
+        ({"action": [Stop(), Jump(lambda moment: (moment.q, moment.v))]}, "a Mark, a Stop or a Set, got"),
         ({"action": Set("drives.moter.value", 1.0)}, "did you mean drives.motor"),
         ({"action": Set("drives.motor.valeu", 1.0)}, "did you mean value"),
         ({"action": Set("drives.motor.value", math.inf)}, "value must be finite"),

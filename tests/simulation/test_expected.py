@@ -1,6 +1,7 @@
 """A run that takes long says so in time, how long and why; the clock changes nothing in it."""
 
 import itertools
+import re
 import types
 import warnings
 
@@ -35,7 +36,7 @@ def slow_clock(monkeypatch):
 
 @pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
 def test_a_long_run_is_told_of_once_and_is_the_same_run(monkeypatch, engine):
-    """500 steps, of a second each where there is one look at the clock for each: after 6 there are 494 s."""
+    """500 steps, and a minute from one look at the clock to the next."""
     monkeypatch.setattr(stretches, "_BUDGET", 16)
     system, settings = (
         wheel(motor=ConstantDrive(joint="axle", value=0.1)),
@@ -44,15 +45,13 @@ def test_a_long_run_is_told_of_once_and_is_the_same_run(monkeypatch, engine):
     with warnings.catch_warnings(record=True) as quick:
         warnings.simplefilter("always")
         before = simulate(system, duration=0.5, settings=settings)
-    ticks = itertools.count(0, 1 if engine == "pinocchio" else 60)
+    ticks = itertools.count(0, 60)
     monkeypatch.setattr(progress, "time", types.SimpleNamespace(perf_counter=lambda: float(next(ticks))))
     with pytest.warns(LongRunWarning) as told:
         run = simulate(system, duration=0.5, settings=settings)
     assert not quick and len(told) <= 2 and run.completed
     assert "of 0.5 s, after " in str(told[0].message) and "max_wall_time" in str(told[0].message)
-    if engine == "pinocchio":
-        assert "at t = 0.006 s" in str(told[0].message)
-        assert "another 8.2 min at its present pace, with steps of 0.001 s" in str(told[0].message)
+    assert re.search(r"will take another [\d.]+ (min|h)", str(told[0].message))
     np.testing.assert_array_equal(run.data["q"].values, before.data["q"].values)
 
 
@@ -64,11 +63,11 @@ def test_an_estimate_is_told_again_if_it_is_another():
         wall += 100.0 if 1024 < k <= 1100 else 1.0
         if watch.look(1e-3 * k, Made(k, 0, 0, 0, wall)):
             told.append((k, watch.words(1e-3 * k)))
-    assert [k for k, _ in told][0] == 6 and 2 <= len(told) <= 4
-    assert (
-        "after 6 s, the run will take another 14 h at its present pace, with steps of 0.001 s" in told[0][1]
-    )
-    assert told[1][0] > 1024 and "another 6" in told[1][1] and "days" in told[1][1] or "h" in told[1][1]
+    assert 15 <= [k for k, _ in told][0] <= 24 and 2 <= len(told) <= 4
+    assert "s, the run will take another 14 h at its present pace, with steps of 0.001 s" in told[0][1]
+    # Slow for a while only: 13 h remain, as the pace before says, and not the 6 days of the last look alone.
+    assert told[1][0] > 1024
+    assert re.search(r"another 14 h to \d+ days, as its pace changes", told[1][1]), told[1]
     assert not expected.Expected(1.0).look(0.5, Made(9, 0, 0, 0, 1e9))  # nothing before the beginning
 
 
@@ -82,6 +81,16 @@ def test_a_burst_is_not_told_of():
             if t < 100.0 and watch.look(t, Made(k, 0, 0, 0, 0.1 * k)):
                 told.append(0.1 * k)
         assert len(told) == (slow == 40) and all(when <= 10.1 for when in told)
+
+
+def test_first_steps_that_load_what_they_call_are_no_pace():
+    """28 steps in 7 s, as kernels are loaded; then a thousand a second, and the whole is done in 10 s."""
+    watch, told, wall = expected.Expected(1.0), [], 0.0
+    watch.begin(0.0, Made(0, 0, 0, 0, wall))
+    for k in range(1, 3000):
+        wall += 0.25 if k <= 28 else 1e-3
+        told += [watch.words(k / 3e3)] * watch.look(k / 3e3, Made(k, 0, 0, 0, wall))
+    assert not told
 
 
 def jumps(t, angle, rate):

@@ -10,7 +10,7 @@ from numba import njit
 from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
+from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.analysis import joint_loads
 from antenna_pin.dynamics import JointSpring
 from antenna_pin.elements import (
@@ -446,3 +446,16 @@ def test_a_force_has_one_course():
     short = OutsideForce(**push | {"follows": Points(time=(0.0, 1.0), values=(0.0, 1.0))})
     with pytest.raises(AntennaPinError, match="covers the run from 0 to 2 s"):
         simulate(craft(push=short), duration=2.0)
+
+
+def test_a_torque_alone_needs_no_point():
+    """It turns a link alike wherever it acts; a force does not, and is refused without its point."""
+    at = {"link": "bar"}
+    torque = {"kind": "force", "at": at, "torque": [0.0, 0.3, 0.0]}
+    ends = []
+    for place in (at, at | {"point": [0.1, 0.2, 0.3]}):
+        overrides = {"forces.f": torque | {"at": place}}
+        ends.append(simulate(load_scenario("pendulum", case="ideal", overrides=overrides), 0.2).data["q"])
+    assert float(abs(ends[0] - ends[1]).max()) < 1e-12 and float(abs(ends[0][-1] - ends[0][0]).max()) > 1e-3
+    with pytest.raises(AntennaPinError, match=r"forces\.f\.at\.point is missing"):
+        load_scenario("pendulum", overrides={"forces.f": torque | {"force": [1.0, 0.0, 0.0]}})

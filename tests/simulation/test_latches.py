@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin import RunSettings, simulate
 from antenna_pin.dynamics import System
-from antenna_pin.elements import ConstantDrive, JointSpring, Latch, RigidLatch, RigidStop
+from antenna_pin.elements import ConstantDrive, EndStop, JointSpring, Latch, RigidLatch, RigidStop
 from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.simulation import Event, Set, Time
 
@@ -188,6 +188,7 @@ def test_a_rigid_latch_lets_go_at_its_torque_and_by_an_event():
     names, times = seen(run)
     assert names == ["latch l0: let go"]
     assert times[0] == 1.0
+    assert run.summary()["latches"]["l0"]["held_at_end"] is False
     assert run.data.q.values[-1, 0] == pytest.approx(0.5 * 3.0, rel=1e-10)
     held = run.data.time.values < 1.0
     assert run.data.element_effort.values[held, 0] == pytest.approx(-4.0, rel=1e-12)
@@ -303,3 +304,19 @@ def test_a_flank_takes_half_a_swing_and_gives_what_its_damper_leaves():
     assert free.sum() > 3
     np.testing.assert_allclose(np.diff(way[free]) / np.diff(gone[free]), left, rtol=1e-9)
     assert float(run.data.total_element_loss[0]) >= 0.5 * MASS * (rate**2 - left**2) - 1e-12
+
+
+@pytest.mark.parametrize(
+    ("stop", "angle", "late"),
+    [
+        (RigidStop(joint="j", upper=0.3, restitution=0.5), 0.3, 0.0),
+        # Pressed in as a spring of 2 kg and 800 N/m: 0.01 m beyond after asin(w 0.01 / v) / w, w = 20/s.
+        (EndStop(joint="j", upper=0.3, stiffness=800.0, restitution=1.0), 0.31, np.arcsin(0.2) / 20.0),
+    ],
+)
+def test_a_latch_stands_at_the_end_of_travel_or_where_the_joint_is_pressed_in(stop, angle, late):
+    made = system(latches=[RigidLatch(joint="j", angle=angle)], stops=[stop])
+    run = simulate(made, q=[0.0], v=[1.0], duration=0.5, settings=TIGHT)
+    names, times = seen(run)
+    assert times[names.index("latch l0: latched")] == pytest.approx(0.3 + late, abs=1e-9)
+    assert run.data.q.values[-1, 0] == pytest.approx(angle, abs=1e-9)

@@ -4,8 +4,10 @@ import math
 import re
 
 import pytest
+from typer.testing import CliRunner
 
 from antenna_pin import Outcome, load_scenario, simulate
+from antenna_pin.cli import app
 from antenna_pin.errors import AntennaPinError
 
 BODY = """<link name="{0}"><inertial><origin xyz="{1} 0 0"/><mass value="0.3"/>
@@ -219,3 +221,9 @@ def test_a_motion_too_fast_for_its_loops_is_named():
         AntennaPinError, match=r"motion 'crank' is too fast: it moves joint 'crank' by 1.*rad/s at t = 0"
     ):
         simulate(crank, duration=1e-12)
+
+
+def test_a_command_that_completes_names_the_singular_position_it_passed(run, tmp_path):
+    run(FLAT, PARALLELOGRAM)
+    done = CliRunner().invoke(app, ["run", str(tmp_path / "my.toml"), "--out", str(tmp_path / "my.nc")])
+    assert done.exit_code == 0 and "note: passed a singular position at t = " in done.output

@@ -1,5 +1,6 @@
 """What is run: grids, zipped lists, samples and tolerances, and what is refused before anything is."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,8 +8,10 @@ import pytest
 from scipy import stats
 
 from antenna_pin import load_scenario, run_study
+from antenna_pin.cli._study_tables import said_of_time
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.sweep import design_of, load_study, prepared, run_seconds
+from antenna_pin.trajectory import Counts
 from antenna_pin.units import any_quantity
 
 SAMPLED = """
@@ -280,22 +283,46 @@ def test_numbers_are_those_of_single_runs(write, tmp_path):
     ]
 
 
+@pytest.mark.parametrize(
+    "responses",
+    [
+        'responses = ["own.py:turns", "impacts"]\n{more}{parameters}',
+        '{more}{parameters}\n[responses]\nturns = "own.py:turns"\nimpacts = "impacts"',
+        '{more}{parameters}\n[responses]\nturns.measure = "own.py:turns"\nimpacts.measure = "impacts"',
+    ],
+)
+def test_a_function_stands_where_a_measure_may(write, tmp_path, responses):
+    """In a list, as a text and as a measure it is the number of each run that it is as a function."""
+    (tmp_path / "own.py").write_text("def turns(run):\n    return run.data.sizes['episode']\n")
+    text = 'scenario = "impact_pair"\nset.duration = "2 ms"\n' + responses
+    table = run_study(write(PLAY + 'values = ["0.05 mm", "0.1 mm"]', text=text), tmp_path / "a.study")
+    assert (table["turns"] == table["impacts"]).all() and (table["turns"] > 0).all()
+
+
 def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
     """By a clock of the test's own: a run of T takes 0.1 s and 2 s per millisecond, of T = 1 ms to 8 ms.
 
     The mean of the first, the middle and the last run; what no run is long enough for is made in full.
     """
     study = write('[parameters.t]\nkey = "duration"\nvalues = ["1 ms", "4 ms", "8 ms"]')
-    now, made = [0.0], []
+    now, made, even = [0.0], [], True
 
     def simulated(scenario, duration):
         made.append(duration)
-        now[0] += 0.1 + 2e3 * duration
+        slow = 2e3 * duration if even else 2e3 * max(duration - 3e-4, 0.0)
+        now[0] += 0.1 + slow + 40.0 * (len(made) == 1)  # the first one is compiled
+        return SimpleNamespace(counts=Counts(wall_seconds=slow, compile_seconds=40.0 * (len(made) == 1)))
 
     monkeypatch.setattr(prepared, "simulate", simulated)
     monkeypatch.setattr(prepared, "time", SimpleNamespace(perf_counter=lambda: now[0]))
-    assert run_seconds(prepared.prepare(study)) == pytest.approx(0.1 + 2.0 * (1 + 4 + 8) / 3, rel=1e-12)
+    exact = 0.1 + 2.0 * (1 + 4 + 8) / 3
+    assert run_seconds(prepared.prepare(study)) == pytest.approx((exact, exact, exact), rel=1e-12)
     assert max(made) < 2e-3
+    even, made[:] = False, []  # nothing takes time up to 0.3 ms: what comes then is within the bounds
+    found, true = run_seconds(prepared.prepare(study)), 0.1 + 2.0 * (0.7 + 3.7 + 7.7) / 3
+    assert 2.0 * found.least < true <= found.most * (1.0 + 1e-12)
+    said = said_of_time(3, found, 2)
+    assert re.fullmatch(r"some [\d.]+ to [\d.]+ s a run, .* some [\d.]+.s to [\d.]+.s on 2 cores", said), said
 
 
 def test_shipped_studies_can_be_built():

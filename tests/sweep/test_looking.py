@@ -133,7 +133,8 @@ def test_report_and_tables_tell_of_failures(write, tmp_path, fake):
     table = run_study(write(), folder, executor=fake())
     html = study_report(table, figures=False).html
     assert html.count("too deep</td>") == 6  # outcome and reason of runs 0, 5 and 10
-    assert "12 of 12 runs made; 3 of them did not reach their end" in html
+    assert "12 of 12 runs made; 3 did not reach their end" in html
+    assert "Runs that are not whole: 3 did not reach their end" in html
     shown = CliRunner().invoke(app, ["study", "show", str(folder), "--json"])
     rows = json.loads(shown.stdout)["runs"]
     assert [row["force"] for row in rows] == np.ravel(table["force"].values).tolist()
@@ -141,3 +142,12 @@ def test_report_and_tables_tell_of_failures(write, tmp_path, fake):
     text = CliRunner().invoke(app, ["study", "show", str(folder)]).stdout
     assert "play = 0.0002 m, rate = 2000 Hz" in text
     assert open_study(folder).attrs["method"] == "grid"
+
+
+def test_runs_that_only_lack_a_response_are_not_called_unfinished(write, tmp_path, fake):
+    """Heading and table count the same runs, by the same words."""
+    table = run_study(write(), tmp_path / "trial.study", executor=fake())
+    table["outcome"].values[...], table["force"].values[...] = "COMPLETED", np.nan
+    html = study_report(table, figures=False).html
+    assert "12 of 12 runs made; 12 lack a response" in html and "not whole: 12 lack a response" in html
+    assert "reach" not in html.partition("<body")[2].partition("Provenance")[0]
