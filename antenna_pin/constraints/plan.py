@@ -263,12 +263,14 @@ def _coupled(
         record["q"], record["v"] = [slot.q.start for slot in slots], [slot.v.start for slot in slots]
         record["turn"] = [turns.get(name, -1) for name in names]
     if len(records) and _may_be_singular(mechanism):
-        own = np.diag(pin.crba(mechanism.model, mechanism.model.createData(), pin.neutral(mechanism.model)))
+        inertia = np.diag(
+            pin.crba(mechanism.model, mechanism.model.createData(), pin.neutral(mechanism.model))
+        )
         for record in records:
             slopes = np.array([1.0, record["multiplier"], record["second"]])
-            felt = own[record["v"]][slopes != 0.0] / slopes[slopes != 0.0] ** 2
+            felt = inertia[record["v"]][slopes != 0.0] / slopes[slopes != 0.0] ** 2
             row = record["scale"] * (1.0 if record["slides"] else length)
-            record["brace"] = (float(felt.max()) or float(own.max())) / row**2
+            record["brace"] = (float(felt.max()) or float(inertia.max())) / row**2
     return records
 
 
