@@ -28,6 +28,11 @@ class CompileClock(event.Listener):  # type: ignore[misc]
         self._thread = threading.get_ident()
         self._depth, self._began = 0, 0.0
 
+    @property
+    def is_compiling(self) -> bool:
+        """Whether the thread is compiling at present."""
+        return self._depth > 0
+
     def on_start(self, _: Any) -> None:
         """Hear that something is to be compiled."""
         if threading.get_ident() == self._thread:
