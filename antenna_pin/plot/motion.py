@@ -33,6 +33,7 @@ from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import Run, long_enough, too_short, with_reference
 from antenna_pin.plot._style import (
     IDEAL,
+    LINEAR_BETWEEN,
     MANY,
     SHADE,
     Array,
@@ -294,8 +295,8 @@ def _strips(
             few_ticks(near, 2)
             near.tick_params(axis="x", labelsize=6.0)
     _, printed = prefixed(unit, 1.0)
-    scale = f"\nlinear within ±{limit:g}, logarithmic beyond" if limit is not None else ""
-    figure.supylabel(f"{label} [{printed}]{scale}", fontsize=7.5, multialignment="center")
+    figure.supylabel(f"{label} [{printed}]", fontsize=7.5)
+    footnote(figure, LINEAR_BETWEEN if limit is not None else "")
     legend_above(figure, panels[:, 0])
     return figure
 

@@ -66,7 +66,7 @@ def test_a_slider_goes_through_its_range_in_three_digits(scenario, knob):
 
 
 def test_an_angle_is_shown_in_the_unit_that_it_was_written_in():
-    """The scenario keeps radians; of the units of angles that one counts in which it has the fewest digits."""
+    """The scenario keeps radians; of the units of angles that one is taken which makes the fewest digits."""
     knobs = {knob.place: knob for knob in knobs_of(load_scenario("solar_array"), "root")}
     assert knobs["stops.root.upper"].told(math.radians(90.0)) == "90 deg"
     upper = knobs["stops.root.upper"]
