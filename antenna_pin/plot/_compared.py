@@ -14,11 +14,10 @@ from matplotlib.figure import Figure
 from antenna_pin.analysis import is_round_off, round_off_scales
 from antenna_pin.plot._runs import LabelledRun
 from antenna_pin.plot._style import (
-    LINEAR_BETWEEN,
     MANY,
     Array,
+    explain_linear,
     few_ticks,
-    footnote,
     legend_above,
     letters,
     linear_then_log,
@@ -204,7 +203,8 @@ def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: 
             axes.set_xlabel("time [s]")
     figure.align_ylabels()
     legend_above(figure, drawn)
-    footnote(figure, LINEAR_BETWEEN if marked else "")
+    if marked:
+        explain_linear(figure)
     return figure
 
 

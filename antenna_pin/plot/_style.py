@@ -288,6 +288,15 @@ def _nice_above(value: float) -> float:
 LINEAR_BETWEEN = "scale linear between the dotted lines, logarithmic beyond"
 
 
+_LINE = 6.0 * _MILLIMETRE  # two lines of a footnote, of which panels must not lose the height
+
+
+def explain_linear(figure: Figure) -> None:
+    """Write below the panels what the dotted lines of :func:`linear_then_log` mean."""
+    figure.set_figheight(figure.get_figheight() + _LINE)
+    footnote(figure, LINEAR_BETWEEN)
+
+
 def linear_then_log(axes: Sequence[Axes], core: float, largest: float) -> float | None:
     """Keep small values legible beside spikes: linear up to a limit, logarithmic beyond it.
 

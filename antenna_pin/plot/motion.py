@@ -33,11 +33,11 @@ from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import Run, long_enough, too_short, with_reference
 from antenna_pin.plot._style import (
     IDEAL,
-    LINEAR_BETWEEN,
     MANY,
     SHADE,
     Array,
     Width,
+    explain_linear,
     few_ticks,
     footnote,
     legend_above,
@@ -296,7 +296,8 @@ def _strips(
             near.tick_params(axis="x", labelsize=6.0)
     _, printed = prefixed(unit, 1.0)
     figure.supylabel(f"{label} [{printed}]", fontsize=7.5)
-    footnote(figure, LINEAR_BETWEEN if limit is not None else "")
+    if limit is not None:
+        explain_linear(figure)
     legend_above(figure, panels[:, 0])
     return figure
 

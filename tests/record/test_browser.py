@@ -497,10 +497,15 @@ def test_a_stop_is_orange_while_it_is_touched(opened):
 
 
 def test_keys_and_the_size_of_a_phone(opened, clearance_run):
-    page = opened(record(clearance_run), 390, 780)
+    page = opened(record(clearance_run), 350, 780)
     width, height = page.run("return [recording.canvas.clientWidth, recording.canvas.clientHeight];")
-    assert width == 390 and 380 < height < 780
-    assert page.run("return document.documentElement.scrollWidth;") == 390
+    assert width == 350 and 380 < height < 780
+    assert page.run("return document.documentElement.scrollWidth;") == 350
+    ends = (
+        "return Math.max(...Array.from(recording.root.querySelectorAll('.ap-bar *'))"
+        ".map((one) => one.getBoundingClientRect().right));"
+    )
+    assert page.run(ends) <= 350
     smallest = page.run(
         "return Math.min(...Array.from(document.querySelectorAll('.ap-button, .ap-speed'))"
         ".filter((node) => node.offsetParent).map((node) => node.getBoundingClientRect().height));"
@@ -519,6 +524,23 @@ def test_keys_and_the_size_of_a_phone(opened, clearance_run):
     assert page.run("return recording.playing;")
     page.run(press, " ", False)
     assert not page.run("return recording.playing;")
+    assert quiet(page)
+
+
+def test_a_narrow_frame_in_a_page_leaves_the_scene_its_height(page, tmp_path, planar_run):
+    """In a column of a report all that stands beside the scene takes more than the height that was given."""
+    part = record(planar_run, view="joint").embedded("narrow", "24rem")
+    text = f"<!DOCTYPE html><head>{shared_head().html}</head><div style='width: 540px'>{part}</div>"
+    (tmp_path / "column.html").write_text(text, encoding="utf-8")
+    page.open(tmp_path / "column.html", 1280, 900)
+    page.run(f"await AntennaPin.ready; await new Promise((done) => setTimeout(done, 300)); {READY}")
+    stage, bar, frame = page.run(
+        "const {stage, bar, root} = AntennaPin.players[0];"
+        "const bottom = (node) => node.getBoundingClientRect().bottom;"
+        "return [stage.clientHeight, bottom(bar.node), bottom(root)];"
+    )
+    assert stage >= 240
+    assert bar <= frame
     assert quiet(page)
 
 
