@@ -32,6 +32,11 @@ class CompileClock(event.Listener):  # type: ignore[misc]
         """Return whether it takes the time of a thread."""
         return self._thread == thread
 
+    @property
+    def is_compiling(self) -> bool:
+        """Whether the thread is compiling at present."""
+        return self._depth > 0
+
     def on_start(self, _: Any) -> None:
         """Hear that something is to be compiled."""
         if threading.get_ident() == self._thread:

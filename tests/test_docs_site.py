@@ -138,6 +138,20 @@ def test_what_is_wrong_with_a_site_is_told(monkeypatch, tmp_path):
     ]
 
 
+def test_the_first_page_plays_a_recording(monkeypatch, tmp_path):
+    """In the place of the picture of the player, which GitHub shows; it is small."""
+    recording = site_module(monkeypatch, "first_recording")
+    monkeypatch.setattr(recording, "_DURATION", 0.02)
+    (tmp_path / "extra").mkdir()
+    (tmp_path / "index.md").write_text((DOCS / "index.md").read_text())
+    recording.add_recording(tmp_path)
+    text = (tmp_path / "index.md").read_text()
+    assert 'src="../recording.html"' in text and "recording_player.png" not in text
+    assert (tmp_path / "extra" / "recording.html").stat().st_size < 2e6
+    with pytest.raises(SystemExit, match="index.md must have the picture"):
+        recording.add_recording(tmp_path)
+
+
 # --- built, in a browser ---
 
 

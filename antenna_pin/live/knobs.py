@@ -26,6 +26,14 @@ _WIDEST_PLAY = 0.5
 _DIGITS = 3
 # The same number another way, or one that makes another unit of its neighbour's.
 _LEFT = frozenset({"exponent", "poisson", "on", "bearing_radius", "journal_radius", "length"})
+# Units that angles are written in as well.
+_OTHERS = {
+    "rad": ("deg",),
+    "rad/s": ("deg/s", "rpm"),
+    "rad/s**2": ("deg/s**2",),
+    "N*m/rad": ("N*m/deg",),
+    "N*m*s/rad": ("N*m*s/deg",),
+}
 _FROM_0_TO_1 = frozenset({"restitution", "efficiency", "efficiency_back"})
 
 
@@ -74,9 +82,16 @@ class Knob:
 
     def told(self, value: float) -> str:
         """Return a value as it is shown and may be typed: ``0.2 mm``."""
-        if self._is_plain:
+        unit, factor = self._written
+        if unit == self.unit and self._is_plain:
             return readable(value, self.unit, GIVEN).replace("\N{NO-BREAK SPACE}", " ")
-        return f"{value:.{GIVEN}g} {self.unit}".removesuffix(" 1").replace("**", "^")
+        return f"{value / factor:.{GIVEN}g} {unit}".removesuffix(" 1").replace("**", "^")
+
+    @property
+    def _written(self) -> tuple[str, float]:
+        """The unit in which the scenario's value has the fewest digits, as it was written; its size in SI."""
+        units = [(unit, quantity(f"1 {unit}", self.unit, self.place)) for unit in _OTHERS.get(self.unit, ())]
+        return min([(self.unit, 1.0), *units], key=lambda one: _digits(self.value / one[1]))
 
     @property
     def _is_plain(self) -> bool:
@@ -100,7 +115,13 @@ class Knob:
             value = self.low + share * (self.high - self.low)
             if abs(value) < 0.5 * (self.high - self.low) * 10.0**-_DIGITS:
                 return 0.0
-        return float(f"{value:.{_DIGITS - 1}e}")
+        unit, factor = self._written
+        return self.read(f"{value / factor:.{_DIGITS - 1}e} {unit}")
+
+
+def _digits(value: float) -> int:
+    """Return how many significant digits a number has, of those that are shown."""
+    return len(f"{value:.{GIVEN - 1}e}".partition("e")[0].replace(".", "").strip("-0"))
 
 
 def play_names(scenario: Scenario) -> list[str]:

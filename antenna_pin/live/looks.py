@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from bokeh.models import CustomJS
@@ -10,6 +11,7 @@ __all__ = ["COLOURS", "OUTLINE", "REFERENCE", "STYLE", "darkened", "dressed", "s
 
 #: Those of the figures, told apart by the colour-blind too; what they were before is grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+_ON_DARK = ("#58B4F0", "#FF8F45", "#2FCB9B", "#E7A0CB", "#F2BC4B", "#8CD0F5")
 REFERENCE = "#8a94a0"
 #: Seen on white and on black.
 OUTLINE = "#7d8794"
@@ -22,7 +24,7 @@ h2 { margin: 10px 0 2px; font-size: 13px; }
 .about { display: inline-block; min-width: 6em; color: #556070; }
 .soft { color: #556070; }
 .bk-input { height: 26px; padding: 0 6px; font-size: 13px; text-align: right; }
-select.bk-input { text-align: left; padding-right: 20px; }
+select.bk-input { text-align: left; padding-right: 20px; accent-color: currentcolor; }
 .bk-slider-title, label { font-size: 13px; }
 .noUi-handle:focus-visible, button:focus-visible, .bk-input:focus-visible {
   outline: 2px solid #0072b2; outline-offset: 1px;
@@ -39,6 +41,7 @@ select.bk-input { text-align: left; padding-right: 20px; }
 """
 
 _DARKENED = """
+const COLOURS = PAIRS;
 const wish = matchMedia('(prefers-color-scheme: dark)');
 function dress() {
   const dark = ['#e6e9ee', '#1b1f25', '#333b45'], light = ['#1c2430', '#ffffff', '#e4e8ed'];
@@ -47,7 +50,6 @@ function dress() {
     if (figure.below === undefined) continue;
     figure.background_fill_color = paper;
     figure.border_fill_color = paper;
-    figure.outline_line_color = grid;
     figure.title.text_color = ink;
     for (const axis of [...figure.below, ...figure.left]) {
       axis.axis_label_text_color = ink;
@@ -55,11 +57,15 @@ function dress() {
       axis.axis_line_color = ink;
       axis.major_tick_line_color = ink;
     }
-    for (const one of figure.center) {
+    for (const {glyph} of figure.renderers) {
+      const k = COLOURS.findIndex((pair) => pair.includes(glyph.line_color?.value));
+      // The server has another kind of value there, and need not know of it.
+      if (k >= 0) glyph.setv({ line_color: COLOURS[k][wish.matches ? 1 : 0] }, { sync: false });
+    }
+    for (const one of [...figure.center, ...figure.above]) {
       if (one.grid_line_color !== undefined) one.grid_line_color = grid;
       if (one.label_text_color === undefined) continue;
       one.label_text_color = ink;
-      one.background_fill_color = paper;
     }
   }
 }
@@ -71,7 +77,8 @@ columns[0].watched = true;
 
 def darkened(columns: list[Any]) -> CustomJS:
     """Return what colours the figures in some columns by the system's wish, now and when that changes."""
-    return CustomJS(args={"columns": columns}, code=_DARKENED)
+    pairs = json.dumps(list(zip(COLOURS, _ON_DARK, strict=True)))
+    return CustomJS(args={"columns": columns}, code=_DARKENED.replace("PAIRS", pairs))
 
 
 _SQUARE = """

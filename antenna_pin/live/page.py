@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import time
 from functools import partial
 from html import escape
 from importlib.resources import files
@@ -25,6 +26,7 @@ from antenna_pin.scenario import Scenario
 __all__ = ["Page"]
 
 _POSITIONS = 200  # of a slider
+_TICK = 250  # between two looks at the stage of the first run [ms]
 
 
 class Page:
@@ -64,6 +66,9 @@ class Page:
         for column in self._panels.columns:
             column.js_on_change("children", dark)
         document.on_session_destroyed(lambda context: self._runner.close())
+        self._opened = time.perf_counter()
+        self._ticking: Any = document.add_periodic_callback(self._tick, _TICK)
+        self._tick()
         self._ask()
 
     # --- the numbers ----------------------------------------------------------------------------------------
@@ -180,7 +185,18 @@ class Page:
         """Hear of a run in its thread, and have the page show it in the page's own."""
         self._document.add_next_tick_callback(partial(self._show, made))
 
+    def _tick(self) -> None:
+        """Write the stage of the first run, until something of it is shown."""
+        seconds = round(time.perf_counter() - self._opened)
+        self._panels.announce(
+            f"<div role='status'>First run: {escape(self._runner.stage)} ({seconds} s)</div>"
+        )
+
     def _show(self, made: Made) -> None:
+        if self._ticking is not None:
+            self._document.remove_periodic_callback(self._ticking)
+            self._ticking = None
+            self._panels.announce("")
         if made.run is None:
             self._say(refused=made.refused)
             return
@@ -194,7 +210,7 @@ class Page:
         about = (
             f"{ended}; here {lasting(made.wall)} after the change"
             if made.done
-            else "on its way \N{HORIZONTAL ELLIPSIS}"
+            else f"on its way: {self._runner.stage} \N{HORIZONTAL ELLIPSIS}"
         )
         told = "".join(
             f"<div><span class='about'>{escape(line.about)}</span> {escape(line.text)}</div>"

@@ -9,7 +9,7 @@ from bokeh.models import BasicTickFormatter, Column, ColumnDataSource, Div, Hove
 from bokeh.plotting import figure
 
 from antenna_pin.live.explored import Curve, Curves
-from antenna_pin.live.looks import COLOURS, OUTLINE, REFERENCE, squared
+from antenna_pin.live.looks import COLOURS, OUTLINE, REFERENCE, dressed, squared
 from antenna_pin.readable import prefixed, printed_unit
 
 __all__ = ["Panels"]
@@ -38,6 +38,10 @@ class Panels:
         self._corners = ColumnDataSource(_NOTHING)
         self._factor = 1.0
         self._compared: Curves | None = None
+
+    def announce(self, text: str) -> None:
+        """Show a text (HTML) where the first figure will be."""
+        self.columns[0].children = [dressed(Div(text=text))]
 
     def forget(self) -> None:
         """Have them made anew by the next run: another joint is looked at."""
@@ -90,12 +94,14 @@ class Panels:
                 y_axis_label=f"[{unit if path else printed_unit(panel[0].unit)}]",
                 min_border_left=10,
             )
+            one.outline_line_color = None
             one.toolbar.autohide = True
             one.toolbar.logo = None
             one.title.text_font_size = "13px"
             one.axis.axis_label_text_font_style = "normal"
             one.axis.formatter = BasicTickFormatter(power_limit_low=-5, power_limit_high=6)  # 0.003, not 3e-3
-            one.xaxis.ticker.desired_num_ticks = 4  # as many as stand side by side on a phone
+            one.xaxis.ticker.desired_num_ticks = 3 if path else 4  # as many as stand side by side on a phone
+            one.axis.minor_tick_line_color = None
             if path:
                 squared(one, self._corners)
                 one.line("x", "y", source=self._outline, color=OUTLINE, line_width=1.6)
@@ -123,10 +129,12 @@ class Panels:
                 line.name = name
             one.add_tools(HoverTool(renderers=drawn, tooltips=tips, mode="vline"))
         one.legend.visible = len(panel) > 1
-        one.legend.location = "top_right"
+        one.add_layout(one.legend[0], "above")  # over no curve
+        one.legend.orientation = "horizontal"
+        one.legend.location = "left"
         one.legend.label_text_font_size = "12px"
         one.legend.padding = one.legend.margin = 3
-        one.legend.background_fill_alpha = 0.7
+        one.legend.background_fill_alpha = 0.0
         one.legend.border_line_color = None
 
     def _titles(self, curves: Curves) -> tuple[str, str, str]:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from antenna_pin._compile_time import CompileClock, compiling_timed
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import start
@@ -55,6 +56,8 @@ class Runner:
         self._asked: tuple[int, Callable[[], Scenario], float] | None = None
         self._number = 0
         self._closed = False
+        self._clock: CompileClock | None = None
+        self._reached: tuple[float, float] | None = None
         self._thread = threading.Thread(target=self._work, name="antenna-pin explore", daemon=True)
         self._thread.start()
 
@@ -66,6 +69,16 @@ class Runner:
             self._change.notify()
             return self._number
 
+    @property
+    def stage(self) -> str:
+        """The present stage of the work, for a line of text."""
+        if self._clock is not None and self._clock.is_compiling:
+            return "compiling, once on this machine"
+        if self._reached is None:
+            return "loading and building the mechanism"
+        time, end = self._reached
+        return f"running, {time:.3g} of {end:g} s simulated"
+
     def close(self) -> None:
         """Stop what runs, and the thread."""
         with self._change:
@@ -76,6 +89,10 @@ class Runner:
             self._thread.join()
 
     def _work(self) -> None:
+        with compiling_timed() as self._clock:
+            self._serve()
+
+    def _serve(self) -> None:
         while True:
             with self._change:
                 self._change.wait_for(lambda: self._asked is not None or self._closed)
@@ -94,6 +111,7 @@ class Runner:
 
     def _make(self, number: int, scenario: Callable[[], Scenario], asked: float) -> None:
         """Make a run piece by piece, as one run bit for bit, unless something else is asked for."""
+        self._reached = None
         made = scenario()
         session = start(made)
         end, piece = made.duration, made.duration * _FIRST
@@ -101,6 +119,7 @@ class Runner:
         while session.time < end and session.outcome is Outcome.COMPLETED:
             if number != self._number:
                 return
+            self._reached = session.time, end
             began = time.perf_counter()
             left = end - session.time
             session.run_until(end if left < 1.5 * piece else session.time + piece)

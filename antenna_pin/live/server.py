@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import importlib
+import logging
 import os
 import secrets
 import socket
@@ -106,6 +107,8 @@ class Exploration:
         from tornado.httpserver import HTTPServer
         from tornado.ioloop import IOLoop
 
+        # A page that is closed while its run goes on is no fault.
+        logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
         loop = asyncio.new_event_loop()
         asyncio.set_event_loop(loop)
         try:

@@ -25,7 +25,7 @@ _SHAPES = ("visual", "collision")
 WITH_AXIS = ("continuous", "prismatic", "revolute")
 _BOUNDED = ("prismatic", "revolute")
 
-#: Bound from which on it is none [rad], [m]: programs write 1e16 or the largest number that they have.
+#: Bound beyond which it is none [rad], [m]: programs write 1e16 or the largest number that they have.
 NO_BOUND = 1e9
 
 # Bounds in place of none, for a reader that takes none for 0.
@@ -321,7 +321,7 @@ def _clean_limit(limit: Any, found: Findings) -> None:
             limit.attrib.pop(key, None)
     for key in ("lower", "upper"):
         numbers = numbers_in(limit.get(key)) or ()
-        if len(numbers) == 1 and NO_BOUND <= abs(numbers[0]) < math.inf:
+        if len(numbers) == 1 and NO_BOUND < abs(numbers[0]) < math.inf:
             limit.set(key, "inf" if numbers[0] > 0.0 else "-inf")
 
 
@@ -340,4 +340,4 @@ def _leaves_a_way(limit: Any) -> bool:
             return True
         bounds += numbers
     low, high = bounds
-    return low < high and not (low <= -NO_BOUND and high >= NO_BOUND)
+    return low < high and not (low < -NO_BOUND and high > NO_BOUND)

@@ -16,6 +16,7 @@ from antenna_pin.plot._runs import LabelledRun
 from antenna_pin.plot._style import (
     MANY,
     Array,
+    explain_linear,
     few_ticks,
     legend_above,
     letters,
@@ -189,23 +190,30 @@ def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: 
     # A last panel across its row has a time axis of its own scale: those above it need their label, too.
     labelled_rows = rows - 1 - (columns > 1 and len(panels) % columns == 1)
     drawn: list[Axes] = []
+    marked = False
     for number, (letter, panel) in enumerate(zip(letters(), panels, strict=False)):
         # The last of an odd number has its row to itself.
         alone = number == len(panels) - 1 and number % columns == 0
         axes = figure.add_subplot(grid[number // columns, :] if alone else grid[divmod(number, columns)])
         drawn.append(axes)
-        _draw(axes, panel, overall, spikes, small)
+        marked |= _draw(axes, panel, overall, spikes, small)
         title = textwrap.fill(panel.title, 19, initial_indent="(a) ")[4:] if small else panel.title
         panel_title(axes, letter if len(panels) > 1 else "", title)
         if number // columns >= labelled_rows or number + columns >= len(panels):
             axes.set_xlabel("time [s]")
     figure.align_ylabels()
     legend_above(figure, drawn)
+    if marked:
+        explain_linear(figure)
     return figure
 
 
-def _draw(axes: Axes, panel: Panel, overall: float, spikes: bool, small: bool) -> None:
-    """Draw a panel; those of one vector share their unit where their sizes are comparable."""
+def _draw(axes: Axes, panel: Panel, overall: float, spikes: bool, small: bool) -> bool:
+    """Draw a panel; those of one vector share their unit where their sizes are comparable.
+
+    Returns:
+        Whether dotted lines mark where its scale is linear.
+    """
     alone = panel.apart or panel.largest < 1e-2 * overall
     factor, printed = prefixed(panel.unit, panel.largest if alone else overall)
     for curve in panel.curves:
@@ -214,9 +222,8 @@ def _draw(axes: Axes, panel: Panel, overall: float, spikes: bool, small: bool) -
     # As long as a panel is high; of many small ones the titles say what they show.
     label = f"[{printed}]" if small else literal(textwrap.fill(f"{panel.label} [{printed}]", 22))
     limit = linear_then_log([axes], factor * panel.core, factor * panel.largest) if spikes else None
-    if limit is not None:
-        label += f"\nlinear to ±{limit:g}"
-        if all(np.nanmin(curve.value, initial=0.0) >= 0.0 for curve in panel.curves):
-            axes.set_ylim(bottom=0.0)
+    if limit is not None and all(np.nanmin(curve.value, initial=0.0) >= 0.0 for curve in panel.curves):
+        axes.set_ylim(bottom=0.0)
     axes.set_ylabel(label)
     few_ticks(axes, 4 if small else 6, 4 if small else 5)
+    return limit is not None

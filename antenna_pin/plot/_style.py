@@ -206,9 +206,13 @@ def legend_above(figure: Figure, panels: Iterable[Axes], formulas: bool = False)
 
 
 def footnote(figure: Figure, *parts: str) -> None:
-    """Say below the panels what is not drawn, or how to read what is; empty parts say nothing."""
-    text = "; ".join(part for part in parts if part)
-    if text:
+    """Say below the panels what is not drawn, or how to read what is, after what stands there already.
+
+    Empty parts say nothing.
+    """
+    said = " ".join(figure.get_supxlabel().split())
+    text = "; ".join(part for part in (said, *parts) if part)
+    if text != said:
         # A line takes 1.25 mm a letter.
         letters_a_line = int(figure.get_figwidth() / _MILLIMETRE / 1.25)
         lines = textwrap.fill(text, letters_a_line)
@@ -278,6 +282,19 @@ def _nice_above(value: float) -> float:
     """Return the smallest of 1, 2, 5 times a power of ten that is at least ``value``."""
     decade = 10.0 ** math.floor(math.log10(value))
     return float(next(m * decade for m in (1.0, 2.0, 5.0, 10.0) if m * decade >= value * (1.0 - 1e-12)))
+
+
+#: What the dotted lines of :func:`linear_then_log` mean, for a footnote.
+LINEAR_BETWEEN = "scale linear between the dotted lines, logarithmic beyond"
+
+
+_LINE = 6.0 * _MILLIMETRE  # two lines of a footnote, of which panels must not lose the height
+
+
+def explain_linear(figure: Figure) -> None:
+    """Write below the panels what the dotted lines of :func:`linear_then_log` mean."""
+    figure.set_figheight(figure.get_figheight() + _LINE)
+    footnote(figure, LINEAR_BETWEEN)
 
 
 def linear_then_log(axes: Sequence[Axes], core: float, largest: float) -> float | None:

@@ -37,6 +37,7 @@ from antenna_pin.plot._style import (
     SHADE,
     Array,
     Width,
+    explain_linear,
     few_ticks,
     footnote,
     legend_above,
@@ -294,8 +295,9 @@ def _strips(
             few_ticks(near, 2)
             near.tick_params(axis="x", labelsize=6.0)
     _, printed = prefixed(unit, 1.0)
-    scale = f"\nlinear within ±{limit:g}, logarithmic beyond" if limit is not None else ""
-    figure.supylabel(f"{label} [{printed}]{scale}", fontsize=7.5, multialignment="center")
+    figure.supylabel(f"{label} [{printed}]", fontsize=7.5)
+    if limit is not None:
+        explain_linear(figure)
     legend_above(figure, panels[:, 0])
     return figure
 

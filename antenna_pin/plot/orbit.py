@@ -6,12 +6,14 @@ from collections.abc import Iterable, Iterator
 from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
+from matplotlib.path import Path
 
 from antenna_pin.analysis import blocks, journal_motion
 from antenna_pin.arguments import takes
@@ -46,6 +48,11 @@ from antenna_pin.plot._upright import mark_axes, shown_axes
 
 Shade = Literal["time", "load"]
 _FREE = "#B8B8B8"
+_SINCE = SEQUENTIAL.with_extremes(under="#D4D4D4")
+# Times that a path crosses its play, by its length away from the outline: so many are a tangle, of which so
+# many are in colour.
+_TANGLE, _FOLLOWED = 18.0, 6.0
+_AWAY = 0.95  # of the outline
 # Across, up: which axes of the bearing a panel shows.
 _ACROSS = ((0, 1),)
 _PROJECTIONS = ((0, 1), (0, 2), (1, 2))
@@ -65,6 +72,8 @@ def figure_orbit(
     A ball joint has the three projections of its ball's centre. A slider's axis is seen at its own two ends,
     inside the rectangle that its guide leaves it. Between samples the path is that of their places and
     velocities. Where the largest clearance is more than twice the smallest, every run is drawn in its own.
+
+    Of a journal that crosses its play many times the last of it is in colour, what was before in grey.
 
     Under gravity "up" is against it, as far as the bearing keeps still: the labels say which axis of the
     bearing that is, and a triad in the corner shows its axes where others than x and y are across and up.
@@ -100,7 +109,10 @@ def figure_orbit(
         factors, by = [factor] * len(drawn), ""
     reach = 1.1 * max(factor * size for factor, size in zip(factors, sizes, strict=True))
     loads = [_bore_forces(curve, joint) if shade == "load" else np.zeros((0, 0)) for curve in curves]
-    norm = _norm(shade, drawn, loads)
+    begun = [min(run.time[0] for run in drawn)]
+    if shade == "time":
+        begun += [_last_turns(*one, joint) for one in zip(curves, motions, strict=True)]
+    norm = _norm(shade, drawn, loads, max(begun))
     letter = letters()
     panel = iter(panels)
     for run, curve, motion, plane, load, factor in zip(
@@ -133,6 +145,9 @@ def figure_orbit(
                 panel_title(axes, next(letter) if count > 1 else "", f"{run.label}, {seen}")
     words = "normal force [N]" if shade == "load" else "time [s]"
     where: dict[str, Any] = {"location": "bottom", "shrink": 0.6, "aspect": 40.0, "pad": 0.02}
+    tangled = shade == "time" and float(norm.vmin or 0.0) > min(run.time[0] for run in drawn)
+    if tangled:
+        where["extend"] = "min"
     bar = figure.colorbar(ScalarMappable(norm, _colours(shade)), ax=panels, label=words, **where)
     bar.outline.set_linewidth(0.4)
     handles = [Line2D([], [], color="black", linewidth=0.7)]
@@ -141,20 +156,44 @@ def figure_orbit(
         handles.append(Line2D([], [], color=_FREE, linewidth=0.7))
         names.append("no contact")
     figure.legend(handles, names, loc="outside upper center", ncols=2)
-    footnote(figure, too_short(every), note)
+    before = f"in colour: from {norm.vmin:.4g} s on; grey: before" if tangled else ""
+    footnote(figure, before, too_short(every), note)
     return figure
 
 
-def _norm(shade: Shade, runs: list[LabelledRun], loads: list[Array]) -> Normalize:
+def _last_turns(run: LabelledRun, motion: xr.Dataset, joint: str) -> float:
+    """Return from when on the path is so long that it can be followed, its start if all of it can be [s]."""
+    outline = motion.attrs["outline"]
+    across = float(np.linalg.norm(np.diff(outline, axis=0, append=outline[:1]), axis=1).sum()) / np.pi
+    inside = Path(_AWAY * outline)
+    begun = [float(run.time[0])]
+    for place in range(motion.sizes["place"]):
+        lengths, times = [], []
+        for offset, time in JournalPath(run, motion, joint, place, np.eye(3)).parts():
+            lengths.append(
+                np.where(
+                    inside.contains_points(offset[1:, :2]),
+                    np.linalg.norm(np.diff(offset[:, :2], axis=0), axis=1),
+                    0.0,
+                )
+            )
+            times.append(time[1:])
+        crossed = np.cumsum(np.concatenate(lengths)) / (across or 1.0)
+        if crossed[-1] > _TANGLE:
+            begun.append(float(np.concatenate(times)[np.searchsorted(crossed, crossed[-1] - _FOLLOWED)]))
+    return max(begun)
+
+
+def _norm(shade: Shade, runs: list[LabelledRun], loads: list[Array], begun: float) -> Normalize:
     if shade == "time":
-        return Normalize(min(run.time[0] for run in runs), max(run.time[-1] for run in runs))
+        return Normalize(begun, max(run.time[-1] for run in runs))
     largest = max(float(np.nanmax(load, initial=0.0)) for load in loads) or 1.0
     return LogNorm(1e-4 * largest, largest)
 
 
 def _colours(shade: Shade) -> Colormap:
     """Return late times light, large loads dark."""
-    return SEQUENTIAL.reversed() if shade == "load" else SEQUENTIAL
+    return SEQUENTIAL.reversed() if shade == "load" else _SINCE
 
 
 def _bore_forces(run: LabelledRun, joint: str) -> Array:
@@ -166,7 +205,7 @@ def _bore_forces(run: LabelledRun, joint: str) -> Array:
 def _line(axes: Axes, path: JournalPath, shown: list[int], norm: Normalize) -> None:
     """Draw a line whose colour is the mean time of each piece's ends."""
     looks: dict[str, Any] = {
-        "cmap": SEQUENTIAL,
+        "cmap": _SINCE,
         "norm": norm,
         "linewidth": 0.5,
         "capstyle": "round",

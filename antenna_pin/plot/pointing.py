@@ -18,6 +18,9 @@ from antenna_pin.plot._style import Array, Width, footnote, styled
 from antenna_pin.plot._thinned import thinned_beside, turning
 
 _CROSS = ("cross", "up")
+# Between two samples that are drawn an angle that goes on turns by less [rad]; through a pole it jumps by pi.
+_JUMP = 2.5
+_AT_A_POLE = "azimuth jumps where the boresight passes straight up or down"
 
 
 @takes()
@@ -68,8 +71,7 @@ def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, widt
             [
                 Curve(
                     run.legend,
-                    run.time,
-                    np.asarray(directions[run.label][name].values, dtype=float),
+                    *_broken(run.time, np.asarray(directions[run.label][name].values, dtype=float)),
                     looks[run.label],
                     run is reference,
                     run.many,
@@ -116,10 +118,17 @@ def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, widt
     footnote(
         figure,
         f"error against the {', '.join(against)}" if against else "",
+        _AT_A_POLE if any(np.isnan(curve.value).any() for curve in panels[0].curves) else "",
         too_short(every),
         left_out(every, drawn, "scenario without pointing"),
     )
     return figure
+
+
+def _broken(time: Array, angle: Array) -> tuple[Array, Array]:
+    """Return an angle over time with a gap where it jumps: an azimuth, as the boresight passes the pole."""
+    jumps = np.flatnonzero(np.abs(np.diff(angle)) > _JUMP) + 1
+    return np.insert(time, jumps, time[jumps]), np.insert(angle, jumps, np.nan)
 
 
 def _columns(run: LabelledRun, reference: LabelledRun | None) -> list[Array]:

@@ -50,6 +50,9 @@ _SAMPLE = "sample"
 _MOST_LINES = 6
 _MOST_SCATTERED = 6
 
+# Of the colours from dark to light the last in which a thin line is seen, on paper and on dark pages.
+_LIGHTEST = 0.7
+
 
 @dataclass(frozen=True, slots=True)
 class StudyFigure:
@@ -91,7 +94,7 @@ def study_response(study: xr.Dataset, response: str, parameter: str, *, width: W
         for number, (label, mine) in enumerate(lines):
             chosen = mine & there
             order = np.argsort(x.values[chosen], kind="stable")
-            colour = SEQUENTIAL(number / max(len(lines) - 1, 1)) if several else COLOURS[0]
+            colour = SEQUENTIAL(_LIGHTEST * number / max(len(lines) - 1, 1)) if several else COLOURS[0]
             axes.plot(
                 x.values[chosen][order],
                 y.values[chosen][order],

@@ -39,7 +39,12 @@ player.pause();
 return "";
 """
 _OF_STILLS = ".ap-bar, .ap-rate"  # what a still picture goes without
-_SEEK = "window.recording.seek(a[0]); window.recording.render();"
+_SEEK = """
+const player = window.recording;
+player.seek(a[0]);
+if (!player.whole) player.resetCamera();  // of a single picture; the camera of a film stays
+player.render();
+"""
 _ADVANCE = "window.recording.advance(a[0], a[1]); window.recording.render();"
 
 

@@ -105,7 +105,8 @@ def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], f
 
     The curve goes straight from one to the next. To the ends and the least and greatest of all, that sample
     is added which lies farthest off (Ramer, Douglas and Peucker, along the values), until no other is off by
-    more than a ten-thousandth of the range, or there are enough.
+    more than a ten-thousandth of the range, or there are enough. Beside a blow the samples of zero are added:
+    the straight line from peak to peak would be a force where there is none.
 
     Args:
         times: Of the samples, not decreasing, (n,) [s].
@@ -123,7 +124,15 @@ def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], f
         if len(times) > _ALL:
             peaks = _extremes(times, values, _STRETCHES)
             some = np.unique(np.clip(np.concatenate([peaks - 1, peaks, peaks + 1]), 0, len(times) - 1))
-        kept = some[_farthest_first(times[some], values[some], most)]
+        order = some[_farthest_first(times[some], values[some], most)]
+        kept, fewest, count = np.unique(order[:4]), 4, len(order)
+        while fewest <= count:  # as many of the first as leave room for the rests beside them
+            middle = (fewest + count) // 2
+            tried = _with_rests(values, order[:middle])
+            if len(tried) <= most:
+                kept, fewest = tried, middle + 1
+            else:
+                count = middle - 1
     sure = kept[np.isfinite(values[kept])]
     once = known[np.append(True, np.diff(times[known]) > 0.0) & np.append(np.diff(times[known]) > 0.0, True)]
     off = np.abs(np.interp(times[once], times[sure], values[sure]) - values[once])
@@ -131,6 +140,7 @@ def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], f
 
 
 def _farthest_first(times: Array, values: Array, most: int) -> NDArray[np.intp]:
+    """Return the samples that draw a curve in the order in which they are added."""
     kept = sorted({0, int(np.argmin(values)), int(np.argmax(values)), len(times) - 1})
     waiting: list[tuple[float, int, int, int]] = []
     least = _OFF * float(np.ptp(values))
@@ -154,7 +164,19 @@ def _farthest_first(times: Array, values: Array, most: int) -> NDArray[np.intp]:
         kept.append(middle)
         look(first, middle)
         look(middle, last)
-    return np.array(sorted(kept))
+    return np.array(kept)
+
+
+def _with_rests(values: Array, kept: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return some samples, sorted, and those of about zero next to them that the line would pass over."""
+    kept = np.unique(kept)
+    rest = np.abs(values) <= _OFF * float(np.ptp(values))
+    places = np.arange(len(values))
+    before = np.maximum.accumulate(np.where(rest, places, -1))  # the last at rest up to each sample
+    after = np.minimum.accumulate(np.where(rest, places, len(values))[::-1])[::-1]
+    left, right = kept[:-1], kept[1:]
+    passed = after[left] < right
+    return np.unique(np.concatenate([kept, after[left][passed], before[right][passed]]))
 
 
 def _extremes(times: Array, values: Array, stretches: int) -> NDArray[np.intp]:

@@ -293,10 +293,12 @@ def _data(
         warnings.append(f"the run {run.outcome.verdict}: {run.message}")
     thinned = []
     if frames.rate < fps:
-        thinned.append(f"{frames.rate:.3g} key frames per second in place of {fps:g} keep the file small")
+        thinned.append(f"{frames.rate:.3g} key frames per second in place of {fps:g} keep the page small")
     if frames.left_out:
         number = frames.left_out + len(frames.impacts.times)
-        thinned.append(f"so do the {frames.left_out} weakest of {number} impacts, which are left out")
+        warnings.append(
+            f"the {frames.left_out} weakest of {number} impacts are left out to keep the page small"
+        )
     if len(frames.indices) == 1:
         warnings.append("the run has one sample in this span; there is no motion to play")
     impacts = frames.impacts

@@ -20,7 +20,7 @@ ALL = "*"
 _SIDES = ("lower", "upper")
 # Kinds of drives that prescribe their joint's motion.
 _MOTIONS = ("motion", "distance")
-# Bound from which on it is none, as for the mechanism.
+# Bound beyond which it is none, as for the mechanism.
 _NONE = 1e9
 _UNITS = {"revolute": "rad", "prismatic": "m"}
 
@@ -53,7 +53,7 @@ def _limits(urdf: str) -> dict[str, tuple[str, float, float]]:
         if limit is not None and kind in (*_UNITS, "continuous"):
             with contextlib.suppress(ValueError):  # what is no number was refused before, or does not count
                 bounds = (float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0)))
-                lower, upper = (math.copysign(math.inf, one) if abs(one) >= _NONE else one for one in bounds)
+                lower, upper = (math.copysign(math.inf, one) if abs(one) > _NONE else one for one in bounds)
                 if lower < upper and not (math.isinf(lower) and math.isinf(upper)):
                     found[str(joint.get("name"))] = (kind, lower, upper)
     return found

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from command_pages import commands_page
 from example_pages import GALLERIES, forget_galleries, lay_out_examples
+from first_recording import add_recording
 from model_pages import models_page
 from name_pages import name_pages
 
@@ -41,6 +42,7 @@ def lay_out(source: Path) -> None:
         lay_out_examples(folder)
         (folder / "docs" / "extra").mkdir()
         (folder / "docs" / "extra" / "index.html").write_text(_INDEX)
+        add_recording(folder / "docs")
         shutil.copy2(mathjax(), folder / "docs" / "_static" / "mathjax.js")
         _bring_over(folder, source)
         forget_galleries(source)

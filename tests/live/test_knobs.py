@@ -1,5 +1,7 @@
 """What may be turned: places that the scenario has, ranges around its numbers, text that reads back."""
 
+import math
+
 import pytest
 
 from antenna_pin import list_scenarios, load_scenario
@@ -61,6 +63,16 @@ def test_a_slider_goes_through_its_range_in_three_digits(scenario, knob):
             assert shown == pytest.approx(share, rel=0.0, abs=reach)
         else:
             assert value == pytest.approx(knob.low + share * (knob.high - knob.low), rel=0.0, abs=reach)
+
+
+def test_an_angle_is_shown_in_the_unit_that_it_was_written_in():
+    """The scenario keeps radians; of the units of angles that one is taken which makes the fewest digits."""
+    knobs = {knob.place: knob for knob in knobs_of(load_scenario("solar_array"), "root")}
+    assert knobs["stops.root.upper"].told(math.radians(90.0)) == "90 deg"
+    upper = knobs["stops.root.upper"]
+    assert upper.told(upper.from_slider(0.3)) == "27.2 deg"  # 4.5 deg times 400 to the power of 0.3
+    assert knobs["springs.root.rest_angle"].told(knobs["springs.root.rest_angle"].value) == "-180 deg"
+    assert knobs["stops.root.least_rate"].told(knobs["stops.root.least_rate"].value) == "0.0001 rad/s"
 
 
 def flat(table, place=""):

@@ -5,6 +5,8 @@ import re
 import signal
 import subprocess
 import sys
+import threading
+import time
 import urllib.error
 import urllib.request
 from pathlib import Path
@@ -103,6 +105,41 @@ def test_a_slider_changes_the_curves_to_those_of_simulate(shown):
     assert np.array_equal(shown.curve("before radial"), before)  # what it is compared with
     assert shown.page.errors == []
     assert all(one.startswith(shown.url.partition("?")[0]) for one in shown.page.requests if "ws:" not in one)
+
+
+def test_until_the_first_run_is_there_the_page_has_its_stage(local_page, monkeypatch):
+    """At once, in the place of the first figure, and as long as nothing of a run has come."""
+    from antenna_pin.live import runner
+
+    release = threading.Event()
+    begin = runner.start
+
+    def held(*arguments):
+        release.wait(60.0)
+        return begin(*arguments)
+
+    monkeypatch.setattr(runner, "start", held)
+    with explore(load_scenario("bai2020", case="case3"), duration=0.05) as exploration:
+        with urllib.request.urlopen(exploration.url) as answer:
+            assert "Loading the page" in answer.read().decode()  # before any script
+        local_page.open(exploration.url, 1200, 900)
+        text = "return Bokeh.documents[0]?.get_model_by_name('first').children[0].text;"
+        assert local_page.settles(True, f"return (() => {{ {text} }})()?.includes('First run: loading');")
+        assert not local_page.run("return document.querySelector('.plots p').offsetHeight;")
+        release.set()
+        shown = Shown(local_page, exploration)
+        assert "blows" in shown.wait()
+        assert local_page.run(text) is None  # a figure
+        local_page.open("about:blank")
+
+
+def test_a_tab_that_is_closed_while_its_run_goes_on_is_no_warning(local_page, caplog):
+    with explore(load_scenario("bai2020", case="case3"), duration=5.0) as exploration:
+        Shown(local_page, exploration).page.open(exploration.url, 800, 600)
+        assert local_page.settles(True, "return Boolean(window.Bokeh?.documents[0]);")
+        local_page.open("about:blank")
+        time.sleep(2.0)
+    assert caplog.records == []
 
 
 def test_a_key_moves_a_slider(shown):

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from antenna_pin.plot._compared import Curve, Panel, between_spikes
+from antenna_pin.plot._compared import Curve, Panel, between_spikes, panels_figure
+from antenna_pin.plot._style import LINEAR_BETWEEN, footnote
 
 
 def with_impacts(amplitude, spike):
@@ -27,3 +28,15 @@ def test_a_scale_is_linear_as_far_as_every_run_is_smooth():
     time, value = with_impacts(0.3, 2000.0)
     still = Curve("ideal", time, 1e-6 * value, {}, smooth=True)
     assert 0.3 / 1.2 < Panel("", "", "m", [Curve("play", time, value, {}), still]).core <= 0.3
+
+
+def test_what_dotted_lines_mean_stands_once_below_the_panels():
+    """Beside the axes it would take the room of the label; limits stand as ticks at the lines."""
+    time, value = with_impacts(0.3, 2000.0)
+    panels = [Panel(name, "acceleration", "m/s^2", [Curve(name, time, value, {})]) for name in ("x", "y")]
+    figure = panels_figure(panels, "page", 2, spikes=True)
+    assert figure.get_supxlabel() == LINEAR_BETWEEN
+    assert all("\n" not in axes.get_ylabel() for axes in figure.axes)
+    footnote(figure, "world axes")
+    assert figure.get_supxlabel() == f"{LINEAR_BETWEEN}; world axes"
+    assert not panels_figure(panels, "page", 2).get_supxlabel()

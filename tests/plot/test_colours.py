@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from antenna_pin.plot._style import COLOURS, IDEAL, distinct
+from antenna_pin.plot._style import COLOURS, IDEAL, SEQUENTIAL, distinct
+from antenna_pin.plot.study import _LIGHTEST
 
 # How people without one kind of cone see linear RGB: Machado, Oliveira and Fernandes (2009), IEEE Trans. Vis.
 # Comput. Graph. 15(6), table 1, severity 1.
@@ -53,3 +54,10 @@ def test_lines_beyond_the_palette_differ_by_their_dashes():
     looks = [distinct(number) for number in range(24)]
     assert len({str(look) for look in looks}) == 24
     assert all(look["linestyle"] != IDEAL["linestyle"] for look in looks)
+
+
+def test_lines_of_a_study_are_seen_on_paper():
+    """The lightest has a contrast of 2.5 to white at least, where graphics are asked for 3 (WCAG 1.4.11)."""
+    channels = np.array(SEQUENTIAL(_LIGHTEST)[:3])
+    linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
+    assert 1.05 / (linear @ [0.2126, 0.7152, 0.0722] + 0.05) > 2.5

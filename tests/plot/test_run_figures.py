@@ -2,9 +2,11 @@
 
 import dataclasses
 import json
+import re
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.collections import LineCollection
 from scipy.spatial.transform import Rotation
 
@@ -47,8 +49,10 @@ from antenna_pin.plot import (
     figure_spectrogram,
     figure_steady_force,
     paper_figures,
+    pointing,
     save_figures,
 )
+from antenna_pin.plot import orbit as orbit_figures
 from antenna_pin.plot._compared import Curve, Panel, panels_figure
 from antenna_pin.plot._kinds import (
     CLOSED,
@@ -109,6 +113,23 @@ def factor_of(label, unit):
 
 
 # --- the journal in its bearing ---
+
+
+def test_of_a_tangled_orbit_the_last_crossings_are_in_colour(real_runs, monkeypatch):
+    """What was before is grey, and from when on the colours go stands below."""
+    data = real_runs["case3"]
+    whole = figure_orbit(("case3", data))
+    assert "in colour" not in note_of(whole)
+    monkeypatch.setattr(orbit_figures, "_TANGLE", 0.5)
+    monkeypatch.setattr(orbit_figures, "_FOLLOWED", 0.2)
+    figure = figure_orbit(("case3", data))
+    begun = float(re.search(r"in colour: from (\S+) s on; grey: before", note_of(figure))[1])
+    assert data["time"][0] < begun < data["time"][-1]
+    line = next(one for one in figure.axes[0].collections if isinstance(one, LineCollection))
+    middle = np.asarray(line.get_array())
+    shades = line.to_rgba(middle)[:, :3]
+    grey = np.ptp(shades, axis=1) < 1e-9
+    assert 0 < grey.sum() < grey.size and np.array_equal(grey, middle < line.norm.vmin)
 
 
 def test_orbit_stays_inside_the_clearance_circle_but_for_the_depth(real_runs):
@@ -676,3 +697,18 @@ def test_runs_may_be_trajectories(runs):
 def test_refusals_are_the_packages_own():
     with pytest.raises(AntennaPinError, match="at least one run"):
         figure_base([])
+
+
+def test_an_azimuth_that_jumps_at_a_pole_has_a_gap_there(monkeypatch):
+    """Straight over the zenith: from 0 to pi at once; a line between would be a direction it never had."""
+    run = simulate(load_scenario("pointing_gear"), duration=0.05)
+    turn = np.linspace(0.0, np.pi, run.data["time"].size)
+    over = xr.Dataset(
+        {"azimuth": ("time", np.where(turn < 0.5 * np.pi, 0.0, np.pi)), "elevation": ("time", turn)}
+    )
+    monkeypatch.setattr(pointing, "boresight", lambda data: over)
+    figure = figure_pointing(run)
+    values = figure.axes[0].lines[0].get_ydata()
+    gap = np.flatnonzero(np.isnan(values))
+    assert gap.size == 1 and values[gap[0] + 1] - values[gap[0] - 1] > 0.0
+    assert "azimuth jumps" in note_of(figure)

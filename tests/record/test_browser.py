@@ -209,7 +209,7 @@ def seen(page):
 def test_all_of_the_motion_is_in_the_picture(opened, clearance_run, view, size):
     """Whatever is reached at any time lies below the heading, and fills the stage one way at least."""
     page = opened(record(clearance_run), *size)
-    page.run("recording.view(a[0]);", view)
+    page.run("recording.view(a[0], true);", view)
     top, width, height = page.run(
         "const [head, stage] = [recording.head, recording.stage].map((one) => one.getBoundingClientRect());"
         "return [Math.max(head.bottom - stage.top, 0), stage.width, stage.height];"
@@ -223,6 +223,45 @@ def test_all_of_the_motion_is_in_the_picture(opened, clearance_run, view, size):
     # 1.06 is left about it, on both sides together.
     across, down = np.ptp(places, axis=0) / [width, height - top]
     assert max(across, down) > 0.93
+
+
+OUTERMOST = """
+const found = [];
+for (const body of recording.bodies) for (const shape of body.shapes) shape.traverse((one) => {
+  if (!one.geometry) return;
+  const vertices = one.geometry.attributes.position;
+  one.updateWorldMatrix(true, false);
+  for (let i = 0; i < vertices.count; i++) {
+    const place = new MeshCat.THREE.Vector3().fromBufferAttribute(vertices, i).applyMatrix4(one.matrixWorld);
+    found.push(recording.eye.pixels(place));
+  }
+});
+const [head, stage] = [recording.head, recording.stage].map((one) => one.getBoundingClientRect());
+return [found, Math.max(head.bottom - stage.top, 0), stage.width, stage.height];
+"""
+
+
+def test_it_begins_with_the_mechanism_in_the_picture_and_shows_all_of_the_motion_on_a_key(page, tmp_path):
+    """Panels swing far out: folded, they fill the picture; what is reached later is framed on a key."""
+    run = simulate(load_scenario("solar_array", case="ideal"), duration=2.0)
+    page.open(record(run, curves=()).save(tmp_path / "array.html"), 1280, 720)
+    page.run("await window.recording.ready;")
+
+    def filled():
+        places, top, width, height = page.run(OUTERMOST)
+        places = np.array(places)
+        assert places.min() > 0.0 and places[:, 0].max() < width and places[:, 1].max() < height
+        assert places[:, 1].min() > top
+        return max(np.ptp(places, axis=0) / [width, height - top])
+
+    assert filled() > 0.93  # 1.06 is left about it, on both sides together
+    page.press("a")
+    assert filled() < 0.93
+    page.press("End")
+    filled()  # in the picture there as well
+    page.press("r")
+    assert filled() > 0.93
+    assert quiet(page)
 
 
 def test_a_body_that_is_followed_stays_where_it_is(opened, clearance_run):
@@ -458,10 +497,15 @@ def test_a_stop_is_orange_while_it_is_touched(opened):
 
 
 def test_keys_and_the_size_of_a_phone(opened, clearance_run):
-    page = opened(record(clearance_run), 390, 780)
+    page = opened(record(clearance_run), 350, 780)
     width, height = page.run("return [recording.canvas.clientWidth, recording.canvas.clientHeight];")
-    assert width == 390 and 380 < height < 780
-    assert page.run("return document.documentElement.scrollWidth;") == 390
+    assert width == 350 and 380 < height < 780
+    assert page.run("return document.documentElement.scrollWidth;") == 350
+    ends = (
+        "return Math.max(...Array.from(recording.root.querySelectorAll('.ap-bar *'))"
+        ".map((one) => one.getBoundingClientRect().right));"
+    )
+    assert page.run(ends) <= 350
     smallest = page.run(
         "return Math.min(...Array.from(document.querySelectorAll('.ap-button, .ap-speed'))"
         ".filter((node) => node.offsetParent).map((node) => node.getBoundingClientRect().height));"
@@ -480,6 +524,23 @@ def test_keys_and_the_size_of_a_phone(opened, clearance_run):
     assert page.run("return recording.playing;")
     page.run(press, " ", False)
     assert not page.run("return recording.playing;")
+    assert quiet(page)
+
+
+def test_a_narrow_frame_in_a_page_leaves_the_scene_its_height(page, tmp_path, planar_run):
+    """In a column of a report all that stands beside the scene takes more than the height that was given."""
+    part = record(planar_run, view="joint").embedded("narrow", "24rem")
+    text = f"<!DOCTYPE html><head>{shared_head().html}</head><div style='width: 540px'>{part}</div>"
+    (tmp_path / "column.html").write_text(text, encoding="utf-8")
+    page.open(tmp_path / "column.html", 1280, 900)
+    page.run(f"await AntennaPin.ready; await new Promise((done) => setTimeout(done, 300)); {READY}")
+    stage, bar, frame = page.run(
+        "const {stage, bar, root} = AntennaPin.players[0];"
+        "const bottom = (node) => node.getBoundingClientRect().bottom;"
+        "return [stage.clientHeight, bottom(bar.node), bottom(root)];"
+    )
+    assert stage >= 240
+    assert bar <= frame
     assert quiet(page)
 
 
@@ -577,19 +638,20 @@ def test_what_the_heading_names_can_be_hidden(opened, clearance_run, ideal_run):
         assert np.array_equal(page.pixels(), before)
 
 
-def test_what_was_thinned_is_said_where_asked(opened, clearance_run):
-    """A note that lies over the mechanism is for what is wrong; how small a page was made is not."""
-    limit = 1e-6 * len(record(clearance_run, fps=1e6, curves=()).html.encode())
-    # What moves takes more than what is taken off here.
-    small = record(clearance_run, fps=1e6, curves=(), max_megabytes=limit - 3e-3)
+def test_a_note_is_of_what_is_missing_and_can_be_closed(opened, clearance_run):
+    """How small a page was made is said among the keys; impacts that are left out lie over the scene."""
+    full = 1e-6 * len(record(clearance_run, fps=1e6, curves=()).html.encode())
+    small = record(clearance_run, fps=1e6, curves=(), max_megabytes=full - 3e-3)
     assert small.data["thinned"] and not small.data["warnings"]
     page = opened(small)
-    box = "return document.querySelector('.ap-thinned').getBoundingClientRect().height;"
-    closed = page.run(box)
-    assert "key frames" not in page.run("return document.querySelector('.ap-thinned').innerText;")
-    page.run("document.querySelector('.ap-thinned summary').click();")
-    assert page.run("return document.querySelector('.ap-thinned').innerText;").endswith("keep the file small")
-    assert page.run(box) > closed
+    assert page.run("return document.querySelector('.ap-notes');") is None
+    page.press("?")
+    assert page.run("return recording.help.node.innerText;").endswith("keep the page small")
+    least = 1e-6 * len(record(clearance_run, fps=1.0, curves=()).html.encode())
+    page = opened(record(clearance_run, curves=(), max_megabytes=least - 3e-3))
+    assert "impacts are left out" in page.run("return document.querySelector('.ap-notes').innerText;")
+    page.run("document.querySelector('.ap-close').click();")
+    assert page.run("return document.querySelector('.ap-notes');") is None
     assert quiet(page)
 
 

@@ -257,6 +257,18 @@ def test_a_long_curve_keeps_its_peaks(samples):
     assert {31_415, 70_000} <= set(kept) and np.isnan(values[kept]).any()
 
 
+def test_between_blows_a_thinned_force_is_zero():
+    """More blows than there is room for: where nothing touches, no line goes from one to the next."""
+    times = np.linspace(0.0, 1.0, 6001)
+    phase = np.arange(6001) % 40
+    random = np.random.default_rng(2)
+    values = np.where(phase < 7, np.sin(np.pi * phase / 7.0) * np.repeat(random.random(151), 40)[:6001], 0.0)
+    kept, _ = thinned(times, values, 200)
+    drawn = np.interp(times, times[kept], values[kept])
+    assert len(kept) <= 200 and values[kept].max() == values.max()
+    assert drawn[values == 0.0].max() <= 1e-4  # of the range, which counts as zero
+
+
 def test_a_material_has_its_colour_wherever_it_is_named():
     """Given in a link, named by another before it: the name stands for one colour."""
     shape = "<visual><geometry><sphere radius='1'/></geometry>{}</visual>"

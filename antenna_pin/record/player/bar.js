@@ -25,7 +25,8 @@ class Bar {
       element("option", "", this.select, {value: speed}).textContent = speedName(speed);
     }
     this.select.addEventListener("change", () => player.setSpeed(Number(this.select.value)));
-    button(right, "view", ICONS.view, "fit the whole motion (r)", () => player.resetCamera());
+    button(right, "view", ICONS.view, "fit the mechanism (r)", () => player.resetCamera());
+    button(right, "all", ICONS.all, "fit the whole motion (a)", () => player.resetCamera(true));
     button(right, "sides", ICONS.panel, "views, marks and bodies (p)", () => player.flip(player.panel));
     button(right, "ask", ICONS.help, "keys (?)", () => player.flip(player.help));
     if (document.fullscreenEnabled) {

@@ -2,12 +2,20 @@
 
 const FIELD_OF_VIEW = 32; // [deg], vertical
 const MARGIN = 1.06; // of what is framed
+const VERTICES = 500; // of a shape, that are looked at to frame it
 const NEAR_BY = 2.5; // a body that is followed is framed so many times as large as it is
 
 const minus = (a, b) => a.map((x, k) => x - b[k]);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => { const size = Math.hypot(...a); return a.map((x) => x / size); };
+
+// The middle of the box around points.
+const centred = (points) => [0, 1, 2].map((k) => {
+  let low = Infinity, high = -Infinity;
+  for (let i = k; i < points.length; i += 3) { low = Math.min(low, points[i]); high = Math.max(high, points[i]); }
+  return 0.5 * (low + high);
+});
 
 class Eye {
   // `axes` are those of the triad, in the scene; `bodies` have an object, a centre and a radius.
@@ -78,9 +86,30 @@ class Eye {
     return Math.hypot(x, y) > 1e-3 ? [x, y, z] : [0, -1e-3, z]; // straight from above, what is up would be open
   }
 
-  // In the middle of all points of the motion and so near that they just fit into the stage, of which the uppermost
-  // `top` pixels are taken.
-  frame(view, w, h, top) {
+  // Points on the bodies that are shown, where they are now; those of the whole motion where no body is drawn.
+  present() {
+    const found = [];
+    for (const body of this.bodies.filter((one) => one.visible)) {
+      body.object.updateWorldMatrix(true, true); // else it is that of the last picture
+      for (const shape of body.shapes) {
+        shape.traverse(({geometry, matrixWorld}) => {
+          if (!geometry || !geometry.attributes.position) return;
+          const {position} = geometry.attributes;
+          const vertex = new MeshCat.THREE.Vector3();
+          for (let i = 0; i < position.count; i += Math.ceil(position.count / VERTICES)) {
+            const {x, y, z} = vertex.fromBufferAttribute(position, i).applyMatrix4(matrixWorld);
+            found.push(x, -z, y);
+          }
+        });
+      }
+    }
+    return found.length ? Float32Array.from(found) : this.points;
+  }
+
+  // In the middle of the mechanism as it is now, or of its whole motion, and so near that it just fits into the stage,
+  // of which the uppermost `top` pixels are taken.
+  frame(view, w, h, top, whole) {
+    const points = whole ? this.points : this.present();
     const {camera} = this;
     camera.setViewOffset(w, h, 0, -0.5 * top, w, h);
     const back = unit(this.from(view));
@@ -89,13 +118,13 @@ class Eye {
     const half = Math.tan(0.5 * camera.fov * Math.PI / 180) / MARGIN;
     const vertical = half * (h - top) / h;
     const horizontal = half * w / h;
-    const middle = this.turned(this.target);
+    const middle = whole ? this.turned(this.target) : centred(points);
     let distance = 0;
     for (let pass = 0; pass < 4; pass++) {
       const seen = [];
       distance = 0;
-      for (let i = 0; i < this.points.length; i += 3) {
-        const point = minus(this.points.subarray(i, i + 3), middle);
+      for (let i = 0; i < points.length; i += 3) {
+        const point = minus(points.subarray(i, i + 3), middle);
         const [x, y, depth] = [dot(point, right), dot(point, up), dot(point, back)];
         seen.push([x, y, depth]);
         distance = Math.max(distance, depth + Math.abs(x) / horizontal, depth + Math.abs(y) / vertical);
@@ -103,7 +132,8 @@ class Eye {
       if (!(distance > 0)) distance = 1;
       for (const [k, axis] of [[0, right], [1, up]]) {
         const place = seen.map((point) => point[k] / (distance - point[2]));
-        const off = 0.5 * distance * (Math.min(...place) + Math.max(...place));
+        const [low, high] = place.reduce(([a, b], x) => [Math.min(a, x), Math.max(b, x)], [Infinity, -Infinity]);
+        const off = 0.5 * distance * (low + high);
         if (pass < 3) axis.forEach((value, i) => { middle[i] += off * value; });
       }
     }

@@ -65,14 +65,15 @@ function colourAt(stops, share) {
 // Size, prefix, and from where on it is taken, as in the tables of a report: 1500 N reads better than 1.5 kN.
 const PREFIXES = [[1e6, "M", 1e6], [1e3, "k", 1e4], [1, "", 0.1], [1e-3, "m", 1e-4], [1e-6, "\u00b5", 1e-7], [1e-9, "n", 1e-10]];
 
-// A number of a series with four digits, and its unit, with the prefix that suits a number of such a size.
+// A number of a series with four digits, and its unit, with the prefix that suits a number of such a size; zero far
+// below that.
 function written(value, unit, like = value) {
   if (!Number.isFinite(value)) return "none";
   const large = /^(N|Hz|Pa|J|W)(?![\w*\u00b2\u00b3])/.test(unit);
   const takes = large || /^(m|s|rad)(?![\w*\u00b2\u00b3])/.test(unit);
   const found = takes && PREFIXES.find(([one, , least]) => Math.abs(like) >= least && (one <= 1 || large));
   const [factor, prefix] = found || [1, ""];
-  const number = value / factor, size = Math.abs(number);
+  const number = Math.abs(value) < 1e-6 * Math.abs(like) ? 0 : value / factor, size = Math.abs(number);
   const text = size && (size < 1e-3 || size >= 1e5) ? number.toExponential(2).replace("e+", "e") : Number(number.toPrecision(4));
   return `${text}${unit ? " " + prefix + unit : ""}`.replace("-", "\u2212");
 }

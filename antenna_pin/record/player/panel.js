@@ -89,9 +89,11 @@ class Panel {
       one.textContent = view;
       one.addEventListener("click", () => player.view(view));
     }
-    const fit = element("button", "ap-button ap-fit", buttons, {type: "button", title: "fit the whole motion (r)"});
-    fit.textContent = "fit";
-    fit.addEventListener("click", () => player.resetCamera());
+    for (const [text, title, whole] of [["fit", "fit the mechanism (r)", false], ["all", "fit the whole motion (a)", true]]) {
+      const fit = element("button", "ap-button", buttons, {type: "button", title});
+      fit.textContent = text;
+      fit.addEventListener("click", () => player.resetCamera(whole));
+    }
     if (player.bodies.length) {
       const row = element("label", "ap-row", views);
       row.append("follow ");
@@ -145,7 +147,8 @@ const KEYS = [
   ["home, end", "start, end"],
   ["[ ]", "slower, faster"],
   ["1 2 3 4", "view against x, y, z; as at the start"],
-  ["r", "fit the whole motion"],
+  ["r", "fit the mechanism as it is now"],
+  ["a", "fit the whole motion"],
   ["f", "follow the next body, or none"],
   ["n", "names of bodies and joints"],
   ["p", "panel of views, marks and bodies"],
@@ -153,7 +156,7 @@ const KEYS = [
   ["?", "this list"],
 ];
 
-function help(stage, close) {
+function help(stage, remarks, close) {
   const node = element("div", "ap-help", stage, {role: "dialog", "aria-label": "keys"});
   const list = element("dl", "", node);
   for (const [key, what] of KEYS) {
@@ -161,6 +164,7 @@ function help(stage, close) {
     element("dd", "", list).textContent = what;
   }
   element("p", "", node).textContent = "Drag, wheel, two fingers: turn, zoom, move. Click or drag the curve: go to that time.";
+  for (const text of remarks) element("p", "", node).textContent = text;
   node.addEventListener("click", close);
   node.hidden = true;
   return node;

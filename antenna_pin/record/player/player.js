@@ -15,8 +15,8 @@
 //   player.play(), player.pause()     with player.speed, 1 being real time
 //   player.setCamera(position, target) a pinhole camera, 32 degrees high, gravity down
 //   player.camera                     {position, target} now
-//   player.resetCamera()              frames the whole motion again
-//   player.view(name)                 the same against an axis, "x", "y", "z", or as at the start, "iso"
+//   player.resetCamera(whole)         frames the mechanism as it is now, or its whole motion
+//   player.view(name, whole)          the same against an axis, "x", "y", "z", or as at the start, "iso"
 //   player.follow(body)               goes along with a body from now on; null: with none
 //   player.project(point)             [x, y] in pixels from the canvas' upper left corner
 //   player.pose(body)                 {position, quaternion xyzw} of a body now, in the world
@@ -40,6 +40,7 @@ class Player {
     this.speed = data.speed;
     this.time = this.start;
     this.playing = false;
+    this.whole = false; // whether the whole motion is framed: of a film, whose camera stays
     this.impacts = {times: doubles(data.impacts.times), peaks: floats(data.impacts.peaks)};
     this.bodies = [];
     this.switches = [];
@@ -56,10 +57,10 @@ class Player {
     }
     this.overlays();
     this.theme();
+    this.seek(this.start);
     this.resize();
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.stage);
-    this.seek(this.start);
     this.tick = this.tick.bind(this);
     this.handle = requestAnimationFrame(this.tick);
   }
@@ -91,11 +92,9 @@ class Player {
     if (data.warnings.length) {
       const notes = element("div", "ap-notes", this.foot, {role: "note"});
       for (const text of data.warnings) element("div", "", notes).textContent = text;
-    }
-    if (data.thinned.length) { // of no concern to most: what it lies over would be
-      const some = element("details", "ap-notes ap-thinned", this.foot, {role: "note"});
-      element("summary", "", some).textContent = "not all of it is in this page";
-      for (const text of data.thinned) element("div", "", some).textContent = text;
+      const close = element("button", "ap-close", notes, {type: "button", title: "close", "aria-label": "close this note"});
+      close.textContent = "\u00d7";
+      close.addEventListener("click", () => notes.remove());
     }
     this.bar = new Bar(root, this);
     this.curve = this.bar.curve;
@@ -147,7 +146,7 @@ class Player {
       this.switches.push(this.names);
     }
     this.panel = new Panel(this.stage, this);
-    this.help = {node: help(this.stage, () => this.flip(this.help))};
+    this.help = {node: help(this.stage, data.thinned, () => this.flip(this.help))};
   }
 
   flip(part) {
@@ -366,7 +365,7 @@ class Player {
       "]": () => this.faster(-1), "[": () => this.faster(1),
       "+": () => this.faster(-1), "=": () => this.faster(-1), "-": () => this.faster(1), "−": () => this.faster(1),
       1: () => this.view("x"), 2: () => this.view("y"), 3: () => this.view("z"), 4: () => this.view("iso"),
-      r: () => this.resetCamera(), f: () => this.followNext(), F: () => this.fullscreen(),
+      r: () => this.resetCamera(), a: () => this.resetCamera(true), f: () => this.followNext(), F: () => this.fullscreen(),
       n: () => this.names && this.names.set(!this.names.on), p: () => this.flip(this.panel),
       "?": () => this.flip(this.help), Escape: () => { this.help.node.hidden = this.panel.node.hidden = true; },
     };
@@ -384,6 +383,7 @@ class Player {
   // For pictures that are taken one by one: no controls, but a line of time.
   film() {
     this.root.classList.add("ap-filmed");
+    this.whole = true;
     this.bar.from.textContent = `${Number(this.start.toPrecision(6))}`;
     this.bar.to.textContent = `${Number(this.end.toPrecision(6))} s`;
   }
@@ -400,16 +400,16 @@ class Player {
     return this.eye.get();
   }
 
-  resetCamera() {
+  resetCamera(whole = this.whole) {
     this.follow(null);
-    this.view("iso");
+    this.view("iso", whole);
   }
 
-  view(name) {
+  view(name, whole = this.whole) {
     const w = Math.max(this.stage.clientWidth, 1), h = Math.max(this.stage.clientHeight, 1);
     const over = this.head.getBoundingClientRect().bottom - this.stage.getBoundingClientRect().top;
-    this.eye.frame(name, w, h, Math.min(Math.max(over, 0), 0.35 * h));
-    if (name !== "iso") this.eye.moved = true;
+    this.eye.frame(name, w, h, Math.min(Math.max(over, 0), 0.35 * h), whole);
+    if (name !== "iso" || whole !== this.whole) this.eye.moved = true;
     this.dirty = true;
   }
 

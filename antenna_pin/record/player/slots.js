@@ -66,7 +66,10 @@ class Slot {
     this.start(false);
     const {player} = this;
     if (!player || player.failed) return;
-    if (player.time === player.start) player.seek(player.data.poster);
+    if (player.time === player.start) {
+      player.seek(player.data.poster);
+      if (!player.eye.moved) player.resetCamera();
+    }
     player.paper();
     player.render();
     const {canvas} = player;
