@@ -267,7 +267,8 @@ CALLED = (
 )
 
 #: Without a check, for `antenna-pin list` is not to wait for NumPy: they take a name and refuse others by it.
-UNCHECKED = ("scenario_cases", "scenario_summary")
+#: One that hands on what is no name is checked by whom it hands it to.
+UNCHECKED = ("scenario_cases", "scenario_summary", "scenario_named")
 
 
 def _is_checked(function):

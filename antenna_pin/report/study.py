@@ -82,7 +82,12 @@ def _faults(study: xr.Dataset) -> dict[tuple[str, str], NDArray[np.bool_]]:
 
 def _counted(study: xr.Dataset) -> str:
     """Return how many runs have each fault; "" if none has any."""
-    return ", ".join(f"{runs.sum()} {words}" for (words, _), runs in _faults(study).items() if runs.any())
+    said = []
+    for (words, _), runs in _faults(study).items():
+        one = words.replace("do ", "does ").replace("lack ", "lacks ").replace("their", "its")
+        if runs.any():
+            said.append(f"{runs.sum()} {one if runs.sum() == 1 else words}")
+    return ", ".join(said)
 
 
 def _names(study: xr.Dataset, what: str) -> list[str]:

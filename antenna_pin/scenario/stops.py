@@ -110,6 +110,7 @@ def _changed(data: Mapping[str, Any]) -> dict[str, dict[str, float]]:
     return found
 
 
+@takes()
 def moved_joints(data: Mapping[str, Any]) -> set[str]:
     """Return the joints that motions move, their own or those of the joints that they are coupled to.
 

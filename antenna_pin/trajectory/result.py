@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
 from antenna_pin._views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text, item_of
+from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError
 from antenna_pin.files import check_writable, replacing
 from antenna_pin.state import State
@@ -248,6 +249,7 @@ class Trajectory(_Later):
         return as_html(self)
 
 
+@takes()
 def open_run(path: str | os.PathLike[str]) -> Trajectory:
     """Return a run that was saved, ``NAME.nc``.
 

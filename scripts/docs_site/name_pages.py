@@ -87,7 +87,7 @@ def name_pages() -> dict[str, str]:
     front = []
     for name in antenna_pin.__all__:
         value = getattr(antenna_pin, name)
-        if not inspect.ismodule(value):
+        if not inspect.ismodule(value) and not isinstance(value, str):  # the version is a text
             room = value.__module__.split(".")[1]
             front.append(
                 f"   * - :py:obj:`antenna_pin.{name} <antenna_pin.{room}.{name}>`\n     - {first_line(value)}"

@@ -82,4 +82,4 @@ def test_a_study_counts_such_runs_apart(cli, tmp_path):
     assert table["outcome"].values.tolist() == ["LEDGER_OPEN", "COMPLETED"]
     assert table["force"].values[0] == table["force"].values[1] > 0.0  # its numbers are kept
     html = study_report(table, figures=False).html
-    assert "all of them reached their end; the energy or momentum of 1 does not balance" in html
+    assert "2 of 2 runs made; 1 does not balance its energy or momentum" in html

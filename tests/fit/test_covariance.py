@@ -16,9 +16,8 @@ PLAN = SimpleNamespace(name="line", noise="given", loss="linear", loss_scale=1.0
 def unknowns(lower):
     """Three coefficients of a parabola."""
     names, one = ("a", "b", "c"), np.ones(3)
-    return Unknowns(
-        names, names, ("", "", ""), one, np.array(lower), 9.0 * one, one, one.astype(bool) & False, 0
-    )
+    bounds, prior = (np.array(lower), 9.0 * one), (one, np.inf * one)
+    return Unknowns(names, names, ("", "", ""), one, *bounds, one, *prior, one.astype(bool) & False, 0)
 
 
 @pytest.mark.parametrize("held", [None, 0, 1, 2])

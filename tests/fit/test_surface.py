@@ -30,8 +30,9 @@ class Scattering:
         self._rng = np.random.default_rng(seed)
         self.record = self._one(TRUTH)
         one = np.ones(2)
+        bounds, prior = (0.2 * one, 3.0 * one), (one, np.inf * one)
         self.unknowns = Unknowns(
-            ("a", "b"), ("a", "b"), ("", ""), one, 0.2 * one, 3.0 * one, one, one.astype(bool) & False, 0
+            ("a", "b"), ("a", "b"), ("", ""), one, *bounds, one, *prior, one.astype(bool) & False, 0
         )
         self.plan = SimpleNamespace(name="scatter", noise="given", loss="linear", loss_scale=1.0)
         self.rows = SimpleNamespace(noise_of_statistics=lambda: np.zeros(6))
