@@ -17,7 +17,7 @@ from antenna_pin.fit.losses import Loss
 from antenna_pin.fit.sureness import Noise
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.runs_file import RunsFile, laid_over, nested
-from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse, refuse_name
+from antenna_pin.scenario.spec import Count, Folder, Quantity, Spec, refuse, refuse_name
 from antenna_pin.units import any_quantity, shown
 
 __all__ = [
@@ -245,7 +245,7 @@ class FitPlan(RunsFile):
     starts: StartsSpec | None = None
     surface: SurfaceSpec | None = None
     name: str = "fit"
-    folder: Path = Path()
+    folder: Folder = Path()
 
     @model_validator(mode="after")
     def _check_jacobian(self) -> Self:
