@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
@@ -252,7 +252,7 @@ def _breaches(state: Any) -> Iterator[StateBreach]:
         yield from _of_numbers(event, f"events[{k}].", ("last",), "a number")
 
 
-_HOLDS = {
+_HOLDS: Mapping[str, Callable[[float], bool]] = {
     "a finite number": math.isfinite,
     "positive": lambda value: 0.0 < value < math.inf,
     "a number": lambda value: not math.isnan(value),

@@ -165,7 +165,7 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
     arrays: dict[str, Any] = {}
     try:
         with open_hdf5(path) as file:
-            for name, one in _leaves(file):
+            for name, one in _leaves(file, set()):
                 if one.attrs.get("MATLAB_class", b"double") in _NO_NUMBERS:
                     continue
                 array = np.squeeze(np.asarray(one[()]))
@@ -178,13 +178,20 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
     return arrays
 
 
-def _leaves(group: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the arrays of an HDF5 file by their names, with points between those of structures."""
+def _leaves(group: Any, seen: set[Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the arrays of an HDF5 file by their names, with points between those of structures.
+
+    Raises:
+        ValueError: A group stands in it twice: in a circle, or so that names double with each level.
+    """
+    if group.id in seen:  # equal where they are the same object
+        raise ValueError(f"group {group.name} stands elsewhere in it, too")
+    seen.add(group.id)
     for name, item in group.items():
         if name.startswith("#"):  # what cells refer to
             continue
         if hasattr(item, "items"):
-            yield from ((f"{name}.{inner}", one) for inner, one in _leaves(item))
+            yield from ((f"{name}.{inner}", one) for inner, one in _leaves(item, seen))
         elif hasattr(item, "dtype"):
             yield name, item
 

@@ -81,7 +81,7 @@ def _application_for(hosts: Sequence[str]) -> Any:
     from bokeh.server.tornado import BokehTornado
     from tornado.web import ErrorHandler
 
-    class OnlyForHosts(BokehTornado):
+    class OnlyForHosts(BokehTornado):  # type: ignore[misc]
         def find_handler(self, request: Any, **more: Any) -> Any:
             if request.host.lower() not in hosts:
                 return self.get_handler_delegate(request, ErrorHandler, {"status_code": 403})

@@ -69,10 +69,9 @@ def _check(group: Any, at: str, seen: set[int], where: str) -> None:
             _check_stored(h5py.Dataset(found), f"{at}{name}", where)
         elif isinstance(found, h5py.h5g.GroupID):
             address = h5py.h5o.get_info(found).addr
-            if address in seen:  # in a circle, or so that names double with each level
-                raise _refusal(where, f"{at}{name}", "a group that stands elsewhere in it, too")
-            seen.add(address)
-            _check(h5py.Group(found), f"{at}{name}/", seen, where)
+            if address not in seen:  # groups may hold one another
+                seen.add(address)
+                _check(h5py.Group(found), f"{at}{name}/", seen, where)
 
 
 def _check_stored(dataset: Any, name: str, where: str) -> None:

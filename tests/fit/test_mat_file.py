@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from antenna_pin.errors import FileFormatError
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.fit.layout import LayoutSpec
 from antenna_pin.fit.mat_file import BadMatFileError, Mat73Error, read_mat
+from antenna_pin.fit.record_file import read_columns
 from antenna_pin.trajectory.hdf5 import open_hdf5
 
 ANGLE = np.linspace(0.0, 1.0, 50)
@@ -77,16 +79,19 @@ def unwritten(file):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (circle, "/a/b must hold its own numbers, got a group that stands elsewhere in it"),
-        (twice, "/b must hold its own numbers, got a group that stands elsewhere in it"),
+        (circle, "a.mat cannot be read as a MAT file: group /a/b stands elsewhere in it, too"),
+        (twice, "a.mat cannot be read as a MAT file: group /b stands elsewhere in it, too"),
         (unwritten, r"/angle must hold its own numbers, got 2\.4e\+09 bytes of which 0 are in the file"),
     ],
 )
 def test_hdf5_files_that_have_no_end_are_refused(tmp_path, make, said):
-    with h5py.File(tmp_path / "a.mat", "w") as file:
+    """Version 7.3 of MAT files."""
+    with h5py.File(tmp_path / "a.mat", "w", userblock_size=512) as file:
         make(file)
-    with pytest.raises(FileFormatError, match=said):
-        open_hdf5(tmp_path / "a.mat")
+    with (tmp_path / "a.mat").open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+    with pytest.raises(AntennaPinError, match=said):
+        read_columns(tmp_path / "a.mat", ["angle"], LayoutSpec(), "records.a")
 
 
 def test_what_is_packed_as_well_as_can_be_is_read(tmp_path):
