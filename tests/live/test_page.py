@@ -212,13 +212,17 @@ def test_no_command_line_has_the_key(tmp_path):
     browser.write_text(f'#!/bin/sh\necho "$@" > {seen}\n')
     browser.chmod(0o700)
     command = [sys.executable, "-m", "antenna_pin.cli", "explore", "bai2020"]
-    with subprocess.Popen(
-        command,
-        env=os.environ | {"BROWSER": str(browser)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as served:
+    with (
+        subprocess.Popen(
+            command,
+            env=os.environ | {"BROWSER": str(browser)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as served,
+        contextlib.ExitStack() as ending,
+    ):
+        ending.callback(served.kill)
         said = "".join(itertools.islice(served.stdout, 2))
         while not seen.exists() or not seen.read_text():
             assert served.poll() is None
