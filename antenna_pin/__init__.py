@@ -117,7 +117,6 @@ __all__ = [
     "System",
     "Trajectory",
     "Urdf",
-    "__version__",
     "analysis",
     "assembled",
     "build_mechanism",

@@ -16,6 +16,7 @@ import os
 import re
 import secrets
 import stat
+import urllib.parse
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -27,8 +28,12 @@ __all__ = [
     "absence",
     "check_writable",
     "decoded",
+    "escaped",
     "has_whole_seal",
+    "is_unicode",
     "marked_encoding",
+    "path_as_text",
+    "path_of_text",
     "replacing",
     "seal",
 ]
@@ -37,6 +42,7 @@ _PREFIX, _SUFFIX = ".antenna-pin-", ".partial"
 # A file system's block: one that is full takes a name, but not this.
 _BLOCK = 4096
 _MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
+_UNDECODED = re.compile("[\ud800-\udfff]")  # what Python has for a byte of a name that is no UTF-8
 _SEAL = b"\nantenna_pin sha256 %b\n"
 _SEAL_SIZE = len(_SEAL % (b"0" * 64))
 
@@ -228,6 +234,30 @@ def seal(path: Path) -> None:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
         file.seek(0, os.SEEK_END)
         file.write(_SEAL % digest.encode())
+
+
+def is_unicode(text: str) -> bool:
+    """Return whether a text has no part of a name or an argument that was no UTF-8."""
+    return text.isascii() or not _UNDECODED.search(text)
+
+
+def escaped(text: str) -> str:
+    r"""Return a text as a file in UTF-8 can hold it: what of a name is no UTF-8 stands as ``\udcff``."""
+    return text if is_unicode(text) else text.encode("utf-8", "backslashreplace").decode()
+
+
+def path_as_text(path: Path) -> str:
+    """Return a path as text that every file can hold; a ``file:`` URI where its bytes are no UTF-8."""
+    text = str(path)
+    return text if is_unicode(text) else path.absolute().as_uri()
+
+
+def path_of_text(text: str | Path) -> Path:
+    """Return the path that :func:`path_as_text` wrote."""
+    path = Path(text)
+    if path.parts[:1] != ("file:",):
+        return path
+    return Path(os.fsdecode(urllib.parse.unquote_to_bytes(str(path).removeprefix("file:"))))
 
 
 def has_whole_seal(path: Path) -> bool | None:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.arguments import is_number
 from antenna_pin.brief import brief
 from antenna_pin.errors import FileFormatError
 
-__all__ = ["ControllerMemory", "EventMemory", "OpenContact", "State"]
+__all__ = ["ControllerMemory", "EventMemory", "OpenContact", "State", "StateBreach", "breach_of_state"]
 
 Array = NDArray[np.float64]
 
@@ -169,18 +172,133 @@ class State(_Value):
         """
         try:
             content = json.loads(text)
+            breach = next(_breaches(content), None)
+            if breach is not None:
+                value = json.dumps(breach.value)
+                said = value if len(value) <= _SHOWN else f"{value[:_SHOWN]}..."
+                raise FileFormatError(f"state: {breach.place} must be {breach.rule}, got {said}")
             for name in ("q", "v", "x"):
                 content[name] = np.array(content[name], dtype=float)
             content["memory"] = np.array(content["memory"], dtype=float).reshape(-1, 3)
-            content["sizes"] = tuple((str(name), float(size)) for name, size in content["sizes"])
-            content["changed"] = tuple(int(count) for count in content["changed"])
+            content["sizes"] = tuple((name, float(size)) for name, size in content["sizes"])
+            content["changed"] = tuple(content["changed"])
             content["contacts"] = tuple(_open_contact(one) for one in content["contacts"])
             content["events"] = tuple(EventMemory(**one) for one in content["events"])
-            content["adjusted"] = tuple((str(place), float(value)) for place, value in content["adjusted"])
+            content["adjusted"] = tuple((place, float(value)) for place, value in content["adjusted"])
             content["controllers"] = tuple(map(_controller_memory, content.get("controllers", ())))
             return cls(**content)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
+        except FileFormatError:
+            raise
+        except (KeyError, TypeError, ValueError, AttributeError, RecursionError, OverflowError) as error:
             raise FileFormatError(f"state: must be one that a run wrote, got text with {error!r}") from None
+
+
+class StateBreach(NamedTuple):
+    """A part of a state that no run leaves.
+
+    Attributes:
+        place: Its place, such as ``q[3]``.
+        rule: Requirement, as it reads after "must be".
+        value: What stands there.
+    """
+
+    place: str
+    rule: str
+    value: Any
+
+
+def breach_of_state(state: State) -> StateBreach | None:
+    """Return the first part of a state that no run leaves; None of a whole one."""
+    return next(_breaches(state), None)
+
+
+def _fields(content: Any) -> Mapping[str, Any]:
+    """Return the fields of a value, or of the JSON object that it is written as."""
+    if isinstance(content, Mapping):
+        return content
+    return {item.name: getattr(content, item.name) for item in dataclasses.fields(content)}
+
+
+def _breaches(state: Any) -> Iterator[StateBreach]:
+    own = _fields(state)
+    yield from _of_numbers(own, "", ("time", "reached", "error"), "a finite number")
+    yield from _of_numbers(own, "", ("step",), "positive")
+    if own["reached"] < own["time"]:
+        yield StateBreach("reached", f"time or later, {own['time']!r} s", own["reached"])
+    for name in ("q", "v", "x"):
+        yield from _of_array(own[name], name, (-1,))
+    yield from _of_array(own["memory"], "memory", (-1, 3))
+    contacts, states = len(own["memory"]), sum(len(own[name]) for name in ("q", "v", "x"))
+    for k, one in enumerate(own["contacts"]):
+        place, open_ = f"contacts[{k}].", _fields(one)
+        if not _is_count(open_["contact"]) or open_["contact"] >= contacts:
+            yield StateBreach(
+                f"{place}contact", f"the number of one of {contacts} contacts", open_["contact"]
+            )
+        names = ("onset", "approach_speed", "effective_mass", "impulse", "dissipated")
+        yield from _of_numbers(open_, place, names, "a finite number")
+        yield from _of_array(open_["peak"], f"{place}peak", (3,))
+        for name, shape in (("peak_state", (states,)), ("peak_memory", (contacts, 3))):
+            if len(open_[name]):
+                yield from _of_array(open_[name], f"{place}{name}", shape)
+    yield from _of_pairs(own["sizes"], "sizes", "positive")
+    yield from _of_pairs(own["adjusted"], "adjusted", "a number")
+    for k, count in enumerate(own["changed"]):
+        if not _is_count(count):
+            yield StateBreach(f"changed[{k}]", "a whole number, zero or more", count)
+    for k, one in enumerate(own["events"]):
+        event = _fields(one)
+        yield from _of_numbers(event, f"events[{k}].", ("count", "side", "noise"), "a finite number")
+        yield from _of_numbers(event, f"events[{k}].", ("last",), "a number")
+
+
+_HOLDS: Mapping[str, Callable[[float], bool]] = {
+    "a finite number": math.isfinite,
+    "positive": lambda value: 0.0 < value < math.inf,
+    "a number": lambda value: not math.isnan(value),
+}
+_SHOWN = 60  # letters of a value in a message
+
+
+def _is_count(value: Any) -> bool:
+    return is_number(value) and value >= 0 and value == int(value)
+
+
+def _of_numbers(
+    own: Mapping[str, Any], place: str, names: tuple[str, ...], rule: str
+) -> Iterator[StateBreach]:
+    for name in names:
+        if not is_number(own[name]) or not _HOLDS[rule](own[name]):
+            yield StateBreach(f"{place}{name}", rule, own[name])
+
+
+def _of_pairs(pairs: Any, place: str, rule: str) -> Iterator[StateBreach]:
+    for k, (name, value) in enumerate(pairs):
+        if not isinstance(name, str) or not is_number(value) or not _HOLDS[rule](value):
+            yield StateBreach(f"{place}[{k}]", f"a text with a value that is {rule}", [name, value])
+
+
+def _of_array(values: Any, place: str, shape: tuple[int, ...]) -> Iterator[StateBreach]:
+    """Yield what keeps values from being an array of finite numbers of a shape; -1 is any length."""
+    if not isinstance(values, np.ndarray):
+        if not isinstance(values, list | tuple):
+            yield StateBreach(place, "a list of numbers", values)
+            return
+        for k, value in enumerate(values):
+            if len(shape) == 2:
+                yield from _of_array(value, f"{place}[{k}]", shape[1:])
+            elif not is_number(value):
+                yield StateBreach(f"{place}[{k}]", "a finite number", value)
+    array = np.array(values, dtype=float)
+    if array.size == 0 and shape[0] in (-1, 0):
+        return
+    if array.ndim != len(shape) or any(n not in (-1, m) for n, m in zip(shape, array.shape, strict=True)):
+        wanted = " x ".join("any number" if n == -1 else str(n) for n in shape)
+        yield StateBreach(place, f"an array of {wanted} numbers", list(array.shape))
+    elif not np.isfinite(array).all():
+        at = np.argwhere(~np.isfinite(array))[0]
+        where = "".join(f"[{k}]" for k in at)
+        yield StateBreach(f"{place}{where}", "a finite number", float(array[tuple(at)]))
 
 
 def _controller_memory(content: dict[str, Any]) -> ControllerMemory:

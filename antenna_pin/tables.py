@@ -1,4 +1,4 @@
-"""Columns of numbers from text, as spreadsheets, loggers and programs write them.
+"""Tables in text: columns of numbers as spreadsheets, loggers and programs write them, and the CSV writer.
 
 Detected unless given: the delimiter (``;``, tabulators, commas, else blanks), a decimal comma, the line of
 names, units in it (``time [s]``, ``time (ms)``, ``Time/s``) or in a line beneath. Columns go by name,
@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, TextIO
 
 from antenna_pin.errors import FileFormatError
 from antenna_pin.numerals import decimal_in
@@ -28,6 +28,7 @@ __all__ = [
     "headings",
     "hint",
     "read_cells",
+    "write_csv",
 ]
 
 _SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)  # the first line for Excel
@@ -37,6 +38,7 @@ _HEADING = re.compile(
 _COMMA = re.compile(r"[+-]?([0-9]*),([0-9]+)(?:[eEdD][+-]?[0-9]+)?")
 _POINT = re.compile(r"[+-]?[0-9]*\.[0-9]*(?:[eEdD][+-]?[0-9]+)?")
 _FORTRAN = re.compile(r"(?<=[0-9.])[dD](?=[+-]?[0-9]+$)")
+_FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")  # what a cell begins with that a spreadsheet evaluates
 _BRACKETS = re.compile(r"\s*([\[(][^\])]*[\])])")
 
 
@@ -179,6 +181,37 @@ def column_of(cells: Cells, name: str, unit: str | tuple[str, ...]) -> tuple[flo
     return tuple(numbers)
 
 
+def write_csv(stream: TextIO, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+    """Write a table in CSV.
+
+    A number is the shortest text that reads back as the same number, a cell without a value is empty. Text
+    that a spreadsheet would evaluate as a formula, such as a joint's name ``=1+1``, has an apostrophe in
+    front, which spreadsheets take as the sign of text.
+
+    Args:
+        stream: Opened with ``newline=""``.
+        head: Names of the columns.
+        rows: Numbers, texts, and lists of these.
+    """
+    writer = csv.writer(stream)
+    writer.writerow([_csv_cell(name) for name in head])
+    writer.writerows([_csv_cell(value) for value in row] for row in rows)
+
+
+def _csv_cell(value: Any) -> Any:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, (list, tuple)):
+        return "; ".join(str(_csv_cell(each)) for each in value)
+    if isinstance(value, float):
+        return repr(value)
+    if isinstance(value, str) and value.startswith(_FORMULA) and decimal_in(value) is None:
+        return f"'{value}"
+    return value
+
+
 def hint(cell: str) -> str:
     """Return the way out behind a cell that is no number; nothing if there is none."""
     if _COMMA.fullmatch(cell):
@@ -205,11 +238,14 @@ def bare_name(heading: str) -> str:
 
 def _split(heading: str) -> tuple[str, str]:
     """Return name and unit of a heading such as ``time [s]``; no unit if it has none."""
-    match = _HEADING.fullmatch(heading.strip())
+    heading = heading.strip()
+    if heading.startswith("'") and heading[1:].startswith(_FORMULA):  # as :func:`write_csv` writes it
+        heading = heading[1:]
+    match = _HEADING.fullmatch(heading)
     if match is None or not match["name"]:
-        return heading.strip(), ""
+        return heading, ""
     if match["slash"] and any_quantity(f"1 {match['slash']}") is None:
-        return heading.strip(), ""
+        return heading, ""
     unit = match["square"] or match["round"] or match["slash"] or ""
     return match["name"].strip(), unit.strip()
 

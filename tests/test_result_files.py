@@ -215,3 +215,9 @@ def test_a_result_opens_in_xarray_and_comes_back_from_it(result, tmp_path):
     assert again.data["mine"].dims == ("time",)
     xr.testing.assert_identical(again.data.drop_vars("mine"), ours.data)
     assert again.summary() == ours.summary()
+
+
+def test_samples_that_are_all_at_one_instant_are_no_result(result):
+    data = Trajectory.load(result).data
+    still = data.assign_coords(time=np.zeros(data.sizes["time"]))
+    assert problem_of(still) == f"all {still.sizes['time']} samples of 'time' at one instant, 0 s"

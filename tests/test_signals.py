@@ -15,6 +15,7 @@ import pytest
 from antenna_pin import Outcome, Trajectory
 from antenna_pin.files import replacing
 from antenna_pin.interruption import Ended, ending_by_signals, held_back, interruptible, is_interruption
+from antenna_pin.sweep import Cluster
 
 _ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
 # Far longer than any test waits, and yet it ends by itself, whatever becomes of the test that has started it.
@@ -212,3 +213,29 @@ def test_a_library_that_swallows_the_signal_while_it_is_imported(tmp_path, monke
     assert not is_interruption(failed.value)
     monkeypatch.setattr("antenna_pin.interruption._last", [int(signal.SIGTERM)])
     assert is_interruption(failed.value) and not is_interruption(AttributeError())
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_processes_start_or_end_comes_when_they_have(monkeypatch, as_command_line, number):
+    """In the midst of either Dask would make tracebacks of it, or leave processes behind."""
+    done = []
+
+    class Peer:
+        def __init__(self, name):
+            signal.raise_signal(number)
+            self.name = name
+            done.append(f"{name} there")
+
+        def close(self):
+            signal.raise_signal(number)
+            done.append(f"{self.name} closed")
+
+    monkeypatch.setattr(Cluster, "_processes", lambda self: Peer("processes"))
+    monkeypatch.setattr(Cluster, "_connected", lambda self: Peer("client"))
+    cluster = Cluster(2)
+    with pytest.raises(KeyboardInterrupt):
+        cluster.start()
+    assert done == ["processes there", "client there"]
+    with pytest.raises(KeyboardInterrupt):
+        cluster.close()
+    assert done[2:] == ["client closed", "processes closed"]

@@ -1,14 +1,22 @@
 """Tables of numbers from text: one course as spreadsheets and programs write it, and what is refused."""
 
+import csv
+import io
+import json
 import math
+import re
+import shutil
+import subprocess
+from pathlib import Path
 
 import pytest
 
+import antenna_pin
 from antenna_pin import load_scenario
 from antenna_pin.errors import ScenarioError
 from antenna_pin.files import marked_encoding
 from antenna_pin.scenario.table_file import read_table
-from antenna_pin.tables import BadTableError, TextLayout, read_cells
+from antenna_pin.tables import BadTableError, TextLayout, read_cells, write_csv
 
 TIMES = (0.0, 0.05, 0.1, 0.15)
 VALUES = (0.0, 0.0377, -0.0748, 0.1104)
@@ -202,3 +210,35 @@ def test_a_shaken_bases_course_has_the_unit_of_what_it_is_of(scenario, unit, sca
         (scenario / "course.csv").write_text(f"time,course [mm]\n{rows()}")
         with pytest.raises(ScenarioError, match="column course must be that of a pure number, got 'mm'"):
             load_scenario(scenario / "scenario.toml")
+
+
+FORMULAS = ["=1+1", "+a", "-b", "@SUM(A1)", "\t=1", "\r=1", "\n=1", '=cmd|"/c calc"']
+
+
+def test_no_cell_of_a_csv_file_is_a_formula():
+    """Text that a spreadsheet evaluates has an apostrophe in front; numbers, as text too, stay."""
+    stream = io.StringIO(newline="")
+    values = [-1.5, "-1.5", -2, "+3e4", "hinge"]
+    write_csv(stream, FORMULAS, [FORMULAS, [[text] for text in FORMULAS], values])
+    head, texts, lists, numbers = csv.reader(io.StringIO(stream.getvalue(), newline=""))
+    assert head == texts == lists == [f"'{text}" for text in FORMULAS]
+    assert numbers == ["-1.5", "-1.5", "-2", "+3e4", "hinge"]
+
+
+def test_a_column_is_read_by_the_name_that_it_was_written_by():
+    stream = io.StringIO(newline="")
+    write_csv(stream, ["time", "=1+1"], [(0.0, -0.25), (0.1, 0.5)])
+    assert read_cells(stream.getvalue(), ["time", "=1+1"]).text["=1+1"] == ["-0.25", "0.5"]
+
+
+def test_csv_is_written_in_one_place():
+    """In Python by :func:`write_csv`; in the page of a report by its twin, which names the same signs."""
+    root = Path(antenna_pin.__file__).parent
+    writer = re.compile(r"csv\.(writer|DictWriter)")
+    assert [file for file in root.rglob("*.py") if writer.search(file.read_text())] == [root / "tables.py"]
+    script = (root / "report/templates/unpack.js").read_text()
+    line = re.search(r"const inert = .*", script)[0]
+    if node := shutil.which("node"):
+        said = f"{line} console.log(JSON.stringify({json.dumps(FORMULAS)}.map(inert)))"
+        made = subprocess.run([node, "-e", said], capture_output=True, text=True, check=True).stdout
+        assert json.loads(made) == [f"'{text}" for text in FORMULAS]

@@ -17,6 +17,7 @@ from antenna_pin.analysis._beside_tree import (
 )
 from antenna_pin.arguments import takes
 from antenna_pin.errors import FileFormatError
+from antenna_pin.files import path_of_text
 from antenna_pin.mechanism import (
     Mechanism,
     Urdf,
@@ -49,7 +50,7 @@ def mechanism_of(run: Trajectory | xr.Dataset) -> Mechanism:
         data.attrs["urdf"],
         str(data.attrs.get("title") or "run"),
         allow_impossible_inertia=about["allow_impossible_inertia"],
-        folder=data.attrs["urdf_folder"] or None,
+        folder=path_of_text(data.attrs["urdf_folder"]) if data.attrs["urdf_folder"] else None,
         package_path=about.get("package_path", ()),
     )
     return build_mechanism(urdf, about["base"], about["gravity"], regular=False)

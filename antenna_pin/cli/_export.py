@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin import tables
 from antenna_pin.cli._common import figure_folder, figure_formats, writable_file
 from antenna_pin.files import replacing
 
@@ -51,14 +51,9 @@ def say_json(facts: Mapping[str, Any]) -> None:
 
 
 def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]], silent: bool = False) -> None:
-    """Write a CSV file and say so.
-
-    A number is the shortest text that reads back as the same number; a cell is empty where there is none.
-    """
+    """Write a CSV file (:func:`antenna_pin.tables.write_csv`) and say so."""
     with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(head)
-        writer.writerows([_cell(value) for value in row] for row in rows)
+        tables.write_csv(stream, head, (plain(row) for row in rows))
     if not silent:
         typer.echo(f"saved {path}")
 
@@ -113,17 +108,6 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value if value is None or isinstance(value, (bool, int, str)) else str(value)
-
-
-def _cell(value: Any) -> Any:
-    value = plain(value)
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return int(value)
-    if isinstance(value, list):
-        return "; ".join(str(_cell(each)) for each in value)
-    return repr(value) if isinstance(value, float) else value
 
 
 def figures_asked(out: Path | None, formats: str) -> list[str]:

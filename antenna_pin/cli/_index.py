@@ -70,7 +70,7 @@ class FigureIndex:
             picture = next((file for file in files if not file.endswith(".pdf")), None)
             text += ["", f"![{title}]({picture})"] if picture else []
         with replacing(self.path) as partial:
-            partial.write_text("\n".join(text) + "\n", encoding="utf-8")
+            partial.write_text("\n".join(text) + "\n", encoding="utf-8", errors="backslashreplace")
 
 
 def _cell(text: str) -> str:

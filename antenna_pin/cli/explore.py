@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from antenna_pin.cli._common import CaseOption, ScenarioArgument, SetOption, load, say
-from antenna_pin.cli._opening import browser_for_pages
+from antenna_pin.cli._opening import browser_for_pages, opened_by_file
 from antenna_pin.cli._progress import waiting_for_the_user
 from antenna_pin.errors import MissingToolError
 
@@ -52,13 +53,19 @@ def explore(
 
     from antenna_pin.live import explore as serve
 
-    with serve(chosen, joint=joint, duration=duration, port=port, out=out) as exploration:
-        say(f"serving {exploration.url}")
-        say("Ctrl-C ends it")
-        if opened is not None and not opened.open(exploration.url):
-            raise MissingToolError("explore: a browser must start, got none; --no-browser prints the address")
+    with (
+        serve(chosen, joint=joint, duration=duration, port=port, out=out) as exploration,
+        contextlib.ExitStack() as while_served,
+    ):
         try:
             with waiting_for_the_user():
+                say(f"serving {exploration.url}")
+                say("Ctrl-C ends it")
+                if opened is not None and not while_served.enter_context(
+                    opened_by_file(opened, exploration.url)
+                ):
+                    rule = "a browser must start, got none; --no-browser prints the address"
+                    raise MissingToolError(f"explore: {rule}")
                 exploration.wait()
         except KeyboardInterrupt:
             exploration.stop()

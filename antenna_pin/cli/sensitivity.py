@@ -14,7 +14,7 @@ from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported,
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
 from antenna_pin.cli._tables import print_rows
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.errors import FileFormatError, InvalidParameterError
 
 if TYPE_CHECKING:
     from antenna_pin.sensitivity import Changed, Method, Sensitivities
@@ -101,7 +101,10 @@ def _state(path: Path) -> State:
     except (OSError, UnicodeDecodeError) as error:
         rule = "a file with a state, the text of State.to_json"
         raise InvalidParameterError("sensitivity", "--start", rule, said=f"{path} ({error})") from None
-    return State.from_json(text)
+    try:
+        return State.from_json(text)
+    except FileFormatError as error:
+        raise FileFormatError(f"--start {path}: {error}") from None
 
 
 def _facts(found: Sensitivities, rows: list[dict[str, Any]]) -> dict[str, Any]:

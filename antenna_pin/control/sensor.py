@@ -10,7 +10,7 @@ import numpy as np
 
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import check, parameter
+from antenna_pin.parameters import LEAST, check, parameter
 
 __all__ = ["Sensor"]
 
@@ -50,6 +50,10 @@ class Sensor:
         if len(given) > 1:
             rule = f"left out beside {given[0]}; a sensor has steps of one size"
             raise InvalidParameterError(self, given[1], rule, getattr(self, given[1]))
+        if 0.0 < self.resolution < LEAST:
+            raise InvalidParameterError(
+                self, "resolution", f"0 for none, or {LEAST:g} or more", self.resolution
+            )
         if self.bits is not None and self.bits > 52:
             raise InvalidParameterError(self, "bits", "52 or less, as a double has", self.bits)
 

@@ -17,8 +17,9 @@ Array = NDArray[np.float64]
 def contact_memory(system: System, y: Array) -> Array:
     """Return the contact memory of a state that comes without one, (contacts, 3).
 
-    Contacts with a gap of zero or less touch, as if for the first time: with the depth rate there and then as
-    approach speed, at least the floor, and with the effective mass there and then.
+    Contacts with a gap of zero or less touch, with the effective mass there and then. At the surface the
+    approach speed is the depth rate there and then, at least the floor; deeper in there is none
+    (:func:`antenna_pin.contact.onset.approach_speed_in_contact`).
 
     Args:
         system: The system.

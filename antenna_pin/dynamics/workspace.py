@@ -12,6 +12,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.constraints import Constraints
+from antenna_pin.contact.onset import approach_speed_in_contact
 from antenna_pin.dynamics import kernels, link_kernels, point_kernels, query_kernels, trial_kernels
 from antenna_pin.dynamics.links import OnLinksInPython
 from antenna_pin.dynamics.system import System
@@ -286,7 +287,8 @@ class Workspace:
         memory = np.zeros_like(self.memory)
         for c, floor in enumerate(self.system.approach_speed_floors):
             if table[c].gap <= ON_SURFACE:
-                memory[c] = 1.0, max(float(table[c].rate), floor), self.effective_mass(y, c)
+                speed = approach_speed_in_contact(-float(table[c].gap), float(table[c].rate), floor)
+                memory[c] = 1.0, speed, self.effective_mass(y, c)
         return memory
 
     def effective_mass(self, y: Array, contact: int) -> float:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Literal
 
+from antenna_pin.contact.onset import NO_APPROACH, approach_speed_in_contact
 from antenna_pin.elements.element import IMPULSE, LOSS, Integral
 from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
 from antenna_pin.elements.modal import Change, Met, Remembered
@@ -52,7 +53,9 @@ class EndStop(Limits):
 
     with f of the law named, of which the depth is the angle beyond the limit; touch and release are located.
     ``upper_stiffness``, ``upper_law``, ... say where the upper side differs. A start beyond a limit is a
-    start pressed in.
+    start pressed in: without an onset, and so without a rate of approach, a law that divides by that rate
+    presses out by its elastic part alone, up to the release. So does a stop that is switched on, or moved,
+    beyond the limit.
 
     Attributes:
         stiffness: K, torque at a depth of 1 rad over 1 rad, whatever the exponent [N*m/rad] ([N/m]).
@@ -172,14 +175,23 @@ class EndStop(Limits):
     def first(self, met: Met) -> Change | None:
         """Return the side that the joint is pressed into at the start, if any."""
         side = self.side_at(met.angle, met.rate)
-        return self._on(side, met) if side != self.mode else None
+        return self._pressed_in(side, met) if side != self.mode else None
 
     def in_another(self, met: Met) -> Change | None:
         """Touch, or come off, where the joint is in or off now."""
         side = self.side_at(met.angle, met.rate)
         if side == self.mode:
             return None
-        return Change(FREE, memory={"approach": 0.0, "turned": 0.0}) if side == FREE else self._on(side, met)
+        if side == FREE:
+            return Change(FREE, memory={"approach": 0.0, "turned": 0.0})
+        return self._pressed_in(side, met)
+
+    def moved(self, key: str, met: Met) -> Change | None:
+        """Return the memory of a stop that now is where its joint is already beyond it."""
+        side = self.side_at(met.angle, met.rate)
+        if self.mode != FREE or side == FREE:
+            return None
+        return Change(FREE, memory={"approach": self._approach_in(side, met)})
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Touch side k, turn back in it, or come off it."""
@@ -197,10 +209,20 @@ class EndStop(Limits):
             impulse=sign * (struck - self.struck),
         )
 
+    def _approach_in(self, side: int, met: Met) -> float:
+        """Return the rate of approach without an onset, of a joint on a side [rad/s] ([m/s])."""
+        sign, limit = (-1.0, self.lowest) if side == LOWER else (1.0, self.highest)
+        return approach_speed_in_contact(sign * (met.angle - limit), sign * met.rate, 0.0)
+
+    def _pressed_in(self, side: int, met: Met) -> Change:
+        found = self._on(side, met)
+        return found._replace(memory={**found.memory, "approach": self._approach_in(side, met)})
+
     def _on(self, side: int, met: Met) -> Change:
-        approach = -met.rate if side == LOWER else met.rate
+        rate = -met.rate if side == LOWER else met.rate
         lost, struck = met.integrals or (0.0, 0.0)
-        memory = {"approach": max(approach, 0.0), "turned": float(approach <= 0.0)}
+        approach = NO_APPROACH if self.approach == NO_APPROACH else max(rate, 0.0)
+        memory = {"approach": approach, "turned": float(rate <= 0.0)}
         return Change(side, f"{self.modes[side]}: on", {**memory, "lost": lost, "struck": struck})
 
     def tail(self) -> tuple[float, ...]:

@@ -7,7 +7,6 @@ so it is run as a record of what the model itself reads.
 
 from __future__ import annotations
 
-import csv
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -34,6 +33,7 @@ from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import nested
 from antenna_pin.scenario.shipped import read_toml
 from antenna_pin.scenario.spec import Count, Place, Quantity, Spec, dotted, explained, refuse
+from antenna_pin.tables import write_csv
 from antenna_pin.units import shown
 
 __all__ = ["ExperimentSpec", "Experiments", "TimesSpec", "Trial", "load_experiments", "without"]
@@ -312,8 +312,5 @@ def _problem(
 
 def _write(path: Path, time: Array, columns: dict[str, Array]) -> None:
     with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(["time", *columns])
-        writer.writerows(
-            zip(*(list(map(repr, one.tolist())) for one in (time, *columns.values())), strict=True)
-        )
+        every = (one.tolist() for one in (time, *columns.values()))
+        write_csv(stream, ["time", *columns], zip(*every, strict=True))

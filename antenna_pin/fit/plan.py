@@ -20,7 +20,7 @@ from antenna_pin.fit.parameter_specs import DerivedSpec, FitParameterSpec
 from antenna_pin.fit.sureness import Noise
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.runs_file import RunsFile, laid_over, nested
-from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse, refuse_name
+from antenna_pin.scenario.spec import Count, Folder, Quantity, Spec, refuse, refuse_name
 from antenna_pin.units import shown
 
 __all__ = [
@@ -190,7 +190,7 @@ class FitPlan(RunsFile):
     starts: StartsSpec | None = None
     surface: SurfaceSpec | None = None
     name: str = "fit"
-    folder: Path = Path()
+    folder: Folder = Path()
 
     @model_validator(mode="after")
     def _check_tolerance(self) -> Self:

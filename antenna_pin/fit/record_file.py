@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.files import absence
 from antenna_pin.fit.layout import LayoutSpec
+from antenna_pin.fit.mat_file import BadMatFileError, Mat73Error, read_mat
 from antenna_pin.fit.text_record import from_text
 from antenna_pin.fit.uff_record import from_universal
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
@@ -130,15 +131,12 @@ def _from_netcdf(
 
 def _from_mat(path: Path, names: Sequence[str], place: str) -> dict[str, Array]:
     """Return arrays of a MAT file; of a structure its fields, as ``structure.field``."""
-    from scipy.io import loadmat
-
     try:
-        content = loadmat(path, squeeze_me=True, struct_as_record=True)
-    except NotImplementedError:  # version 7.3 is an HDF5 file
+        content = read_mat(path)
+    except Mat73Error:
         arrays = _arrays_of_hdf5(path, place)
-    except Exception as error:  # the reader raises any on a damaged file
-        words = " ".join(str(error).split())
-        raise ScenarioError(f"{place}: {path.name} cannot be read as a MAT file: {words}") from None
+    except BadMatFileError as error:
+        raise ScenarioError(f"{place}: {path.name} cannot be read as a MAT file: {error}") from None
     else:
         arrays = _arrays(content)
     found = {}
@@ -167,7 +165,7 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
     arrays: dict[str, Any] = {}
     try:
         with open_hdf5(path) as file:
-            for name, one in _leaves(file):
+            for name, one in _leaves(file, set()):
                 if one.attrs.get("MATLAB_class", b"double") in _NO_NUMBERS:
                     continue
                 array = np.squeeze(np.asarray(one[()]))
@@ -180,13 +178,20 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
     return arrays
 
 
-def _leaves(group: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the arrays of an HDF5 file by their names, with points between those of structures."""
+def _leaves(group: Any, seen: set[Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the arrays of an HDF5 file by their names, with points between those of structures.
+
+    Raises:
+        ValueError: A group stands in it twice: in a circle, or so that names double with each level.
+    """
+    if group.id in seen:  # equal where they are the same object
+        raise ValueError(f"group {group.name} stands elsewhere in it, too")
+    seen.add(group.id)
     for name, item in group.items():
         if name.startswith("#"):  # what cells refer to
             continue
         if hasattr(item, "items"):
-            yield from ((f"{name}.{inner}", one) for inner, one in _leaves(item))
+            yield from ((f"{name}.{inner}", one) for inner, one in _leaves(item, seen))
         elif hasattr(item, "dtype"):
             yield name, item
 

@@ -79,10 +79,17 @@ class Packed:
         Raises:
             AntennaPinError: There is nothing to command of one's name.
         """
+        places = {name: place_of(session, name) for name in self.inputs}
+        for name, place in places.items():
+            same = [other for other in places if places[other] == place] + [place] * (
+                place in self.parameters
+            )
+            if len(same) > 1:
+                rule = f"one of each number; {place} is commanded by {' and '.join(same)}: leave one out"
+                raise InvalidParameterError("fmu", "inputs", rule, name)
         return [
             Variable(name, session.unit(place), session[place], f"commanded: {place}, held over a step")
-            for name in self.inputs
-            for place in (place_of(session, name),)
+            for name, place in places.items()
         ]
 
     def outputs_of(self, session: Session) -> list[Variable]:
@@ -141,7 +148,7 @@ def number_at(scenario: Scenario, place: str) -> float:
     found: Any = scenario.model_dump()
     for key in place.split("."):
         found = found.get(key) if isinstance(found, Mapping) else None
-    if isinstance(found, bool) or not isinstance(found, int | float):
+    if isinstance(found, bool) or not isinstance(found, int | float) or place == "format":
         rule = "the place of one number that the scenario has, such as integrator.rtol"
         raise InvalidParameterError("fmu", "parameters", rule, place)
     return float(found)

@@ -17,6 +17,7 @@ from antenna_pin.linear.play import Play, prepared
 from antenna_pin.linear.result import Modes, modes_at
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.simulation import simulate
+from antenna_pin.simulation.first import check_sizes
 from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory, is_lean
 
@@ -90,7 +91,7 @@ def modes(
         known = np.array_equal(np.asarray(touching, dtype=float), end.memory[:, 0])
         more = {"time": end.reached, "memory": end.memory if known else None, "adjusted": end.adjusted}
     elif isinstance(at, State):
-        _check_sizes(system, at)
+        check_sizes(system, at, "modes", "at")
         y = at.y
         more = {"time": at.time, "memory": at.memory, "adjusted": at.adjusted}
     else:
@@ -131,22 +132,13 @@ def _reached(model: Scenario | System, time: float) -> Trajectory | None:
 
 def _last(system: System, run: Trajectory, end: State) -> Array:
     """Return the state at a run's last instant; the one that it left lies up to two steps before."""
-    _check_sizes(system, end)
+    check_sizes(system, end, "modes", "at")
     y = end.y
     if not is_lean(run.data):
         nq, nv = system.model.nq, system.model.nv
         y[:nq], y[nq : nq + nv] = run.data["q"].values[-1], run.data["v"].values[-1]
         system.turn_on(y)
     return y
-
-
-def _check_sizes(system: System, state: State) -> None:
-    sizes = (system.model.nq, system.model.nv, system.manifold.nx, len(system.contact_names))
-    found = (len(state.q), len(state.v), len(state.x), len(state.memory))
-    if found != sizes:
-        raise InvalidParameterError(
-            "modes", "at", f"the state of a run of this system, of sizes {sizes}", said=str(found)
-        )
 
 
 def _start(model: Scenario | System, system: System, q: ArrayLike | None, v: ArrayLike | None) -> Array:

@@ -10,6 +10,7 @@ import os
 import secrets
 import socket
 import threading
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -75,6 +76,23 @@ def check_bokeh() -> None:
         ) from None
 
 
+def _application_for(hosts: Sequence[str]) -> Any:
+    """Return Bokeh's application that answers requests to these hosts and ports alone.
+
+    A page of another site, whose name an attacker has lead to this machine, comes with that name as its Host.
+    """
+    from bokeh.server.tornado import BokehTornado
+    from tornado.web import ErrorHandler
+
+    class OnlyForHosts(BokehTornado):  # type: ignore[misc]
+        def find_handler(self, request: Any, **more: Any) -> Any:
+            if request.host.lower() not in hosts:
+                return self.get_handler_delegate(request, ErrorHandler, {"status_code": 403})
+            return super().find_handler(request, **more)
+
+    return OnlyForHosts
+
+
 class Exploration:
     """A scenario that is being explored in a browser, served by a thread.
 
@@ -102,7 +120,6 @@ class Exploration:
         from bokeh.application import Application
         from bokeh.application.handlers import FunctionHandler
         from bokeh.server.server import BaseServer
-        from bokeh.server.tornado import BokehTornado
         from bokeh.util.token import generate_session_id
         from tornado.httpserver import HTTPServer
         from tornado.ioloop import IOLoop
@@ -115,9 +132,10 @@ class Exploration:
             listening = socket.create_server((_HERE, port))
             listening.setblocking(False)
             found = listening.getsockname()[1]
-            application = BokehTornado(
+            hosts = [f"{_HERE}:{found}", f"localhost:{found}"]
+            application = _application_for(hosts)(
                 {"/": Application(FunctionHandler(self._fill))},
-                extra_websocket_origins=[f"{_HERE}:{found}", f"localhost:{found}"],
+                extra_websocket_origins=hosts,
                 secret_key=self._key,
                 sign_sessions=True,
                 generate_session_ids=False,

@@ -48,5 +48,5 @@ def record_several(
         (heading, record(run, fps=_FPS, curves=(), max_megabytes=max_megabytes).data) for heading, run in made
     ]
     with replacing(target) as partial:
-        partial.write_text(page_of_several(parts, title), encoding="utf-8")
+        partial.write_text(page_of_several(parts, title), encoding="utf-8", errors="backslashreplace")
     return target

@@ -7,7 +7,6 @@ between two pictures is not lost: the later one shows its largest force.
 from __future__ import annotations
 
 import base64
-import csv
 import math
 import os
 from collections.abc import Callable, Iterator
@@ -25,6 +24,7 @@ from antenna_pin.record._browser import find_browser
 from antenna_pin.record._camera import Camera, check_size, open_camera
 from antenna_pin.record._movie import check_writers, palette_of, write_gif, write_mp4
 from antenna_pin.record.recording import Recording
+from antenna_pin.tables import write_csv
 
 __all__ = ["Filmed", "check_film", "film_times", "save_frames", "save_picture", "save_video"]
 
@@ -167,9 +167,7 @@ def save_frames(
         replacing(target / "frames.csv") as partial,
         partial.open("w", newline="", encoding="utf-8") as file,
     ):
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(["file", "time [s]"])
-        rows.writerows([names[k], f"{times[k]:.9g}"] for k in range(done))
+        write_csv(file, ("file", "time [s]"), ((names[k], f"{times[k]:.9g}") for k in range(done)))
     return Filmed(target, done, len(times))
 
 

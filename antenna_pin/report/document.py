@@ -87,7 +87,7 @@ class Report:
         """
         target = check_writable(path, ".html")
         with replacing(target) as partial:
-            partial.write_text(self.html, encoding="utf-8")
+            partial.write_text(self.html, encoding="utf-8", errors="backslashreplace")
         return target
 
     def _repr_html_(self) -> str:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, get_args
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
     GetCoreSchemaHandler,
+    PlainSerializer,
     ValidationError,
     model_validator,
 )
@@ -20,9 +23,17 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, cor
 from antenna_pin.arguments import fits
 from antenna_pin.directions import A_DIRECTION
 from antenna_pin.errors import InvalidParameterError, nearest
+from antenna_pin.files import path_as_text, path_of_text
 from antenna_pin.parameters import RULES, beyond
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
 from antenna_pin.units import QuantityError, describe_unit, quantity, shown
+
+Folder = Annotated[
+    Path,
+    AfterValidator(path_of_text),
+    PlainSerializer(path_as_text, when_used="json"),
+]
+"""The folder of a file, whatever bytes its name has."""
 
 
 def refuse(text: str, *location: str | int, value: object = None) -> NoReturn:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import ValidationError
 
 from antenna_pin.arguments import takes
-from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
+from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, printable
 from antenna_pin.scenario._explained import dotted, explained_line, located_lines
 from antenna_pin.scenario._layers import (
     Source,
@@ -68,7 +68,7 @@ def load_scenario(
     chosen = _Case("", {}) if name is None else cases[name]
     layer, record = read_layer(overrides)
     carried = {
-        "name": found.name,
+        "name": printable(found.name),
         "case": name,
         "description": chosen.description,
         "overrides": record,

@@ -8,6 +8,7 @@ from pathlib import PurePath
 from typing import Any
 
 from antenna_pin.errors import ScenarioError
+from antenna_pin.files import is_unicode
 from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text, unbounded
 from antenna_pin.units import shown
 
@@ -106,6 +107,9 @@ def read_overrides(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...
     for key, value in _entries(overrides):
         _put(tree, _keys(key), value, key)
         record.append(f"{key}={toml_value(value)}")
+        if not is_unicode(record[-1]):
+            rule = "must be UTF-8, as a scenario file is; files of other names are found from its folder"
+            raise ScenarioError(f"override {record[-1]}: {rule}")
     return tree, tuple(record)
 
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field, ValidationError
 
-from antenna_pin.errors import ScenarioError, UnknownNameError
+from antenna_pin.errors import ScenarioError, UnknownNameError, printable
 from antenna_pin.scenario._base import Spec, Version
 from antenna_pin.scenario._explained import Place, dotted, explained
 from antenna_pin.scenario.load import load_scenario
@@ -95,7 +95,7 @@ class RunsFile(Spec):
         for table in (data, layer):
             if isinstance(table.get("set"), Mapping):
                 table["set"] = nested(table["set"])
-        name = found.name.removesuffix(cls.suffix).removesuffix(".toml")
+        name = printable(found.name.removesuffix(cls.suffix).removesuffix(".toml"))
         try:
             return cls.validated(merge(data, layer) | {"name": name, "folder": found.parent.resolve()})
         except ValidationError as error:

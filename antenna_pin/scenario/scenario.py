@@ -12,7 +12,7 @@ from antenna_pin._views import as_html
 from antenna_pin.brief import brief
 from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
-from antenna_pin.scenario._base import PositiveTime, Version, refuse, refuse_name
+from antenna_pin.scenario._base import Folder, PositiveTime, Version, refuse, refuse_name
 from antenna_pin.scenario._choices import CONTROLLER_SPECS, COUPLING_SPECS, EVENT_SPECS, FLEXIBLE_SPECS
 from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._kinds import OneOf
@@ -113,7 +113,7 @@ class Scenario(FamilyTables):
     case: str | None = None
     description: str = ""
     overrides: tuple[str, ...] = ()
-    folder: Path = Path()
+    folder: Folder = Path()
     urdf_text: str = Field(repr=False)
 
     carried: ClassVar[frozenset[str]] = frozenset(

@@ -2,6 +2,7 @@
 
 from antenna_pin.scenario._base import (
     Count,
+    Folder,
     PositiveTime,
     Quantity,
     Spec,
@@ -12,6 +13,7 @@ from antenna_pin.scenario._explained import Place, dotted, explained
 
 __all__ = [
     "Count",
+    "Folder",
     "Place",
     "PositiveTime",
     "Quantity",

@@ -20,6 +20,7 @@ from antenna_pin.interruption import interruptible
 from antenna_pin.readable import readable
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.session.commands import Commands, in_si
+from antenna_pin.session.exclusive import Exclusive, InUseError, exclusive
 from antenna_pin.session.goals import looked_to, seconds, sought
 from antenna_pin.session.numbers import Numbers
 from antenna_pin.session.screen import on_screen
@@ -35,7 +36,7 @@ from antenna_pin.simulation.run import First, Ready, prepared
 from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome, Trajectory
 
-__all__ = ["EndedError", "Session", "start"]
+__all__ = ["EndedError", "InUseError", "Session", "start"]
 
 
 class EndedError(AntennaPinError, RuntimeError):
@@ -76,14 +77,14 @@ def start(
     return Session(scenario_named(model), first, settings, tuple(events), record, controllers)
 
 
-class Session:
+class Session(Exclusive):
     """A run that goes as far as it is told.
 
     Its numbers are those of one :func:`antenna_pin.simulate` in which events set at the same times what was
     commanded (:attr:`events`), bit for bit, however long the steps between: the integrator's own steps are
     cut where something was commanded, nowhere else. A state that is read is where such a run would end.
 
-    :func:`start` makes it.
+    :func:`start` makes it. One thread at a time works with it; a second one is refused (:class:`InUseError`).
 
     Args:
         model: What to run.
@@ -104,6 +105,7 @@ class Session:
         controllers: Mapping[str, Controller] = MappingProxyType({}),
     ) -> None:
         """Make the run."""
+        super().__init__()
         if not (isinstance(record, bool) or (is_number(record) and record >= 0.0)):
             raise InvalidParameterError("start", "record", "true, false or a time, zero or more [s]", record)
         self._asked = model, first, settings, events, record, controllers
@@ -123,6 +125,7 @@ class Session:
 
     # --- to go on -------------------------------------------------------------------------------------------
 
+    @exclusive
     def step(self, duration: float | str) -> bool:
         """Go on for some time [s]; return whether the session may go on then.
 
@@ -135,6 +138,7 @@ class Session:
         """
         return self._go(self.time + seconds("step", "duration", duration))
 
+    @exclusive
     def run_until(
         self, goal: float | str | Event | Callable[[Moment], float], timeout: float | str | None = None
     ) -> bool:
@@ -190,6 +194,7 @@ class Session:
 
     # --- to command -----------------------------------------------------------------------------------------
 
+    @exclusive
     def set(self, place: str, value: float | str | bool) -> None:
         """Change a number of an element now, as an event with :class:`antenna_pin.simulation.Set` would.
 
@@ -217,6 +222,7 @@ class Session:
 
     # --- to read --------------------------------------------------------------------------------------------
 
+    @exclusive
     def __getitem__(self, name: str) -> float:
         """Return a number of the present state (:mod:`antenna_pin.session.numbers`)."""
         return self._numbers[name]
@@ -243,6 +249,7 @@ class Session:
         return self._open.time
 
     @property
+    @exclusive
     def state(self) -> State:
         """The state to go on from here: of :func:`start`, of ``simulate(start=...)``, of :meth:`restore`."""
         return self._open.state
@@ -270,6 +277,7 @@ class Session:
             for k, (t, action) in enumerate(self._commanded, 1)
         )
 
+    @exclusive
     def trajectory(self) -> Trajectory:
         """Return what is recorded so far, as a run that ends here has it; the session goes on."""
         run, ready, began = self._open.run, self._ready, clock.perf_counter()
@@ -299,16 +307,19 @@ class Session:
         """Return the present state, for :meth:`restore`."""
         return self.state
 
+    @exclusive
     def restore(self, state: State) -> None:
         """Go to a state of this system's, saved or of any run; the record begins anew there."""
         check_sizes(self._ready.system, state)
         self._begin_at(state, f"another run's state at {state.reached:.12g} s: the first sample")
 
+    @exclusive
     def copy(self) -> Session:
         """Return another session that stands here; what is done to one the other does not see."""
         model, _, settings, events, record, controllers = self._asked
         return Session(model, First(start=self.state), settings, events, record, controllers)
 
+    @exclusive
     def reset(
         self,
         q: ArrayLike | None = None,

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
 from antenna_pin.elements import BetweenJoints, Element, JointFriction, Modal, Motion, Shake
+from antenna_pin.files import path_as_text
 from antenna_pin.flexible import Takes
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z, quaternion
@@ -73,7 +74,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
     }
     return {
         "urdf": mechanism.urdf.to_xml(),
-        "urdf_folder": "" if mechanism.urdf.folder is None else str(mechanism.urdf.folder),
+        "urdf_folder": "" if mechanism.urdf.folder is None else path_as_text(mechanism.urdf.folder),
         "mechanism": json.dumps(
             {
                 "base": mechanism.base,

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.contact.onset import approach_speed_in_contact
 from antenna_pin.dynamics import Workspace, peak_kernels
 from antenna_pin.engine import CompiledStepper
 from antenna_pin.engine import episode_kernels as kernels
@@ -114,6 +115,12 @@ class Episodes:
         mass = float(kernels.effective_mass(c, y, self.stepper.numbers))
         self.stepper.answers.check()
         kernels.touch(self.book, c, self.stepper.t, rate, mass, self.stepper.start)
+
+    def touch_at_start(self, c: int, depth: float, rate: float) -> None:
+        """Begin a contact that a run starts in, at a depth [m] and its rate [m/s]."""
+        self.touch(c, rate)
+        floor = self.system.approach_speed_floors[c]
+        self.book.memory["approach_speed"][c] = approach_speed_in_contact(depth, rate, floor)
 
     def close(self) -> None:
         """Complete the record of the contacts that still touch at the end of a run."""

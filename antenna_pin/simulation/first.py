@@ -9,23 +9,32 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.records import CONTACT, POSE
-from antenna_pin.state import State
+from antenna_pin.state import State, breach_of_state
 
 __all__ = ["check_lengths", "check_sizes", "check_spans", "check_start"]
 
 
-def check_sizes(system: System, state: State) -> None:
-    """Refuse a state that is not one of this system."""
+def check_sizes(system: System, state: State, place: str = "simulate", name: str = "start") -> None:
+    """Refuse a state that no run leaves, or that is not one of this system.
+
+    Args:
+        system: The system.
+        state: To go on from.
+        place: Function that is passed it, for the message.
+        name: Of its argument.
+    """
+    if not isinstance(state, State):
+        raise InvalidParameterError(place, name, "a State", type(state).__name__)
+    breach = breach_of_state(state)
+    if breach is not None:
+        raise InvalidParameterError(place, f"{name}.{breach.place}", breach.rule, breach.value)
     sizes = {"q": system.model.nq, "v": system.model.nv, "x": system.manifold.nx}
     sizes |= {"memory": len(system.contact_names)}
-    for name, size in sizes.items():
-        if len(getattr(state, name)) != size:
-            raise InvalidParameterError(
-                "simulate",
-                f"start.{name}",
-                f"that of a run of this system, {size} long",
-                len(getattr(state, name)),
-            )
+    for part, size in sizes.items():
+        found = len(getattr(state, part))
+        if found != size:
+            rule = f"that of a run of this system, {size} long"
+            raise InvalidParameterError(place, f"{name}.{part}", rule, found)
 
 
 def check_start(system: System, y: np.ndarray) -> None:

@@ -123,7 +123,7 @@ class Run:
         for c in range(len(self.contacts)):
             row = self.search.table[c]
             if row.gap <= ON_SURFACE:
-                self.contacts.touch(c, max(float(row.rate), 0.0))
+                self.contacts.touch_at_start(c, -float(row.gap), float(row.rate))
         self.actions.begin()
         self.stepper.refresh()
         self.watch.renew()

@@ -74,15 +74,27 @@ def read_sealed(path: Path) -> dict[str, NDArray[Any]]:
             raise FileFormatError(
                 f"{path}: must be as antenna-pin wrote it, got another checksum: it was damaged; {way_out}"
             )
+        _check_sizes(path)
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
     except FileFormatError:
         raise
     except FileNotFoundError:
         raise FileFormatError(f"{path}: no such file; {way_out}") from None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+    except (OSError, ValueError, KeyError, EOFError, MemoryError, zipfile.BadZipFile) as error:
         words = " ".join(str(error).split())
         raise FileFormatError(f"{path}: must be what antenna-pin wrote, got: {words}; {way_out}") from None
+
+
+def _check_sizes(path: Path) -> None:
+    """Refuse arrays that take more memory than the file has bytes: those that are written are not packed."""
+    with zipfile.ZipFile(path) as file:
+        members = file.infolist()
+    size = path.stat().st_size
+    if any(one.compress_type != zipfile.ZIP_STORED for one in members) or (
+        sum(one.file_size for one in members) > size
+    ):
+        raise ValueError(f"packed arrays of more bytes than the {size} of the file")
 
 
 # --- samples in numbers ---------------------------------------------------------------------------------

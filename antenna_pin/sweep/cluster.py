@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 
 from antenna_pin._lazy import take_back
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError
+from antenna_pin.interruption import held_back
 from antenna_pin.sweep.here import Lost
 from antenna_pin.sweep.processes import ends_of_processes, said_of_start
 from antenna_pin.sweep.reach import (
@@ -108,22 +109,10 @@ class Cluster:
             check_scheduler(self._scheduler, self._security)
         ended: list[int] = []
         try:
-            if self._scheduler is None:
-                # What workers put aside is read back by pickle: in a folder of their own, no shared one.
-                self._folder = tempfile.TemporaryDirectory(prefix="antenna_pin.", ignore_cleanup_errors=True)
-                with importlib.import_module("dask").config.set(_QUIET), ends_of_processes() as ended:
-                    self._local = self._distributed.LocalCluster(
-                        host="127.0.0.1",
-                        protocol="tls://",
-                        security=self._security,
-                        local_directory=self._folder.name,
-                        n_workers=self._workers or os.cpu_count() or 1,
-                        threads_per_worker=1,
-                        processes=True,
-                        dashboard_address="127.0.0.1:0",  # any free port; the default one may be taken
-                        silence_logs=logging.CRITICAL,
-                    )
-            self._client = self._connected()
+            # A signal that comes while Dask starts is lost in it, or makes tracebacks.
+            with held_back(), ends_of_processes() as ended:
+                self._local = self._processes() if self._scheduler is None else None
+                self._client = self._connected()
             if self._scheduler is not None and not self._client.nthreads():
                 self._client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
@@ -140,6 +129,23 @@ class Cluster:
         # What they have to load, they load while the driver makes its own trial.
         with contextlib.suppress(OSError, RuntimeError):
             self._client.run(_wake, wait=False)
+
+    def _processes(self) -> Any:
+        """Return a cluster of processes of this machine."""
+        # What workers put aside is read back by pickle: in a folder of their own, no shared one.
+        self._folder = tempfile.TemporaryDirectory(prefix="antenna_pin.", ignore_cleanup_errors=True)
+        with importlib.import_module("dask").config.set(_QUIET):
+            return self._distributed.LocalCluster(
+                host="127.0.0.1",
+                protocol="tls://",
+                security=self._security,
+                local_directory=self._folder.name,
+                n_workers=self._workers or os.cpu_count() or 1,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address="127.0.0.1:0",  # any free port; the default one may be taken
+                silence_logs=logging.CRITICAL,
+            )
 
     def _connected(self) -> Any:
         client = self._distributed.Client.__new__(self._distributed.Client)
@@ -262,11 +268,12 @@ class Cluster:
     def close(self) -> None:
         """End the processes, or leave the scheduler to others."""
         self._shared = None
-        for name in ("_client", "_local"):
-            made = getattr(self, name, None)
-            if made is not None:
-                with contextlib.suppress(Exception):
-                    made.close()
+        with held_back():  # half closed, its processes would outlive it
+            for name in ("_client", "_local"):
+                made = getattr(self, name, None)
+                if made is not None:
+                    with contextlib.suppress(Exception):
+                        made.close()
         if self._folder is not None:
             self._folder.cleanup()
 

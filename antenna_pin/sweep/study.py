@@ -15,7 +15,7 @@ from antenna_pin.brief import brief
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import RunsFile, nested
-from antenna_pin.scenario.spec import Count, Spec, refuse, refuse_name
+from antenna_pin.scenario.spec import Count, Folder, Spec, refuse, refuse_name
 from antenna_pin.sweep.parameters import ParameterSpec
 from antenna_pin.sweep.responses import ResponseSpec
 
@@ -113,7 +113,7 @@ class Study(RunsFile):
     responses: dict[str, ResponseSpec]
     results: Literal["none", "failed", "all"] = "none"
     name: str = "study"
-    folder: Path = Path()
+    folder: Folder = Path()
 
     def _repr_html_(self) -> str:
         """Show what it varies and keeps in a notebook."""

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 from antenna_pin.errors import FileFormatError
-from antenna_pin.files import PatientFile, absence, has_whole_seal, seal
+from antenna_pin.files import PatientFile, absence, escaped, has_whole_seal, seal
 from antenna_pin.interruption import held_back
 from antenna_pin.trajectory.hdf5 import open_hdf5
 from antenna_pin.trajectory.labelled import Column, Content
@@ -125,7 +125,7 @@ def _attribute(file: Any, data: xr.Dataset | Content) -> None:
         f"version=2,{_WRITER},h5py={h5py.__version__},hdf5={h5py.version.hdf5_version}"
     )
     for name, value in data.attrs.items():
-        file.attrs[str(name)] = value
+        file.attrs[str(name)] = escaped(value) if isinstance(value, str) else value
 
 
 def _structure(file: Any, data: xr.Dataset | Content) -> dict[Any, Any]:

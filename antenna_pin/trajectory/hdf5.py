@@ -19,6 +19,10 @@ if TYPE_CHECKING:
 
 __all__ = ["load_dataset", "open_hdf5"]
 
+_NO_VARIABLE = b"This is a netCDF dimension"  # such a dataset stands for a size, and has no numbers
+_DEFLATED = 1032  # by this share deflate packs at most
+_LITTLE = 2**20  # bytes, which do no harm
+
 
 def open_hdf5(path: str | os.PathLike[str]) -> Any:
     """Return a file, an ``h5py.File`` to be read, in which every dataset holds its own numbers.
@@ -29,7 +33,7 @@ def open_hdf5(path: str | os.PathLike[str]) -> Any:
     """
     file = h5py.File(path, "r")
     try:
-        _check(file, "/", set(), os.fspath(path))
+        _check(file, "/", {h5py.h5o.get_info(file.id).addr}, os.fspath(path))
     except BaseException:
         file.close()
         raise
@@ -62,11 +66,22 @@ def _check(group: Any, at: str, seen: set[int], where: str) -> None:
                 raise _refusal(where, f"{at}{name}", "numbers in another file")
             if how.get_layout() == h5py.h5d.VIRTUAL:
                 raise _refusal(where, f"{at}{name}", "a virtual dataset")
+            _check_stored(h5py.Dataset(found), f"{at}{name}", where)
         elif isinstance(found, h5py.h5g.GroupID):
             address = h5py.h5o.get_info(found).addr
             if address not in seen:  # groups may hold one another
                 seen.add(address)
                 _check(h5py.Group(found), f"{at}{name}/", seen, where)
+
+
+def _check_stored(dataset: Any, name: str, where: str) -> None:
+    """Refuse numbers that nobody has written, of which a short file can have any number."""
+    if bytes(dataset.attrs.get("NAME", b"")).startswith(_NO_VARIABLE):
+        return
+    stored = dataset.id.get_storage_size()
+    if dataset.nbytes > _DEFLATED * stored + _LITTLE:
+        got = f"{dataset.nbytes:.3g} bytes of which {stored} are in the file"
+        raise FileFormatError(f"{where}: {name} must hold its own numbers, got {got}; ask for a whole copy")
 
 
 def _refusal(where: str, name: str, got: str) -> FileFormatError:

@@ -51,6 +51,9 @@ def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
             problems = list(_in_column(data, name, rule, finite, _kept(data, name)))
         yield from problems
     if not is_lean(data):
+        time = data["time"].values
+        if len(time) > 1 and time[-1] == time[0]:
+            yield f"all {len(time)} samples of 'time' at one instant, {time[0]:g} s"
         for place, part in _directions(data):
             yield from _in_column(data, "q", _DIRECTION, True, part, f"{place!r} of 'q'")
 

@@ -128,6 +128,11 @@ def test_sensors_round(sensor, seen):
     assert [sensor.read(number, 0) for number in given] == pytest.approx(seen, abs=1e-15)
 
 
+def test_a_step_that_is_no_number_any_more_is_refused():
+    with pytest.raises(AntennaPinError, match=r"Sensor: resolution must be 0 for none, or 1e-100 or more"):
+        Sensor(resolution=1e-320)
+
+
 def test_halves_go_up():
     """Half a step is exact here, and goes up on both sides of zero."""
     sensor = Sensor(resolution=0.25)

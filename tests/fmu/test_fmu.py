@@ -217,6 +217,12 @@ def test_its_description(scenario, unit):
         ({"outputs": ["elevation.angel"]}, "did you mean elevation.angle"),
         ({"outputs": []}, "outputs must be one name or more"),
         ({"outputs": ["elevation.angle", "elevation.angle"]}, "named once each"),
+        (
+            {"inputs": ["elevation", "drives.elevation.value"]},
+            "one of each number; drives.elevation.value is",
+        ),
+        ({"inputs": ["elevation"], "parameters": ["drives.elevation.value"]}, "one of each number"),
+        ({"parameters": ["format"]}, "the place of one number"),
         ({"parameters": ["springs.hold.stifness"]}, "the place of one number that the scenario has"),
         ({"parameters": ["springs.hold"]}, "the place of one number"),
         ({"out": "here.zip"}, r"must end in .fmu; try here.fmu"),

@@ -1,13 +1,19 @@
 """The page in a real browser: a slider changes the curves, and their values are those of ``simulate``."""
 
+import contextlib
+import html
+import http.client
 import itertools
+import os
 import re
 import signal
+import stat
 import subprocess
 import sys
 import threading
 import time
 import urllib.error
+import urllib.parse
 import urllib.request
 from pathlib import Path
 
@@ -211,6 +217,62 @@ def test_nobody_gets_in_without_the_key(shown):
     refused.value.close()
     assert refused.value.code == 403
     assert shown.url.startswith("http://127.0.0.1:")
+
+
+def test_only_its_own_host_is_answered():
+    """A name that another site has led to this machine, or another port, gets nothing."""
+    with explore(load_scenario("bai2020", case="case3")) as exploration:
+        where = urllib.parse.urlsplit(exploration.url)
+
+        def status(host, path):
+            with contextlib.closing(http.client.HTTPConnection(where.hostname, where.port)) as line:
+                line.request("GET", path, headers={"Host": host})
+                return line.getresponse().status
+
+        own = "/static/js/bokeh.min.js"
+        for host in (where.netloc, f"localhost:{where.port}", f"LOCALHOST:{where.port}"):
+            assert status(host, own) == 200
+        for host in (
+            "evil.example",
+            f"evil.example:{where.port}",
+            "localhost:1",
+            "127.0.0.1",
+            "",
+            f"@{where.netloc}",
+        ):
+            assert {status(host, path) for path in (own, f"/?{where.query}", "/ws")} <= {400, 403}, host
+
+
+def test_no_command_line_has_the_key(tmp_path):
+    """What is passed to the browser is a file of the user's own, which leads to the page and goes with it."""
+    browser, seen = tmp_path / "browser", tmp_path / "seen"
+    browser.write_text(f'#!/bin/sh\necho "$@" > {seen}\n')
+    browser.chmod(0o700)
+    command = [sys.executable, "-m", "antenna_pin.cli", "explore", "bai2020"]
+    with (
+        subprocess.Popen(
+            command,
+            env=os.environ | {"BROWSER": str(browser)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as served,
+        contextlib.ExitStack() as ending,
+    ):
+        ending.callback(served.kill)
+        said = "".join(itertools.islice(served.stdout, 2))
+        while not seen.exists() or not seen.read_text():
+            assert served.poll() is None
+        address = seen.read_text().strip()
+        page = Path(urllib.parse.urlsplit(address).path)
+        assert address.startswith("file://")
+        assert stat.S_IMODE(page.stat().st_mode) == 0o600
+        assert stat.S_IMODE(page.parent.stat().st_mode) == 0o700
+        url = re.search(r"serving (\S+)", said)[1]
+        assert html.escape(url) in page.read_text()
+        served.send_signal(signal.SIGINT)
+        served.communicate(timeout=120)
+    assert served.returncode == 0 and not page.parent.exists()
 
 
 def test_a_taken_port_is_refused_in_one_line():

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import signal
+import threading
 import time
 
 import numpy as np
@@ -11,7 +12,7 @@ from sessions import antenna, differences
 
 from antenna_pin import Outcome, RunSettings, load_scenario, simulate, start
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.session import EndedError
+from antenna_pin.session import EndedError, InUseError
 from antenna_pin.simulation import Angle, Event, Force, Mark, Rate, Set, Stop, Time
 from antenna_pin.state import State
 
@@ -472,3 +473,43 @@ def test_what_cannot_be_done_is_refused_in_one_line_and_changes_nothing(short, d
 def test_what_cannot_be_begun_is_refused(short, given, says):
     with pytest.raises((InvalidParameterError, AntennaPinError), match=says):
         start(**{"model": short, **given})
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda session: session.step(1e-3),
+        lambda session: session.run_until(1e-2),
+        lambda session: session.set(MOTOR, 1.0),
+        lambda session: session.command.update(elevation=1.0),
+        lambda session: session["t"],
+        lambda session: session.state,
+        lambda session: session.trajectory(),
+        lambda session: session.copy(),
+        lambda session: session.reset(),
+        lambda session: session.restore(None),
+    ],
+)
+def test_a_second_thread_is_refused_while_a_session_goes_on(short, call):
+    """Whatever it calls, in one line with both threads' names; afterwards it may."""
+    session = start(short)
+    inside, done = threading.Event(), threading.Event()
+
+    def condition(now):
+        inside.set()
+        done.wait(60.0)
+        return 1.0
+
+    first = threading.Thread(target=lambda: session.run_until(condition, timeout=1e-6), name="first")
+    first.start()
+    try:
+        assert inside.wait(60.0)
+        assert session.time == 0.0  # what is only looked at stays free
+        with pytest.raises(
+            InUseError, match=r"^session: .* one thread .*'MainThread' during run_until .*'first'"
+        ):
+            call(session)
+    finally:
+        done.set()
+        first.join()
+    assert session.step(1e-6)

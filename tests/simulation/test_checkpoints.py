@@ -13,6 +13,7 @@ from interruptions import in_pieces, same
 from antenna_pin import Outcome, RunSettings, Trajectory, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError
+from antenna_pin.files import seal
 from antenna_pin.simulation import (
     Checkpoint,
     CheckpointsWaitedWarning,
@@ -24,6 +25,7 @@ from antenna_pin.simulation import (
     finish,
     keeper,
 )
+from antenna_pin.simulation.parts import read_sealed, write_sealed
 
 BRISTLES = (
     "clearance.elevation.friction={law='lugre', static=0.2, dynamic=0.1, stribeck_speed='1 mm/s',"
@@ -255,3 +257,15 @@ def test_a_system_built_in_python_goes_on(tmp_path, small_parts):
     with pytest.raises(FileFormatError, match="must be of a run with these settings"):
         simulate(system, out=out, resume=True, settings=RunSettings(rtol=1e-3))
     same(whole, simulate(system, out=out, resume=True, settings=used))
+
+
+def test_arrays_that_take_more_than_their_file_are_refused(tmp_path):
+    """Ours are not packed; such a file is no larger in memory than on the disk."""
+    path = tmp_path / "0001.npz"
+    with path.open("wb") as file:
+        np.savez_compressed(file, times=np.zeros(10**6))
+    seal(path)
+    with pytest.raises(FileFormatError, match=r"0001\.npz: must be .*, got: packed arrays"):
+        read_sealed(path)
+    write_sealed(path, {"times": np.zeros(10**4)})
+    assert len(read_sealed(path)["times"]) == 10**4

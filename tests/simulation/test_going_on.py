@@ -12,6 +12,7 @@ import pytest
 from antenna_pin import RunSettings, Trajectory, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.contact import CustomNormal, Hertz
+from antenna_pin.contact.onset import NO_APPROACH
 from antenna_pin.dynamics import System, Workspace, acceleration, contact_memory
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.simulation.loop import Run
@@ -177,7 +178,7 @@ def test_the_ledger_of_a_part_is_its_own():
 
 
 def test_a_state_in_the_material_gets_its_memory_by_the_rule():
-    """Asked for without a memory, contacts with a gap of zero or less touch: 20 um in the wall they press."""
+    """Without a memory contacts with a gap of zero or less touch; 20 um deep they have no approach speed."""
     asked = antenna("initial.joints.elevation.journal_position=[0.22e-3, 0, 0]")
     system = build_system(asked)
     q, v = initial_state(asked, system)
@@ -186,10 +187,27 @@ def test_a_state_in_the_material_gets_its_memory_by_the_rule():
     assert np.abs(pressed - untouched).max() > 100.0
     memory = contact_memory(system, system.state(q, v))
     assert memory[:, 0].tolist() == [1.0, 1.0, 0.0, 0.0]
-    assert (memory[:2, 1] == 1e-4).all() and (memory[:2, 2] > 1.0).all()
+    assert (memory[:2, 1] == NO_APPROACH).all() and (memory[:2, 2] > 1.0).all()
     y, rates = system.state(q, v), np.zeros(system.model.nv + system.manifold.nx)
     Workspace(system, memory).derivative(0.0, y, rates)
     assert np.array_equal(rates[: system.model.nv], pressed)
+
+
+@pytest.mark.parametrize("law", ["lankarani-nikravesh", "hu-guo"])
+def test_a_start_in_the_material_presses_out_without_loss(law):
+    """1 um deep at rest: all that the spring holds is motion at the release, whatever the restitution."""
+    changes = [f"clearance.bore.normal.law={law}", "clearance.bore.normal.restitution=0.3"]
+    place, rate = "initial.joints.bore.journal_position", "initial.joints.bore.journal_velocity"
+    changes += ["clearance.bore.geometry=closed-form", "integrator.engine=compiled", f"{rate}=[0, 0, 0]"]
+    deep = simulate(
+        load_scenario("impact_pair", overrides=[*changes, f"{place}=[0.101e-3, 0, 0]"]), duration=1e-3
+    ).data
+    released = deep["release_time"].values
+    assert np.isfinite(released[0])
+    stored, moving = (deep[name].values for name in ("contact_energy", "kinetic_energy"))
+    # The tolerance of the run.
+    assert moving[-1] == pytest.approx(stored[0], rel=1e-7) and stored[0] > 0.0
+    assert abs(float(deep["total_normal_loss"].values[0])) < 1e-9 * stored[0]
 
 
 def test_refusals():

@@ -1,5 +1,6 @@
 """End stops in runs: closed forms of bounces, what they keep and lose, where they touch."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -11,6 +12,7 @@ from antenna_pin.dynamics import System
 from antenna_pin.elements import EndStop, RigidStop
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Urdf, build_mechanism
+from antenna_pin.simulation import Event, Set, Time
 from antenna_pin.state import State
 
 G = 9.81
@@ -229,3 +231,32 @@ def test_both_engines_agree_and_two_halves_are_one():
     assert json.loads(start.to_json()) == json.loads(first.end.to_json())
     second = simulate(made, start=start, duration=0.4 - middle, settings=TIGHT)
     assert np.array_equal(whole.data.q.values[-1], second.data.q.values[-1])
+
+
+@pytest.mark.parametrize("law", ["exact-restitution", "carvalho-martins"])
+@pytest.mark.parametrize("begins", ["pressed in", "switched on", "moved"])
+def test_without_an_onset_a_stop_presses_out_by_its_elastic_part(law, begins):
+    """At rest in a depth d, free on a slider: off after a quarter of an oscillation, with d sqrt(K / m)."""
+    stiffness, depth, mass, at = 8000.0, 0.01, 2.0, 0.01
+    stop = EndStop(joint="j", lower=0.0, stiffness=stiffness, law=law, restitution=0.5)
+    events = ()
+    if begins == "switched on":
+        stop = dataclasses.replace(stop, on=False)
+        events = (Event(name="on", when=Time(at), action=Set("stops.s0.on", True)),)
+    elif begins == "moved":
+        stop = dataclasses.replace(stop, lower=-1.0)
+        events = (Event(name="moved", when=Time(at), action=Set("stops.s0.lower", 0.0)),)
+    made, settings = system("prismatic", "fixed", stop), RunSettings(rtol=1e-8, max_step=0.05)
+    run = simulate(made, q=[-depth], v=[0.0], duration=0.04, settings=settings, events=events)
+    omega = np.sqrt(stiffness / mass)
+    begin = at if events else 0.0
+    # The tolerance of the run leaves 1e-8 of both.
+    assert changes(run, "lower: off") == pytest.approx([begin + 0.5 * np.pi / omega], abs=1e-8)
+    assert float(run.data.v.values[-1, 0]) == pytest.approx(depth * omega, rel=1e-6)
+
+
+def test_a_start_at_the_limit_has_its_own_rate_for_its_approach():
+    """Exact restitution of 0.5 gives half of it back."""
+    stop = EndStop(joint="j", lower=0.0, stiffness=8000.0, restitution=0.5)
+    run = simulate(system("prismatic", "fixed", stop), q=[0.0], v=[-0.3], duration=0.1, settings=TIGHT)
+    assert float(run.data.v.values[-1, 0]) == pytest.approx(0.15, rel=1e-8)

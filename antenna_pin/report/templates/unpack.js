@@ -37,13 +37,15 @@ async function csvOf(figure) {
       body.push(values);
     }
   }
-  const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  // An apostrophe makes text of what a spreadsheet would evaluate as a formula, as in tables.write_csv.
+  const inert = (text) => (/^[=+\-@\t\r\n]/.test(text) ? `'${text}` : text);
+  const quoted = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const written = (values, i) => {
     if (i >= values.length || Number.isNaN(values[i])) return "";
     // Nine digits give a number of 32 bits back.
     return String(values instanceof Float32Array ? Number(values[i].toPrecision(9)) : values[i]);
   };
-  const lines = [head.map(quoted).join(",")];
+  const lines = [head.map(inert).map(quoted).join(",")];
   const longest = Math.max(...body.map((values) => values.length));
   for (let i = 0; i < longest; i++) lines.push(body.map((values) => written(values, i)).join(","));
   return lines.join("\n") + "\n";
