@@ -118,8 +118,8 @@ def _with_twin():
         'springs.twin = {{ joint = "hinge", stiffness = 10.0 }}',
     )
 
-@pytest.mark.slow
 
+@pytest.mark.slow
 def test_a_fit_is_saved_with_bands_and_profiles_and_shows_itself(write, asked, tmp_path):
     rng = np.random.default_rng(3)
     time = np.linspace(0.0, 1.0, 201)

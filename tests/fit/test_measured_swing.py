@@ -58,8 +58,8 @@ def half_swings(counts):
         )
     return np.array(found).T
 
-@pytest.mark.slow
 
+@pytest.mark.slow
 def test_its_friction_is_what_its_half_swings_lose(counts):
     """A second way, without a run: periods by the elliptic integral, losses by the speeds at the bottom."""
     found = run_fit(load_fit(SWING / "swing.fit.toml"))

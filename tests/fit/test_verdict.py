@@ -71,8 +71,8 @@ def test_a_fit_far_beyond_chance_has_no_bands_and_names_what_may_be_wrong(write,
     assert "the values have no bands" in words and cause in words
     assert np.isnan(fit.bands.sd).all() and fit.lines()[0] == fit.verdict[0]
 
-@pytest.mark.slow
 
+@pytest.mark.slow
 def test_many_starts_come_before_pieces_where_a_valley_is_likely(write, monkeypatch):
     """What is not straight from afar may be a valley's side: pieces are dear, and lead to no other valley."""
 
