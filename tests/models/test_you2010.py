@@ -18,7 +18,7 @@ from antenna_pin import build_system, load_scenario, models_path, simulate
 from antenna_pin.analysis import joint_loads
 from antenna_pin.assemble import urdf_variant
 from antenna_pin.contact import hertz_stiffness
-from antenna_pin.errors import MechanismError
+from antenna_pin.errors import MechanismError, NotSimulatedWarning
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = models_path() / "you2010"
@@ -93,10 +93,12 @@ def test_the_joint_has_the_paper_s_play_and_materials():
     assert (joint.friction.coefficient_of_friction, joint.radial.restitution) == (0.25, RESTITUTION)
 
 
-def test_the_printed_inertia_is_refused_but_by_name():
+def test_the_printed_inertia_is_said_but_by_name():
     override = "mechanism.links.body.inertia=[1000, 100, 100]"
-    with pytest.raises(MechanismError, match="largest principal moment of inertia"):
+    with pytest.warns(NotSimulatedWarning, match="'body': the largest principal moment of inertia exceeds"):
         build_system(scenario("planar", override))
+    with pytest.raises(MechanismError, match="the largest principal moment of inertia exceeds"):
+        build_system(scenario("planar", override, "mechanism.strict=true"))
     body = build_system(scenario("printed-inertia")).model.inertias[1]
     assert np.diag(body.inertia).tolist() == [1000.0, 100.0, 100.0]
 
