@@ -96,7 +96,7 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "scales: angle zero": (lambda: ErrorScales(angle=0.0), "angle must be"),
     "scales: angle true": (lambda: ErrorScales(angle=True), "angle must be"),
     "simulate: nothing": (lambda: simulate(None), "model must be"),  # type: ignore[arg-type]
-    "simulate: text": (lambda: simulate("bai2020"), "model must be"),  # type: ignore[arg-type]
+    "simulate: a file that is not there": (lambda: simulate("nothing.toml"), "nothing.toml"),
     "simulate: duration nan": (lambda: simulate(_scenario(), duration=math.nan), "duration must be"),
     "simulate: duration of mass": (lambda: simulate(_scenario(), duration="1 kg"), "duration must be a time"),
     "simulate: events a table": (lambda: simulate(_scenario(), events={"a": 1}), "events must be"),  # type: ignore[arg-type]

@@ -286,7 +286,7 @@ _TIMES: tuple[tuple[str, str], ...] = (
     ("one s", "write a number and its unit"),
     ("0x10 s", "duration must be a time"),
     ("1_000 s", "duration must be a time"),
-    ("1,5 s", "duration must be a time"),
+    ("1,500 s", "duration must be a time"),
     ("\u0661 s", "duration must be a time"),
     ("1 \u017f", "duration must be a time"),
     ("1 s\nimport os", "duration must be a time"),
