@@ -34,6 +34,7 @@ from antenna_pin.units import QuantityError, matching_unit, quantity
 __all__ = [
     "FARTHEST",
     "LARGEST",
+    "NO_BOUND",
     "LEAST",
     "RULES",
     "SWINGS",
@@ -66,6 +67,9 @@ RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
 
 #: Sizes beyond which a number is refused, lest what is made of it (k = m w^2) be no number any more.
 LARGEST, LEAST = 1e100, 1e-100
+
+#: Bound of a joint beyond which it is none [rad], [m]: programs write 1e16, or the largest number they have.
+NO_BOUND = 1e9
 
 #: Size beyond which a double does not tell places and angles apart to a millionth [m], [rad].
 FARTHEST = 2.0**33

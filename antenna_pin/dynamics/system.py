@@ -135,7 +135,7 @@ class System:
         self.on_bearings = on_bearings(mechanism, self.families, names, self.held)
         self.free_with_axis = kinds_about_axis(self.held, self.on_bearings)
         self._compose()
-        if self.plan is not None and self.plan.couplings:
+        if couplings and self.plan is not None:  # those of the URDF were known where it was built
             mechanism.check_regular(self.plan.ties)
 
     def __setstate__(self, state: dict[str, Any]) -> None:

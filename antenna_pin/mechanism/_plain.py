@@ -15,18 +15,15 @@ from lxml import etree
 from antenna_pin.directions import unit
 from antenna_pin.mechanism._format import FORMAT, MOMENTS, SHAPES, half_unit, numbers_in, text_in
 from antenna_pin.mechanism._source import name_of, tag_of
-from antenna_pin.parameters import LARGEST
+from antenna_pin.parameters import LARGEST, NO_BOUND
 
-__all__ = ["NO_BOUND", "Findings", "WITH_AXIS", "clean", "for_pinocchio"]
+__all__ = ["Findings", "WITH_AXIS", "clean", "for_pinocchio"]
 
 _SHAPES = ("visual", "collision")
 
 # Joints that turn or slide about an axis of their own, and those with bounds.
 WITH_AXIS = ("continuous", "prismatic", "revolute")
 _BOUNDED = ("prismatic", "revolute")
-
-#: Bound beyond which it is none [rad], [m]: programs write 1e16 or the largest number that they have.
-NO_BOUND = 1e9
 
 # Bounds in place of none, for a reader that takes none for 0.
 _FAR = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}

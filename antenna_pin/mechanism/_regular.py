@@ -44,10 +44,7 @@ def idle_joint(model: Any, q: Array) -> Idle | None:
         model: Pinocchio's.
         q: Configuration (nq,).
     """
-    data = model.createData()
-    matrix = np.triu(pin.crba(model, data, q))
-    matrix += np.triu(matrix, 1).T
-    pin.forwardKinematics(model, data, q)
+    data, matrix = _at(model, q)
     carried = [pin.Inertia(inertia) for inertia in model.inertias]
     for i in range(model.njoints - 1, 0, -1):
         whole, start, size = carried[i], model.idx_vs[i], model.nvs[i]
@@ -85,10 +82,7 @@ def idle_with(model: Any, q: Array, ties: Array) -> Idle | None:
     idle = idle_joint(model, q)
     if idle is None or not len(ties):
         return idle
-    data = model.createData()
-    matrix = np.triu(pin.crba(model, data, q))
-    matrix += np.triu(matrix, 1).T
-    pin.forwardKinematics(model, data, q)
+    data, matrix = _at(model, q)
     carried = [pin.Inertia(inertia) for inertia in model.inertias]
     scale = np.zeros(model.nv)
     for i in range(model.njoints - 1, 0, -1):
@@ -168,6 +162,15 @@ def said_of_idle(model: Any, idle: Idle, moved: Mapping[str, RigidGroup], base: 
         f"{what} can {way} {body.called} without any inertia: {has}; "
         f"give it one (mechanism.links.{body.name}), or {out}"
     )
+
+
+def _at(model: Any, q: Array) -> tuple[Any, Array]:
+    """Return Pinocchio's data with joints placed in a pose, and the mass matrix there, (nv, nv)."""
+    data = model.createData()
+    matrix = np.triu(pin.crba(model, data, q))
+    matrix += np.triu(matrix, 1).T
+    pin.forwardKinematics(model, data, q)
+    return data, matrix
 
 
 def _turns(joint: Any) -> NDArray[np.bool_]:

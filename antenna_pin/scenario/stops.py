@@ -9,6 +9,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from antenna_pin.arguments import takes
+from antenna_pin.parameters import NO_BOUND
 from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.shipped import tables
@@ -20,8 +21,6 @@ ALL = "*"
 _SIDES = ("lower", "upper")
 # Kinds of drives that prescribe their joint's motion.
 _MOTIONS = ("motion", "distance")
-# Bound beyond which it is none, as for the mechanism.
-_NONE = 1e9
 _UNITS = {"revolute": "rad", "prismatic": "m"}
 
 
@@ -53,7 +52,9 @@ def _limits(urdf: str) -> dict[str, tuple[str, float, float]]:
         if limit is not None and kind in (*_UNITS, "continuous"):
             with contextlib.suppress(ValueError):  # what is no number was refused before, or does not count
                 bounds = (float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0)))
-                lower, upper = (math.copysign(math.inf, one) if abs(one) > _NONE else one for one in bounds)
+                lower, upper = (
+                    math.copysign(math.inf, one) if abs(one) > NO_BOUND else one for one in bounds
+                )
                 if lower < upper and not (math.isinf(lower) and math.isinf(upper)):
                     found[str(joint.get("name"))] = (kind, lower, upper)
     return found
