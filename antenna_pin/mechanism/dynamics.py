@@ -130,11 +130,11 @@ class TreeDynamics:
             bias = np.array(pin.nonLinearEffects(model, data, q, v))
             wanted = mass @ rng.normal(size=model.nv)
             own_mass, own_bias = self.mass_and_bias(q, v)
-            lacks = np.zeros(1)
-            if idle_joint(model, q) is None:
-                lacks = mass @ self.acceleration(q, v, wanted + bias) - wanted
+            lacks = _over(mass @ self.acceleration(q, v, wanted + bias) - wanted, np.append(wanted, bias))
+            if not lacks <= AGREEMENT and idle_joint(model, q) is not None:
+                lacks = 0.0
             ratios = (
-                _over(lacks, np.append(wanted, bias)),
+                lacks,
                 _over(own_mass - mass, mass),
                 _over(own_bias - bias, np.append(wanted, bias)),
             )

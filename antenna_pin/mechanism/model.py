@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Literal, cast
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 import pinocchio as pin
@@ -17,8 +17,8 @@ from antenna_pin.arguments import takes
 from antenna_pin.brief import brief
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism._edits import plane_names
-from antenna_pin.mechanism._inertia import RigidGroup, impossible_inertia, rigid_groups
-from antenna_pin.mechanism._regular import check_regular, idle_with, said_of_idle
+from antenna_pin.mechanism._inertia import Impossible, RigidGroup, impossible_inertia, rigid_groups
+from antenna_pin.mechanism._regular import check_regular, idle_with, is_regular_everywhere, said_of_idle
 from antenna_pin.mechanism._size import check_size
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z
 from antenna_pin.mechanism.urdf import Urdf
@@ -94,6 +94,7 @@ class Mechanism:
             free base comes first. A body bears the name of its first link that has an inertial.
         impossible: What no body can have of the inertia of those that act, in words, a line a body.
         negative: The first of them with a negative moment, or "".
+        regular_everywhere: Whether every body has inertia of its own, so that no pose has to be tried.
     """
 
     __repr__ = brief
@@ -107,6 +108,7 @@ class Mechanism:
     bodies: tuple[str, ...]
     impossible: tuple[str, ...] = ()
     negative: str = ""
+    regular_everywhere: bool = False
 
     def joint(self, name: str) -> JointSlot:
         """Return a moving joint by name."""
@@ -133,6 +135,8 @@ class Mechanism:
         Raises:
             MechanismError: It names the joint.
         """
+        if self.regular_everywhere:
+            return
         moved = _moved(self.urdf, rigid_groups(self.urdf.robot))
         check_regular(self.model, self.urdf.where, moved, _ROOT_JOINT, ties, negative=self.negative)
 
@@ -149,6 +153,8 @@ class Mechanism:
         Raises:
             MechanismError: It names the joint.
         """
+        if self.regular_everywhere:
+            return
         idle = idle_with(self.model, q, _ties_of(self) if ties is None else ties)
         if idle is not None:
             moved = _moved(self.urdf, rigid_groups(self.urdf.robot))
@@ -193,14 +199,8 @@ def build_mechanism(
     acceleration = np.array(gravity, dtype=np.float64)
     if acceleration.shape != (3,) or not np.all(np.isfinite(acceleration)):
         raise InvalidParameterError("build_mechanism", "gravity", "three finite numbers [m/s^2]", gravity)
-    model, groups, moved = _read(urdf, base)
-    found = (
-        impossible_inertia(group, urdf.allow_impossible_inertia, urdf.rounding)
-        for first, group in groups.items()
-        if base == "free" or first != urdf.root
-    )
-    impossible = tuple(one for one in found if one is not None)
-    model = model.copy()
+    read = _read(urdf, base)
+    model = read.model.copy()
     model.gravity = pin.Motion(acceleration, np.zeros(3))
     moving = list(model.names)[1:]
     joints = {name: _slot(model, urdf, name) for name in moving if name != _ROOT_JOINT}
@@ -211,10 +211,11 @@ def build_mechanism(
         urdf=urdf,
         base=base,
         joints=joints,
-        base_body=groups[urdf.root].name,
-        bodies=tuple(moved[name].name for name in moving),
-        impossible=tuple(one.said for one in impossible),
-        negative=next((one.said for one in impossible if one.negative), ""),
+        base_body=read.base_body,
+        bodies=tuple(read.moved[name].name for name in moving),
+        impossible=tuple(one.said for one in read.impossible),
+        negative=next((one.said for one in read.impossible if one.negative), ""),
+        regular_everywhere=read.regular_everywhere,
     )
     if regular:
         made.check_regular(_ties_of(made))
@@ -233,9 +234,27 @@ def _ties_of(mechanism: Mechanism) -> NDArray[np.float64]:
     return np.array(rows).reshape(-1, mechanism.model.nv)
 
 
+class _Model(NamedTuple):
+    """What of a URDF is read once.
+
+    Attributes:
+        model: Pinocchio's, to be copied.
+        base_body: Name of the body of the root link.
+        moved: The links that each joint moves as one body, by the joint's name.
+        impossible: Bodies with inertia that no body can have.
+        regular_everywhere: Whether no pose has a joint that moves without inertia, as far as is plain.
+    """
+
+    model: Any
+    base_body: str
+    moved: Mapping[str, RigidGroup]
+    impossible: tuple[Impossible, ...]
+    regular_everywhere: bool
+
+
 @functools.lru_cache(maxsize=4)  # of variants that are made once and used by many systems
-def _read(urdf: Urdf, base: Base) -> tuple[Any, Mapping[str, RigidGroup], Mapping[str, RigidGroup]]:
-    """Return Pinocchio's model of a URDF, looked at and to be copied; bodies by link; what joints move."""
+def _read(urdf: Urdf, base: Base) -> _Model:
+    """Return Pinocchio's model of a URDF, checked, with what does not hang on gravity and armature."""
     groups = rigid_groups(urdf.robot)
     try:
         model = pin.buildModelFromXML(
@@ -250,7 +269,15 @@ def _read(urdf: Urdf, base: Base) -> tuple[Any, Mapping[str, RigidGroup], Mappin
         raise MechanismError(f"{urdf.where}: nothing moves: the base is fixed and so is every joint")
     check_size(urdf.where, model.nv)
     _check_mass(model, urdf)
-    return model, groups, _moved(urdf, groups)
+    found = (
+        impossible_inertia(group, urdf.allow_impossible_inertia, urdf.rounding)
+        for first, group in groups.items()
+        if base == "free" or first != urdf.root
+    )
+    impossible = tuple(one for one in found if one is not None)
+    return _Model(
+        model, groups[urdf.root].name, _moved(urdf, groups), impossible, is_regular_everywhere(model)
+    )
 
 
 def _put_armature(model: Any, joints: Mapping[str, JointSlot], armature: Mapping[str, float]) -> None:

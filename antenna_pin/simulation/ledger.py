@@ -37,7 +37,6 @@ from antenna_pin.readable import number, readable
 from antenna_pin.simulation.events import Jump
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.opening import First, Opening, Trail, entries_of, events_between
-from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.seen import Seen
 from antenna_pin.trajectory.schema import VARIABLES
 
@@ -140,7 +139,7 @@ class Audit:
         """Keep what the ledger starts from, and what velocities count at their error scales."""
         system = self._run.system
         model, nv = system.model, system.model.nv
-        scales = scale_vector(system, self._run.settings.scales)
+        scales = self._run.stepper.scales
         inertia = np.diag(pin.crba(model, model.createData(), np.ascontiguousarray(seen.q[0])))
         self._start = {
             "gravity": gravity,

@@ -14,6 +14,7 @@ from antenna_pin.changes import JointChange, LinkChange
 from antenna_pin.elements import ConstantDrive
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import TreeDynamics, Urdf, build_mechanism
+from antenna_pin.mechanism._regular import is_regular_everywhere
 
 NOTHING = '<inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>'
 
@@ -384,3 +385,16 @@ def test_next_to_no_mass_is_judged_by_its_size():
     moments = (0.5, 0.4, 0.8)
     urdf = robot(link("a", 1.0, moments), link("b", 4e-166, moments), joint("j", "a", "b", "floating"))
     assert build_mechanism(urdf, "fixed").model.nv == 6
+
+
+@pytest.mark.parametrize(
+    ("arm", "moment", "plain"), [(0.1, 1e-6, True), (100.0, 1e-6, False), (0.1, 1e-12, False)]
+)
+def test_a_body_of_plenty_is_plenty_beside_all_that_it_carries(arm, moment, plain):
+    """A knuckle carries a hand: its own moments against those of the hand at the end of its arm."""
+    model = pin.Model()
+    knuckle = model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "knuckle")
+    model.appendBodyToJoint(knuckle, pin.Inertia(1.0, np.zeros(3), moment * np.eye(3)), pin.SE3.Identity())
+    hand = model.addJoint(knuckle, pin.JointModelRY(), pin.SE3(np.eye(3), np.array([arm, 0.0, 0.0])), "hand")
+    model.appendBodyToJoint(hand, pin.Inertia(1.0, np.zeros(3), 1e-2 * np.eye(3)), pin.SE3.Identity())
+    assert is_regular_everywhere(model) is plain
