@@ -6,13 +6,14 @@ import importlib
 import sys
 import types
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
-__all__ = ["Classes", "go_without", "loaded_when_used", "only_public", "take_back"]
+__all__ = ["Classes", "exported", "go_without", "take_back"]
 
 
 class _Package(types.ModuleType):
-    """A package that finds its names in its files."""
+    """A package that finds its names where its stub says that they stand."""
 
     homes_of_names: dict[str, str]
 
@@ -21,15 +22,16 @@ class _Package(types.ModuleType):
             home = self.homes_of_names[name]
         except KeyError:
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}") from None
-        file = home if "." in home else f"{self.__name__}.{home}"
-        value = getattr(importlib.import_module(file), name)
+        if home == self.__name__:
+            return importlib.import_module(f"{home}.{name}")
+        value = getattr(importlib.import_module(home), name)
         setattr(self, name, value)
         return value
 
     def __setattr__(self, name: str, value: Any) -> None:
         # Python makes a file that was loaded an attribute of its package. A name that the file holds and
         # that is called like it goes before, or what the package gives depended on who loaded what first.
-        if isinstance(value, types.ModuleType) and self.homes_of_names.get(name) == name:
+        if isinstance(value, types.ModuleType) and self.homes_of_names.get(name) == value.__name__:
             value = getattr(value, name)
         super().__setattr__(name, value)
 
@@ -37,33 +39,22 @@ class _Package(types.ModuleType):
         return sorted(self.__dict__["__all__"])
 
 
-class _Plain(types.ModuleType):
-    """A package that lists what others may use of it, and not how it is made."""
+def exported(package: str) -> None:
+    """Make the names of a package available without loading the files that hold them.
 
-    def __dir__(self) -> list[str]:
-        return sorted(self.__dict__["__all__"])
-
-
-def only_public(package: str) -> None:
-    """Let ``dir``, and with it completion, list the names in a package's ``__all__`` only.
+    The stub beside its file, ``__init__.pyi``, is the one place that lists them, a line each, which type
+    checkers read too: ``from antenna_pin.room.file import Name as Name``. ``dir``, and with it completion,
+    lists these only.
 
     Args:
         package: Its ``__name__``.
-    """
-    sys.modules[package].__class__ = _Plain
-
-
-def loaded_when_used(package: str, names: Mapping[str, str]) -> None:
-    """Make names of a package available without loading the files that hold them.
-
-    Args:
-        package: Its ``__name__``.
-        names: The names that each file of it holds, separated by blanks, by the file's name; by its full
-            name, that of another package.
     """
     module = sys.modules[package]
-    homes = {name: home for home, held in names.items() for name in held.split()}
-    module.__dict__["homes_of_names"] = homes
+    assert module.__file__ is not None
+    stub = Path(module.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+    lines = [line.split() for line in stub.splitlines() if line.startswith("from ")]
+    homes = {name: home for _, home, _, _, _, name in lines}
+    module.__dict__.update(homes_of_names=homes, __all__=list(homes))
     module.__class__ = _Package
 
 

@@ -5,35 +5,6 @@ An :class:`Event` is a function of a :class:`Moment` that passes zero, or one of
 :class:`Mark`, :class:`Stop`, :class:`Set` or :class:`Jump`. Given to ``simulate(events=[...])``.
 """
 
-from antenna_pin._lazy import only_public
-from antenna_pin.simulation import (
-    Angle,
-    ElementChange,
-    Event,
-    Force,
-    Gap,
-    Jump,
-    Mark,
-    Moment,
-    Rate,
-    Set,
-    Stop,
-    Time,
-)
+from antenna_pin._lazy import exported
 
-__all__ = [
-    "Angle",
-    "ElementChange",
-    "Event",
-    "Force",
-    "Gap",
-    "Jump",
-    "Mark",
-    "Moment",
-    "Rate",
-    "Set",
-    "Stop",
-    "Time",
-]
-
-only_public(__name__)
+exported(__name__)

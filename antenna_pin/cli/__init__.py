@@ -18,7 +18,6 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin._lazy import only_public
 from antenna_pin.cli import (
     analyse,
     bifurcation,
@@ -155,4 +154,6 @@ for _group in (contact.app, study.app, vibration.app, export.app):
         _registered.callback = one_line_errors(with_plain_numbers(_registered.callback))
     app.add_typer(_group)
 
-only_public(__name__)
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,12 @@
+from antenna_pin.simulation import Angle as Angle
+from antenna_pin.simulation import ElementChange as ElementChange
+from antenna_pin.simulation import Event as Event
+from antenna_pin.simulation import Force as Force
+from antenna_pin.simulation import Gap as Gap
+from antenna_pin.simulation import Jump as Jump
+from antenna_pin.simulation import Mark as Mark
+from antenna_pin.simulation import Moment as Moment
+from antenna_pin.simulation import Rate as Rate
+from antenna_pin.simulation import Set as Set
+from antenna_pin.simulation import Stop as Stop
+from antenna_pin.simulation import Time as Time

@@ -1,0 +1,15 @@
+from antenna_pin.geometry.cylindrical import CylindricalClearance as CylindricalClearance
+from antenna_pin.geometry.look import Look as Look
+from antenna_pin.geometry.looks import LOOKS as LOOKS
+from antenna_pin.geometry.planar import PlanarClearance as PlanarClearance
+from antenna_pin.geometry.prismatic import PrismaticClearance as PrismaticClearance
+from antenna_pin.geometry.revolute import HARDEST as HARDEST
+from antenna_pin.geometry.revolute import RevoluteClearance as RevoluteClearance
+from antenna_pin.geometry.scenarios import AxialScenario as AxialScenario
+from antenna_pin.geometry.scenarios import RadialScenario as RadialScenario
+from antenna_pin.geometry.shape import ClearanceGeometry as ClearanceGeometry
+from antenna_pin.geometry.shape import ContactPlace as ContactPlace
+from antenna_pin.geometry.shape import ContactPoint as ContactPoint
+from antenna_pin.geometry.shape import Distances as Distances
+from antenna_pin.geometry.shape import pose_of as pose_of
+from antenna_pin.geometry.spherical import SphericalClearance as SphericalClearance

@@ -1,0 +1,13 @@
+from antenna_pin.sensitivity.found import Sensitivities as Sensitivities
+from antenna_pin.sensitivity.growth import Growth as Growth
+from antenna_pin.sensitivity.made import Method as Method
+from antenna_pin.sensitivity.made import sensitivities as sensitivities
+from antenna_pin.sensitivity.parameters import GrazeError as GrazeError
+from antenna_pin.sensitivity.parameters import Parameter as Parameter
+from antenna_pin.sensitivity.parameters import SensitivityError as SensitivityError
+from antenna_pin.sensitivity.told import Changed as Changed
+from antenna_pin.sensitivity.told import growth_said as growth_said
+from antenna_pin.sensitivity.told import open_sensitivities as open_sensitivities
+from antenna_pin.sensitivity.told import refused_in as refused_in
+from antenna_pin.sensitivity.told import results_of as results_of
+from antenna_pin.sensitivity.told import sensitivity_table as sensitivity_table
