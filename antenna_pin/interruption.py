@@ -53,9 +53,10 @@ def is_interruption(error: BaseException) -> bool:
     """Whether an exception is what a signal, after :func:`ending_by_signals`, has brought about.
 
     Some libraries make another of it while they are imported: one in C an ImportError, one that puts a
-    stand-in for what it could not import whatever comes of using that.
+    stand-in for what it could not import whatever comes of using that. Where Python has dropped it, as in
+    what compiled code calls back, anything may come of that until it comes again.
     """
-    if isinstance(error, KeyboardInterrupt):
+    if isinstance(error, KeyboardInterrupt) or _dropped:
         return True
     above = error.__cause__ or error.__context__
     if not _last:
@@ -86,6 +87,9 @@ def ending_by_signals() -> None:
         sys.unraisablehook = _come_again
 
 
+# Signals that came where Python drops exceptions, and have not come again yet.
+_dropped: list[int] = []
+
 # What stood in the place of :func:`_come_again`.
 _hook: list[Callable[[sys.UnraisableHookArgs], object]] = []
 
@@ -95,19 +99,25 @@ def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
     if not isinstance(unraisable.exc_value, KeyboardInterrupt):
         _hook[-1](unraisable)
         return
+    _dropped[:] = [ended_by()]
     again = threading.Timer(0.01, os.kill, (os.getpid(), ended_by()))  # here it would be dropped again
     again.daemon = True
     again.start()
 
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:
-    _last[:] = [number]
+    _come(number)
     raise Ended
 
 
 def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
-    _last[:] = [number]
+    _come(number)
     raise KeyboardInterrupt
+
+
+def _come(number: int) -> None:
+    _last[:] = [number]
+    _dropped.clear()
 
 
 @contextmanager
@@ -121,7 +131,7 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     def note(number: int, frame: FrameType | None) -> None:
         nonlocal presses
         presses += 1
-        _last[:] = [number]
+        _come(number)
         if presses > 2:
             raise KeyboardInterrupt
 

@@ -46,7 +46,7 @@ from fuzzing.made import COMMANDS, made
 from antenna_pin import AntennaPinError, Trajectory, Urdf
 from antenna_pin.files import check_writable, has_whole_seal
 
-_TEMPORARY = ".antenna-pin-"
+TEMPORARY = ".antenna-pin-"  # how names of files begin that are being written
 
 
 def is_whole(path: Path) -> bool:
@@ -213,7 +213,7 @@ class Bench:
 
     @staticmethod
     def _left(place: Path) -> list[str]:
-        return [str(path.relative_to(place)) for path in place.rglob(f"{_TEMPORARY}*")]
+        return [str(path.relative_to(place)) for path in place.rglob(f"{TEMPORARY}*")]
 
     @staticmethod
     def _elsewhere(place: Path) -> Iterator[Path]:

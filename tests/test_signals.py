@@ -11,8 +11,11 @@ import sys
 import time
 
 import pytest
+import typer
 
 from antenna_pin import Outcome, Trajectory
+from antenna_pin.cli._common import one_line_errors
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import replacing
 from antenna_pin.interruption import Ended, ending_by_signals, held_back, interruptible, is_interruption
 from antenna_pin.sweep import Cluster
@@ -174,6 +177,28 @@ def test_a_signal_is_not_lost_where_python_drops_exceptions(as_command_line, cap
         del one
         time.sleep(5.0)
     assert capsys.readouterr().err == ""
+
+
+def test_what_comes_of_a_dropped_signal_is_an_interruption(as_command_line, capsys):
+    """What compiled code calls back has no way to raise: its caller goes on with what is no answer."""
+
+    class Removed:
+        def __del__(self):
+            signal.raise_signal(signal.SIGTERM)
+
+    @one_line_errors
+    def command():
+        one = Removed()
+        del one
+        raise InvalidParameterError("law", "force", "finite", float("nan"))
+
+    with pytest.raises(typer.Exit) as ended:
+        command()
+    assert ended.value.exit_code == 128 + signal.SIGTERM
+    assert capsys.readouterr().err == "antenna-pin: interrupted\n"
+    with pytest.raises(Ended):
+        time.sleep(5.0)
+    assert not is_interruption(ZeroDivisionError())
 
 
 def test_what_a_library_makes_of_ctrl_c_is_an_interruption_still(as_command_line):

@@ -119,18 +119,14 @@ def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
             with warnings.catch_warnings():
                 warnings.showwarning = _said_in_one_line
                 return command(*args, **kwargs)
-        except KeyboardInterrupt as error:
-            raise typer.Exit(told_interruption(error)) from None
-        except AntennaPinError as error:
-            refuse(str(error))
-        except OSError as error:
-            if error.errno == errno.EPIPE:  # the reader of a pipe has gone: nothing to say
-                raise
-            raise typer.Exit(told_unwritable(error)) from None
-        except Exception as error:
-            if not is_interruption(error):
-                raise
-            raise typer.Exit(told_interruption(error)) from None
+        except (KeyboardInterrupt, Exception) as error:
+            if is_interruption(error):
+                raise typer.Exit(told_interruption(error)) from None
+            if isinstance(error, AntennaPinError):
+                refuse(str(error))
+            if isinstance(error, OSError) and error.errno != errno.EPIPE:  # of a pipe whose reader has gone
+                raise typer.Exit(told_unwritable(error)) from None
+            raise
 
     return wrapper
 
