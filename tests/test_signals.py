@@ -201,6 +201,22 @@ def test_what_comes_of_a_dropped_signal_is_an_interruption(as_command_line, caps
     assert not is_interruption(ZeroDivisionError())
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_work_that_stops_between_steps_ends_with_the_signals_code(as_command_line, number):
+    """As exponents, sweeps, sensitivities: the signal is a flag, and what is raised no longer says which."""
+
+    @one_line_errors
+    def command():
+        with interruptible() as interrupted:
+            signal.raise_signal(number)
+            if interrupted():
+                raise KeyboardInterrupt
+
+    with pytest.raises(typer.Exit) as ended:
+        command()
+    assert ended.value.exit_code == 128 + number
+
+
 def test_what_a_library_makes_of_ctrl_c_is_an_interruption_still(as_command_line):
     """Matplotlib, interrupted while its C library is imported, says that the initialization failed."""
     assert not is_interruption(ZeroDivisionError())
