@@ -17,9 +17,6 @@ import sys
 import time
 from pathlib import Path
 
-from laid_out import lay_out
-from verdict import complaints
-
 from antenna_pin.interruption import ended_by, ending_by_signals
 
 ROOT = Path(__file__).parents[2]
@@ -35,6 +32,8 @@ def build(built: Path = BUILT, *, anew: bool = False) -> Path:
         built: Folder for source, site and what is kept between builds.
         anew: Whether nothing of an earlier build is used: scripts and notebooks are run again, too.
     """
+    from laid_out import lay_out  # which imports for seconds, and is ended in one line then, too
+
     source, site, kept = built / "source", built / "site", built / "kept"
     if anew:
         shutil.rmtree(built, ignore_errors=True)
@@ -98,6 +97,8 @@ def _main() -> int:
     parser.add_argument("--check", action="store_true", help="build anew, check links, anchors and sizes")
     parser.add_argument("--serve", action="store_true", help="show it under http://localhost:8000")
     asked = parser.parse_args()
+    from verdict import complaints
+
     begun = time.monotonic()
     site = build(anew=asked.check)
     print(f"{(site / 'index.html').relative_to(ROOT)}: built in {time.monotonic() - begun:.0f} s")

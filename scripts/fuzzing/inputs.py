@@ -21,8 +21,9 @@ __all__ = ["LINE", "Change", "Content", "Draft", "Input", "problem_of", "quietly
 #: Most letters that a refusal may have.
 LINE = 1200
 
-#: Exit codes of what was done, refused, and ended before its time with a result that was saved.
-_DONE, _REFUSED, _EARLY = 0, 2, 3
+#: Exit codes of what was done, refused, and ended before its time with a result that was saved; of a fit that
+#: has found no minimum, of a run whose ledger is open.
+_DONE, _REFUSED, _EARLY, _UNBALANCED, _DOUBTFUL = 0, 2, 3, 4, 5
 
 # Lines on the error stream of a command that was not refused: notes and bars of progress.
 _NOTE = re.compile(r"antenna-pin: (?!.*(encountered in|Warning))|.*━|\s*$")
@@ -141,9 +142,10 @@ def _commanded(words: Sequence[str], folder: Path) -> str | None:
         if left and not _may_leave(words):
             raise _FaultError(f"refused, and left {', '.join(map(str, left))}: {said[:200]!r}")
         return _line(lines[-1] if lines else "")
-    if code not in (_DONE, _EARLY):
+    if code not in (_DONE, _EARLY, _UNBALANCED, _DOUBTFUL):
         raise _FaultError(f"exit code {code}, said {(said or out.getvalue())[-300:]!r}")
-    for line in said.splitlines():
+    lines = said.splitlines() if code != _UNBALANCED else []
+    for line in lines:
         if not _NOTE.match(line):
             raise _FaultError(f"exit code {code}, said {line!r}")
     return None

@@ -11,7 +11,7 @@ from typing import Any
 from fuzzing.documents import SHORT, document, small_scenario
 from fuzzing.inputs import quietly
 
-__all__ = ["COMMANDS", "FAST", "MADE", "made"]
+__all__ = ["COMMANDS", "FAST", "MADE", "made", "stopped", "swinging"]
 
 FAST = ("--no-progress",)
 
@@ -87,7 +87,7 @@ impacts = { measure = "impacts" }
 """
 
 
-def _swinging() -> dict[str, Any]:
+def swinging() -> dict[str, Any]:
     """Return a scenario that is driven and damped, without play: it has an orbit of 10 ms."""
     push = {"joint": "bore", "kind": "sine", "amplitude": 0.1, "frequency": 100.0}
     held = {"joint": "bore", "stiffness": 100.0, "damping": 1.0}
@@ -103,7 +103,7 @@ def made() -> Mapping[str, bytes]:
     fast = {"bore": {"journal_velocity": [0.5, 0.0, 0.0]}}
     play = {**base.table, "initial": {"joints": fast}}
     long = {**play, "duration": 0.5, "output": {"rate": 20e3}}
-    tables = {"play.toml": play, "swing.toml": _swinging(), "long.toml": long}
+    tables = {"play.toml": play, "swing.toml": swinging(), "long.toml": long}
     files = {**base.files, **{name: document(table).encode() for name, table in tables.items()}}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -116,3 +116,17 @@ def made() -> Mapping[str, bytes]:
             if path.is_file():
                 files[path.relative_to(folder).as_posix()] = path.read_bytes()
     return files
+
+
+@functools.cache
+def stopped() -> Mapping[str, bytes]:
+    """Return what a run of ``long.toml`` leaves that a limit of wall time has stopped, by name."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file in ("long.toml", "pair.urdf"):
+            (folder / file).write_bytes(made()[file])
+        quietly(["run", "long.toml", "--out", "stopped.nc", "--max-wall-time", "50 ms", *FAST], folder)
+        return {
+            path.relative_to(folder).as_posix(): path.read_bytes()
+            for path in sorted(folder.rglob("stopped*/*"))
+        }
