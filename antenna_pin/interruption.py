@@ -100,7 +100,12 @@ def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
         _hook[-1](unraisable)
         return
     _dropped[:] = [ended_by()]
-    again = threading.Timer(0.01, os.kill, (os.getpid(), ended_by()))  # here it would be dropped again
+    _send_again()
+
+
+def _send_again() -> None:
+    """Have the last signal come once more, soon: here it would be dropped, or what is returned be lost."""
+    again = threading.Timer(0.01, os.kill, (os.getpid(), ended_by()))
     again.daemon = True
     again.start()
 
@@ -124,9 +129,15 @@ def _come(number: int) -> None:
 def interruptible() -> Iterator[Callable[[], bool]]:
     """Turn Ctrl-C into a flag that a loop reads between steps, so that nothing is left half done.
 
-    An impatient second one changes nothing; a third interrupts at once.
+    An impatient second one changes nothing; a third interrupts at once. One that came after the flag was last
+    read comes again at once behind this.
     """
-    presses = 0
+    presses, heard = 0, False
+
+    def is_pressed() -> bool:
+        nonlocal heard
+        heard = presses > 0
+        return heard
 
     def note(number: int, frame: FrameType | None) -> None:
         nonlocal presses
@@ -136,7 +147,9 @@ def interruptible() -> Iterator[Callable[[], bool]]:
             raise KeyboardInterrupt
 
     with _handled_by(note):
-        yield lambda: presses > 0
+        yield is_pressed
+    if presses and not heard:
+        _send_again()
 
 
 @contextmanager

@@ -201,6 +201,22 @@ def test_what_comes_of_a_dropped_signal_is_an_interruption(as_command_line, caps
     assert not is_interruption(ZeroDivisionError())
 
 
+def test_a_signal_after_the_last_look_is_not_lost(as_command_line):
+    """As at the end of one of many runs: its result is returned, and the signal comes then."""
+
+    def made():
+        with interruptible() as interrupted:
+            assert not interrupted()
+            signal.raise_signal(signal.SIGTERM)
+        return "result"
+
+    returned = []
+    with pytest.raises(Ended):  # noqa: PT012 - returned first, ended later
+        returned.append(made())
+        time.sleep(5.0)
+    assert returned == ["result"]
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_work_that_stops_between_steps_ends_with_the_signals_code(as_command_line, number):
     """As exponents, sweeps, sensitivities: the signal is a flag, and what is raised no longer says which."""

@@ -14,6 +14,7 @@ import numpy as np
 from antenna_pin import AntennaPinError, load_scenario, start
 from antenna_pin.fmu.packed import Packed
 from antenna_pin.live.explored import Explored
+from antenna_pin.units import shown
 from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import made
 from fuzzing.odd import ODD_TEXTS, Raw, odd_number, odd_value
@@ -96,27 +97,29 @@ def _session_call(chance: Random) -> tuple[str, Call]:
     value, place, read = _value(chance), _name(chance, _PLACES), _name(chance, _READ)
     q, at, limit = _numbers(chance), chance.random(), _value(chance)
     calls: dict[str, Call] = {
-        f"step({value!r})": lambda one: one.step(value),
-        f"run_until({value!r})": lambda one: one.run_until(value),
-        f"run_until(f, {value!r})": lambda one: one.run_until(
+        f"step({shown(value)})": lambda one: one.step(value),
+        f"run_until({shown(value)})": lambda one: one.run_until(value),
+        f"run_until(f, {shown(value)})": lambda one: one.run_until(
             lambda moment: math.sin(1e4 * moment.time), value
         ),
-        f"run_until(f -> {value!r})": lambda one: one.run_until(lambda moment: value, 1e-4),
-        f"set({place!r}, {value!r})": lambda one: one.set(place, value),
-        f"set({place!r}.on, {value!r})": lambda one: one.set(f"{place}.on", value),
-        f"on({place!r})": lambda one: one.on(place),
-        f"off({place!r})": lambda one: one.off(place),
-        f"[{read!r}]": lambda one: one[read],
-        f"unit({read!r})": lambda one: one.unit(read),
-        f"reset(q={q!r})": lambda one: one.reset(q=q),
-        f"reset(v={q!r})": lambda one: one.reset(v=q),
-        f"reset(angles={q!r})": lambda one: one.reset(angles=q),
-        f"restore({value!r})": lambda one: one.restore(value),
-        f"restore(state at {at:.3f} {limit!r})": lambda one: one.restore(_spoiled(one.save(), at, limit)),
+        f"run_until(f -> {shown(value)})": lambda one: one.run_until(lambda moment: value, 1e-4),
+        f"set({shown(place)}, {shown(value)})": lambda one: one.set(place, value),
+        f"set({shown(place)}.on, {shown(value)})": lambda one: one.set(f"{place}.on", value),
+        f"on({shown(place)})": lambda one: one.on(place),
+        f"off({shown(place)})": lambda one: one.off(place),
+        f"[{shown(read)}]": lambda one: one[read],
+        f"unit({shown(read)})": lambda one: one.unit(read),
+        f"reset(q={shown(q)})": lambda one: one.reset(q=q),
+        f"reset(v={shown(q)})": lambda one: one.reset(v=q),
+        f"reset(angles={shown(q)})": lambda one: one.reset(angles=q),
+        f"restore({shown(value)})": lambda one: one.restore(value),
+        f"restore(state at {at:.3f} {shown(limit)})": lambda one: one.restore(
+            _spoiled(one.save(), at, limit)
+        ),
         "copy": lambda one: one.copy().step(1e-4),
         "trajectory": lambda one: one.trajectory().summary(),
         "close": lambda one: one.close(),
-        f"command[{place!r}] = {value!r}": lambda one: one.command.__setitem__(place, value),
+        f"command[{shown(place)}] = {shown(value)}": lambda one: one.command.__setitem__(place, value),
     }
     what = chance.choice([*calls])
     return ascii(what)[1:161], calls[what]
@@ -167,10 +170,10 @@ def _explored_call(chance: Random) -> tuple[str, Call]:
         one.scenario()
 
     calls: dict[str, Call] = {
-        f"typed at {at:.3f} {text!r}": typed,
-        f"slid at {at:.3f} {share!r}": slid,
-        f"turned at {at:.3f} {number!r}": turned,
-        f"look_at({name!r})": lambda one: one.look_at(name),
+        f"typed at {at:.3f} {shown(text)}": typed,
+        f"slid at {at:.3f} {shown(share)}": slid,
+        f"turned at {at:.3f} {shown(number)}": turned,
+        f"look_at({shown(name)})": lambda one: one.look_at(name),
         "save": lambda one: load_scenario(one.save(Path("saved.toml"))),
         "reset": lambda one: one.reset(),
     }
@@ -224,10 +227,10 @@ def draw_fmu(chance: Random) -> Draft:
 def _slave_call(chance: Random) -> tuple[str, Call]:
     size, now = _float(chance), _float(chance)
     calls: dict[str, Call] = {
-        f"do_step(time, {size!r})": lambda one: one.do_step(one.time, size),
-        f"do_step({now!r}, {size!r})": lambda one: one.do_step(now, size),
-        f"input {size!r}": lambda one: one._inputs.__setitem__("springs.held.stiffness", size),
-        f"parameter {size!r}": lambda one: one._parameters.__setitem__("springs.held.damping", size),
+        f"do_step(time, {shown(size)})": lambda one: one.do_step(one.time, size),
+        f"do_step({shown(now)}, {shown(size)})": lambda one: one.do_step(now, size),
+        f"input {shown(size)}": lambda one: one._inputs.__setitem__("springs.held.stiffness", size),
+        f"parameter {shown(size)}": lambda one: one._parameters.__setitem__("springs.held.damping", size),
         "begin": lambda one: one.exit_initialization_mode(),
         "read": lambda one: one._read("bore.angle"),
         "state": lambda one: one._set_fmu_state(one._get_fmu_state()),
