@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from antenna_pin.brief import of_size
 from antenna_pin.control import Controller
@@ -49,19 +50,58 @@ __all__ = ["Checkpoint", "about_run", "check_same"]
 # What of a scenario tells where it came from, or may be another when a run goes on.
 _MAY_DIFFER = {"name", "description", "overrides", "folder", "duration"}
 
-# What else it tells, and the kinds of that in JSON; what `about_run` returns is compared by `check_same`.
-_LIST, _NONE = list, type(None)
-_TELLS: Mapping[str, tuple[type, ...]] = {
-    **{"state": (str,), "left": (str, _NONE), "begin": (float,), "span": (float, int), "counts": (dict,)},
-    **{"outcome": (str,), "message": (str,), "gap_difference": (float,), "paced": (_LIST,), "start": (str,)},
-    **{"happened": (_LIST,), "changed": (_LIST,), "singular": (dict, _NONE), "handed": (float, _NONE)},
-    **{"before": (_LIST,), "scenario": (str,), "system": (str,), "settings": (dict,), "events": (_LIST,)},
-    **{"controllers": (_LIST,), "format": (str,), "versions": (dict,), "run": (str,), "rows": (_LIST,)},
-}
+# Names that its arrays may have.
 _ARRAYS = re.compile("|".join(("about", *SAMPLED, *LATE, "book_[a-z]+", "tick_(times|values)_[0-9]+")))
 
 #: Identifies the file format; others are refused.
 FORMAT = "antenna_pin checkpoint 4"
+
+
+class _Singular(BaseModel):
+    """What singular positions are watched by: ``Singularities.value``."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+    last: list[tuple[float, list[float], float]]
+    passed: tuple[float, list[float]] | None
+    middle: tuple[float, list[float]] | None
+    found: list[tuple[float, float]]
+    most: float
+    rank: int
+    apart: bool
+    time: float
+    way: float
+
+
+class _About(BaseModel):
+    """What a checkpoint tells in plain numbers and text: what stands in JSON must be of these kinds."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+    format: str
+    versions: dict[str, str]
+    run: str
+    rows: list[int]
+    scenario: str
+    system: str
+    settings: dict[str, Any]
+    span: float
+    start: str
+    events: list[str]
+    controllers: list[list[Any]]
+    state: str
+    left: str | None
+    begin: float
+    counts: dict[str, float]
+    outcome: str
+    message: str
+    gap_difference: float
+    paced: tuple[int, float]
+    happened: list[tuple[str, float, float]]
+    changed: list[tuple[str, str, str, float, str, float, float, float, float, float, float]]
+    singular: _Singular | None
+    handed: float | None
+    before: list[tuple[int, int]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,9 +250,13 @@ class Checkpoint:
             )
         if not isinstance(of_scenario, dict):
             raise _no_checkpoint(source, ValueError(f"scenario {of_size(of_scenario)}"))
-        for name, kinds in _TELLS.items():
-            if type(about.get(name, ...)) not in kinds:
-                raise _no_checkpoint(source, ValueError(f"{name} {of_size(about.get(name))}"))
+        try:
+            _About.model_validate_json(json.dumps(about))
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = ".".join(map(str, first["loc"]))
+            said = f"{where} {of_size(first['input'])} ({first['msg'].lower()})"
+            raise _no_checkpoint(source, ValueError(said)) from None
         for name, version in library_versions().items():
             if about["versions"].get(name) != version:
                 raise FileFormatError(

@@ -15,6 +15,7 @@ from typing import Any
 
 from antenna_pin import AntennaPinError
 from antenna_pin.cli import app
+from antenna_pin.errors import printable
 
 __all__ = ["LINE", "Change", "Content", "Draft", "Input", "problem_of", "quietly"]
 
@@ -198,7 +199,7 @@ def _as_errors() -> Any:
 
 
 def _line(said: str) -> str:
-    if len(said.splitlines()) != 1 or not said.isprintable():
+    if len(said.splitlines()) != 1 or printable(said) != said:
         raise _FaultError(f"not one plain line: {said[:300]!r}")
     if len(said) > LINE:
         raise _FaultError(f"a line of {len(said)} letters: {said[:200]!r}")

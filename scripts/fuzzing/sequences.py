@@ -152,7 +152,7 @@ def _explored_call(chance: Random) -> tuple[str, Call]:
     number = odd_number(chance)
     number = float(number) if abs(number) < 10**308 else 1e308
     share = float(share) if isinstance(share, int | float) and abs(share) < 10**308 else 0.5
-    name = _name(chance, ("bore",))
+    name = chance.choice(("bore", *ODD_TEXTS))
 
     def typed(one: Explored) -> None:
         knob = one.knobs[int(at * len(one.knobs))]

@@ -1,4 +1,4 @@
-"""What a run goes on from, states and checkpoints, as files and in Python; and what sensitivities are asked."""
+"""What a run goes on from, states and checkpoints, as files and in Python; what sensitivities are asked."""
 
 from __future__ import annotations
 

@@ -326,6 +326,8 @@ FORGED = {
     "an unknown outcome": lambda old: with_about(old, outcome="X"),
     "no counts": lambda old: with_about(old, counts={}),
     "a scenario of another kind": lambda old: with_about(old, scenario="[]"),
+    "a pace in words": lambda old: with_about(old, paced=[0, "x"]),
+    "a word more": lambda old: with_about(old, more=1),
     "what happened in words": lambda old: with_about(old, happened=[["x"]]),
 }
 
