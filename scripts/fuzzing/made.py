@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from antenna_pin import load_scenario, simulate
 from fuzzing.documents import SHORT, document, small_scenario
 from fuzzing.inputs import quietly
 
@@ -73,6 +74,12 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], str]] = {
     "study report": (("study", "report", "few.study", "--no-figures", "--out", "out/s.html"), "s.html"),
     "curve": (("contact", "curve", "--csv", "out/curve.csv"), "curve.csv"),
     "law figures": (("contact", "curve", "hertz", "--out", "out/laws"), "laws"),
+    "fit": (("fit", "few.fit.toml", *FAST, "--out", "out/few.nc"), "few.nc"),
+    "sensitivity": (
+        ("sensitivity", "swing.toml", "springs.held.stiffness", "--out", "out/slopes.nc"),
+        "slopes.nc",
+    ),
+    "fmu": (("export", "fmu", "swing.toml", "--outputs", "bore.angle", "--out", "out/a.fmu"), "a.fmu"),
     "list": (("list",), ""),
 }
 
@@ -85,6 +92,23 @@ values = ["0.1 mm", "0.2 mm"]
 [responses]
 impacts = { measure = "impacts" }
 """
+
+_FIT = """scenario = "swing.toml"
+[parameters.stiffness]
+key = "springs.held.stiffness"
+start = "90 N*m/rad"
+between = ["10 N*m/rad", "1000 N*m/rad"]
+[records.test]
+file = "test.csv"
+columns.rate = { of = "motion_rate[bore]", sd = "1e-3 rad/s" }
+"""
+
+
+def _record(folder: Path) -> str:
+    """Return the record of a run of ``swing.toml``, as text."""
+    run = simulate(load_scenario(folder / "swing.toml")).data
+    rows = zip(run["time"].values.tolist(), run["motion_rate"].values[:, 0].tolist(), strict=True)
+    return "time,rate\n" + "".join(f"{time!r},{rate!r}\n" for time, rate in rows)
 
 
 def swinging() -> dict[str, Any]:
@@ -109,6 +133,8 @@ def made() -> Mapping[str, bytes]:
         folder = Path(name)
         for file, content in {**files, "few.study.toml": _STUDY.encode()}.items():
             (folder / file).write_bytes(content)
+        (folder / "few.fit.toml").write_text(_FIT)
+        (folder / "test.csv").write_text(_record(folder))
         for file, words in MADE.items():
             quietly([*words, "--out", file], folder)
         quietly(["sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *FAST], folder)
