@@ -27,6 +27,7 @@ from pathlib import Path
 from faults import TEMPORARY, is_whole
 
 _ROOT = Path(__file__).parents[1]
+_OWN = os.environ | {"PYTHONPATH": str(_ROOT)}  # this checkout, wherever they work
 _ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
 _QUIET = "--no-progress"
 _STUDY = """scenario = "pendulum"
@@ -102,6 +103,7 @@ def tried(name: str, number: signal.Signals, after: float, folder: Path) -> list
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         start_new_session=True,
+        env=_OWN,
         text=True,
         errors="replace",
     ) as process:
