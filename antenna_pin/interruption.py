@@ -53,9 +53,10 @@ def is_interruption(error: BaseException) -> bool:
     """Whether an exception is what a signal, after :func:`ending_by_signals`, has brought about.
 
     Some libraries make another of it while they are imported: one in C an ImportError, one that puts a
-    stand-in for what it could not import whatever comes of using that.
+    stand-in for what it could not import whatever comes of using that. Where Python has dropped it, as in
+    what compiled code calls back, anything may come of that until it comes again.
     """
-    if isinstance(error, KeyboardInterrupt):
+    if isinstance(error, KeyboardInterrupt) or _dropped:
         return True
     above = error.__cause__ or error.__context__
     if not _last:
@@ -86,6 +87,9 @@ def ending_by_signals() -> None:
         sys.unraisablehook = _come_again
 
 
+# Signals that came where Python drops exceptions, and have not come again yet.
+_dropped: list[int] = []
+
 # What stood in the place of :func:`_come_again`.
 _hook: list[Callable[[sys.UnraisableHookArgs], object]] = []
 
@@ -95,38 +99,57 @@ def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
     if not isinstance(unraisable.exc_value, KeyboardInterrupt):
         _hook[-1](unraisable)
         return
-    again = threading.Timer(0.01, os.kill, (os.getpid(), ended_by()))  # here it would be dropped again
+    _dropped[:] = [ended_by()]
+    _send_again()
+
+
+def _send_again() -> None:
+    """Have the last signal come once more, soon: here it would be dropped, or what is returned be lost."""
+    again = threading.Timer(0.01, os.kill, (os.getpid(), ended_by()))
     again.daemon = True
     again.start()
 
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:
-    _last[:] = [number]
+    _come(number)
     raise Ended
 
 
 def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
-    _last[:] = [number]
+    _come(number)
     raise KeyboardInterrupt
+
+
+def _come(number: int) -> None:
+    _last[:] = [number]
+    _dropped.clear()
 
 
 @contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
     """Turn Ctrl-C into a flag that a loop reads between steps, so that nothing is left half done.
 
-    An impatient second one changes nothing; a third interrupts at once.
+    An impatient second one changes nothing; a third interrupts at once. One that came after the flag was last
+    read comes again at once behind this.
     """
-    presses = 0
+    presses, heard = 0, False
+
+    def is_pressed() -> bool:
+        nonlocal heard
+        heard = presses > 0
+        return heard
 
     def note(number: int, frame: FrameType | None) -> None:
         nonlocal presses
         presses += 1
-        _last[:] = [number]
+        _come(number)
         if presses > 2:
             raise KeyboardInterrupt
 
     with _handled_by(note):
-        yield lambda: presses > 0
+        yield is_pressed
+    if presses and not heard:
+        _send_again()
 
 
 @contextmanager

@@ -17,6 +17,7 @@ Then random bits of a result are flipped, one at a time: each must be noticed wh
 
     scripts/faults.py                            # 200 trials, 200 bits
     scripts/faults.py --trials 1000 --seed 7
+    scripts/faults.py --fault "full disk" --trials 60 --bits 0
     scripts/faults.py --only 137                 # one again
 
 Commands are started by ``fork`` after all imports, so that faults hit their work; what comes before has
@@ -33,8 +34,9 @@ import signal
 import sys
 import tempfile
 import time
+import zipfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,7 +48,7 @@ from fuzzing.made import COMMANDS, made
 from antenna_pin import AntennaPinError, Trajectory, Urdf
 from antenna_pin.files import check_writable, has_whole_seal
 
-_TEMPORARY = ".antenna-pin-"
+TEMPORARY = ".antenna-pin-"  # how names of files begin that are being written
 
 
 def is_whole(path: Path) -> bool:
@@ -63,6 +65,8 @@ def is_whole(path: Path) -> bool:
     content = path.read_bytes()
     if path.suffix == ".png":
         return content.startswith(b"\x89PNG") and content.endswith(b"IEND\xaeB`\x82")
+    if path.suffix == ".fmu":
+        return zipfile.is_zipfile(path) and zipfile.ZipFile(path).testzip() is None
     if path.suffix == ".html":
         return content.startswith(b"<!") and content.rstrip().endswith(b"</html>")
     return path.suffix != ".csv" or content.endswith(b"\n")
@@ -92,10 +96,10 @@ class Trial:
     older: bool
 
 
-def drawn(seed: int, number: int) -> Trial:
+def drawn(seed: int, number: int, faults: Sequence[str] = tuple(FAULTS)) -> Trial:
     """Return the trial of a number: commands and faults are dealt, so that soon all have met."""
     chance = random.Random(f"{seed}/{number}")
-    faults, names = [*FAULTS], [*COMMANDS]
+    names = [*COMMANDS]
     fault = faults[number % len(faults)]
     name = names[(number // len(faults) + 7 * (number % len(faults))) % len(names)]
     return Trial(name, fault, chance.uniform(0.0, 1.1), chance.random() < 0.5)
@@ -213,7 +217,7 @@ class Bench:
 
     @staticmethod
     def _left(place: Path) -> list[str]:
-        return [str(path.relative_to(place)) for path in place.rglob(f"{_TEMPORARY}*")]
+        return [str(path.relative_to(place)) for path in place.rglob(f"{TEMPORARY}*")]
 
     @staticmethod
     def _elsewhere(place: Path) -> Iterator[Path]:
@@ -243,6 +247,7 @@ def main() -> int:
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--bits", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--fault", choices=FAULTS, action="append", help="all if left out")
     parser.add_argument("--only", type=int, metavar="NUMBER", help="of one trial")
     asked = parser.parse_args()
     numbers = range(asked.trials) if asked.only is None else [asked.only]
@@ -251,7 +256,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="faults-") as name:
         bench = Bench(Path(name))
         for number in numbers:
-            trial = drawn(asked.seed, number)
+            trial = drawn(asked.seed, number, asked.fault or tuple(FAULTS))
             tried[trial.fault] += 1
             problem = bench.problem_of(trial)
             if problem is not None:

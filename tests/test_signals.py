@@ -11,8 +11,11 @@ import sys
 import time
 
 import pytest
+import typer
 
 from antenna_pin import Outcome, Trajectory
+from antenna_pin.cli._common import one_line_errors
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.files import replacing
 from antenna_pin.interruption import Ended, ending_by_signals, held_back, interruptible, is_interruption
 from antenna_pin.sweep import Cluster
@@ -174,6 +177,60 @@ def test_a_signal_is_not_lost_where_python_drops_exceptions(as_command_line, cap
         del one
         time.sleep(5.0)
     assert capsys.readouterr().err == ""
+
+
+def test_what_comes_of_a_dropped_signal_is_an_interruption(as_command_line, capsys):
+    """What compiled code calls back has no way to raise: its caller goes on with what is no answer."""
+
+    class Removed:
+        def __del__(self):
+            signal.raise_signal(signal.SIGTERM)
+
+    @one_line_errors
+    def command():
+        one = Removed()
+        del one
+        raise InvalidParameterError("law", "force", "finite", float("nan"))
+
+    with pytest.raises(typer.Exit) as ended:
+        command()
+    assert ended.value.exit_code == 128 + signal.SIGTERM
+    assert capsys.readouterr().err == "antenna-pin: interrupted\n"
+    with pytest.raises(Ended):
+        time.sleep(5.0)
+    assert not is_interruption(ZeroDivisionError())
+
+
+def test_a_signal_after_the_last_look_is_not_lost(as_command_line):
+    """As at the end of one of many runs: its result is returned, and the signal comes then."""
+
+    def made():
+        with interruptible() as interrupted:
+            assert not interrupted()
+            signal.raise_signal(signal.SIGTERM)
+        return "result"
+
+    returned = []
+    with pytest.raises(Ended):  # noqa: PT012 - returned first, ended later
+        returned.append(made())
+        time.sleep(5.0)
+    assert returned == ["result"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_work_that_stops_between_steps_ends_with_the_signals_code(as_command_line, number):
+    """As exponents, sweeps, sensitivities: the signal is a flag, and what is raised no longer says which."""
+
+    @one_line_errors
+    def command():
+        with interruptible() as interrupted:
+            signal.raise_signal(number)
+            if interrupted():
+                raise KeyboardInterrupt
+
+    with pytest.raises(typer.Exit) as ended:
+        command()
+    assert ended.value.exit_code == 128 + number
 
 
 def test_what_a_library_makes_of_ctrl_c_is_an_interruption_still(as_command_line):

@@ -128,6 +128,7 @@ class _Hit(NamedTuple):
         return cls(joint, blows, force, lost, f"{text}; {_lost(lost)}{_apart(data, joint)}")
 
 
+@np.errstate(over="ignore")  # of a journal that has flown off
 def _apart(data: xr.Dataset, joint: str) -> str:
     """Return how far a journal was from where an ideal joint has it."""
     if is_lean(data) or "journal_position" not in data:

@@ -78,8 +78,8 @@ def main() -> None:
     try:
         with contextlib.nullcontext() if quiet else said_at_work(command, complain):
             app()
-    except KeyboardInterrupt as error:  # while the commands are made
-        sys.exit(told_interruption(error))
+    except KeyboardInterrupt:  # while the commands are made
+        sys.exit(told_interruption())
     except OSError as error:  # of a page of help
         sys.exit(told_unwritable(error))
 

@@ -11,7 +11,6 @@ import functools
 import io
 import itertools
 import os
-import signal
 import sys
 import tempfile
 import warnings
@@ -30,7 +29,7 @@ from antenna_pin.errors import (
     one_line,
     printable,
 )
-from antenna_pin.interruption import Ended, ended_by, held_back, is_interruption
+from antenna_pin.interruption import ended_by, held_back, is_interruption
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -119,18 +118,14 @@ def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
             with warnings.catch_warnings():
                 warnings.showwarning = _said_in_one_line
                 return command(*args, **kwargs)
-        except KeyboardInterrupt as error:
-            raise typer.Exit(told_interruption(error)) from None
-        except AntennaPinError as error:
-            refuse(str(error))
-        except OSError as error:
-            if error.errno == errno.EPIPE:  # the reader of a pipe has gone: nothing to say
-                raise
-            raise typer.Exit(told_unwritable(error)) from None
-        except Exception as error:
-            if not is_interruption(error):
-                raise
-            raise typer.Exit(told_interruption(error)) from None
+        except (KeyboardInterrupt, Exception) as error:
+            if is_interruption(error):
+                raise typer.Exit(told_interruption()) from None
+            if isinstance(error, AntennaPinError):
+                refuse(str(error))
+            if isinstance(error, OSError) and error.errno != errno.EPIPE:  # of a pipe whose reader has gone
+                raise typer.Exit(told_unwritable(error)) from None
+            raise
 
     return wrapper
 
@@ -144,12 +139,11 @@ def told_unwritable(error: OSError) -> int:
     return REFUSED
 
 
-def told_interruption(error: BaseException) -> int:
+def told_interruption() -> int:
     """Say that a signal has ended the command, and return its exit code."""
     _let_go_of_closed_streams()
     complain("interrupted")
-    plain = isinstance(error, KeyboardInterrupt) and not isinstance(error, Ended)
-    return SIGNALLED + (signal.SIGINT if plain else ended_by())
+    return SIGNALLED + ended_by()
 
 
 def _said_in_one_line(message: Warning | str, *about: object, **more: object) -> None:

@@ -44,8 +44,8 @@ class OneLineGroup(TyperGroup):
 def _told_in_one_line() -> Iterator[None]:
     try:
         yield
-    except KeyboardInterrupt as error:  # while words are read
-        raise typer.Exit(told_interruption(error)) from None
+    except KeyboardInterrupt:  # while words are read
+        raise typer.Exit(told_interruption()) from None
     except (MemoryError, ImportError) as error:
         if not _is_of_memory(error):
             raise

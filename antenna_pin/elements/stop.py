@@ -187,11 +187,12 @@ class EndStop(Limits):
         return self._pressed_in(side, met)
 
     def moved(self, key: str, met: Met) -> Change | None:
-        """Return the memory of a stop that now is where its joint is already beyond it."""
-        side = self.side_at(met.angle, met.rate)
-        if self.mode != FREE or side == FREE:
+        """Return the memory of a stop that now is where its joint is already beyond it, or is not."""
+        if self.mode != FREE:
             return None
-        return Change(FREE, memory={"approach": self._approach_in(side, met)})
+        side = self.side_at(met.angle, met.rate)
+        approach = 0.0 if side == FREE else self._approach_in(side, met)  # not that of before it was off
+        return Change(FREE, memory={"approach": approach})
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Touch side k, turn back in it, or come off it."""

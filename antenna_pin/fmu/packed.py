@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError, one_line
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import Session
 
@@ -65,11 +65,23 @@ class Packed:
 
     @classmethod
     def read(cls, folder: Path) -> Self:
-        """Read it from a folder."""
-        about = json.loads((folder / FILE).read_text(encoding="utf-8"))
-        scenario = Scenario.model_validate_json(json.dumps(about.pop("scenario")))
-        token = about.pop("token")
-        return cls(scenario=scenario, token=token, **{name: tuple(names) for name, names in about.items()})
+        """Read it from a folder.
+
+        Raises:
+            FileFormatError: It is not as it was written.
+        """
+        try:
+            about = json.loads((folder / FILE).read_text(encoding="utf-8"))
+            scenario = Scenario.model_validate_json(json.dumps(about.pop("scenario")))
+            names = {key: tuple(about.pop(key)) for key in ("inputs", "outputs", "parameters")}
+            if about.keys() != {"token"} or not all(isinstance(one, str) for one in sum(names.values(), ())):
+                raise ValueError("other entries than names and a token")
+            return cls(scenario=scenario, token=str(about["token"]), **names)
+        except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+            words = one_line(" ".join(repr(error).split()))[:200]
+            raise FileFormatError(
+                f"fmu: {FILE} must be as it was packed, got {words}; export it again"
+            ) from None
 
     # --- its variables, in a session of the scenario --------------------------------------------------------
 

@@ -7,6 +7,7 @@ at zero.
 
 from __future__ import annotations
 
+import math
 from decimal import Decimal, InvalidOperation
 from typing import Any, NamedTuple
 
@@ -90,6 +91,37 @@ def numbers_in(text: str | None) -> tuple[float, ...] | None:
     numbers = [decimal_in(word, infinite=True) for word in (text or "").split()]
     known = tuple(number for number in numbers if number is not None)
     return known if len(known) == len(numbers) else None
+
+
+# Numbers of a joint that a scenario may give in its file's place: how many, and whether they may be infinite.
+_OF_JOINTS = {
+    "origin": (3, False),
+    "axis": (3, False),
+    "limit": (1, True),
+    "dynamics": (1, False),
+}
+
+
+def broken_numbers(robot: Any, where: str) -> tuple[str, ...]:
+    """Return a line for each attribute of a joint that holds something else than its numbers.
+
+    Where it acts it is refused; what is left has been given another value, or has no meaning for its joint.
+    """
+    return tuple(
+        f"{placed(element, where)}: <{element.tag}> {name}={element.get(name)!r} is no number and does not "
+        "count; mend it, or take it out"
+        for joint in robot.findall("joint")
+        for element in joint
+        if element.tag in _OF_JOINTS
+        for name in FORMAT[element.tag].attributes
+        if element.get(name) is not None and not _is_sound(element.get(name), *_OF_JOINTS[element.tag])
+    )
+
+
+def _is_sound(text: str, count: int, infinite: bool) -> bool:
+    numbers = numbers_in(text) or ()
+    known = not any(math.isnan(one) or (math.isinf(one) and not infinite) for one in numbers)
+    return known and len(numbers) == count
 
 
 def half_unit(text: str | None) -> float:

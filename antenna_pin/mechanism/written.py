@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from antenna_pin.changes import JointChange, JointVariant, LinkChange
 from antenna_pin.mechanism import _dynamics_tag, _plain, _xml
+from antenna_pin.mechanism._format import broken_numbers
 from antenna_pin.mechanism._reading import text_of
 from antenna_pin.mechanism.urdf import Urdf
 
@@ -64,7 +65,8 @@ def _outline(text: str, where: str) -> _Outline:
         for joint in robot.findall("joint")
     }
     links = tuple(str(link.get("name")) for link in robot.findall("link"))
-    friction, left_out = _dynamics_tag.friction_of(robot), _dynamics_tag.left_out(robot, where)
+    friction = _dynamics_tag.friction_of(robot)
+    left_out = (*_dynamics_tag.left_out(robot, where), *broken_numbers(robot, where))
     found = _plain.clean(robot, Path(where).stem).passed_over
     passed = tuple(PassedOver(what, tuple(lines)) for what, lines in sorted(found.items()))
     return _Outline(links, joints, friction, left_out, passed)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, MutableMapping
 
-from antenna_pin.arguments import fits
 from antenna_pin.dynamics import System, acting_in
 from antenna_pin.elements import Element
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.parameters import parameters_of
+from antenna_pin.parameters import holds, parameters_of
 from antenna_pin.session.numbers import slides
 from antenna_pin.simulation.loop import Run
 from antenna_pin.units import quantity
@@ -29,8 +28,8 @@ def in_si(run: Run, place: str, value: float | str | bool) -> float | bool:
         AntennaPinError: It is no such number.
     """
     if not isinstance(value, str):
-        if not fits(value, float) and not isinstance(value, bool):
-            raise InvalidParameterError("set", place, "a number, or text with a unit", value)
+        if not isinstance(value, bool) and not holds(value, ""):
+            raise InvalidParameterError("set", place, "a finite number, or text with a unit", value)
         return value
     element, _, key = place.rpartition(".")
     for one in acting_in(run.system):

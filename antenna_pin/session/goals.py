@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
-from antenna_pin.arguments import fits
 from antenna_pin.dynamics import check_motions
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.parameters import holds
@@ -56,6 +55,6 @@ def looked_to(ready: Ready, run: Run, end: float) -> float:
 def seconds(place: str, name: str, value: float | str) -> float:
     """Return a time that is given in seconds or as text with a unit, or refuse it."""
     seconds = quantity(value, "s", f"{place}: {name}") if isinstance(value, str) else value
-    if not fits(seconds, float) or not holds(float(seconds), "positive"):
+    if not holds(seconds, "positive"):
         raise InvalidParameterError(place, name, "a positive time [s], or text with a unit", value)
     return float(seconds)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,10 +13,12 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, ValidationError
 
+from antenna_pin.brief import of_size
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
-from antenna_pin.errors import FileFormatError
+from antenna_pin.errors import AntennaPinError, FileFormatError, one_line
 from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Happening
 from antenna_pin.simulation.carried import mechanism_attributes
@@ -23,6 +26,8 @@ from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.parts import (
     CHECKPOINT,
+    LATE,
+    SAMPLED,
     changed_words,
     chunk_of,
     folder_of,
@@ -45,8 +50,58 @@ __all__ = ["Checkpoint", "about_run", "check_same"]
 # What of a scenario tells where it came from, or may be another when a run goes on.
 _MAY_DIFFER = {"name", "description", "overrides", "folder", "duration"}
 
+# Names that its arrays may have.
+_ARRAYS = re.compile("|".join(("about", *SAMPLED, *LATE, "book_[a-z]+", "tick_(times|values)_[0-9]+")))
+
 #: Identifies the file format; others are refused.
 FORMAT = "antenna_pin checkpoint 4"
+
+
+class _Singular(BaseModel):
+    """What singular positions are watched by: ``Singularities.value``."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+    last: list[tuple[float, list[float], float]]
+    passed: tuple[float, list[float]] | None
+    middle: tuple[float, list[float]] | None
+    found: list[tuple[float, float]]
+    most: float
+    rank: int
+    apart: bool
+    time: float
+    way: float
+
+
+class _About(BaseModel):
+    """What a checkpoint tells in plain numbers and text: what stands in JSON must be of these kinds."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+    format: str
+    versions: dict[str, str]
+    run: str
+    rows: list[int]
+    scenario: str
+    system: str
+    settings: dict[str, Any]
+    span: float
+    start: str
+    events: list[str]
+    controllers: list[list[Any]]
+    state: str
+    left: str | None
+    begin: float
+    counts: dict[str, float]
+    outcome: str
+    message: str
+    gap_difference: float
+    paced: tuple[int, float]
+    happened: list[tuple[str, float, float]]
+    changed: list[tuple[str, str, str, float, str, float, float, float, float, float, float]]
+    singular: _Singular | None
+    handed: float | None
+    before: list[tuple[int, int]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,9 +126,7 @@ class Checkpoint:
         """
         ended = not (run.outcome is Outcome.COMPLETED or run.outcome.may_go_on)
         counts = dataclasses.asdict(run.counts())
-        samples = run.samples
-        manifold = run.system.manifold
-        handed, before = samples.handed
+        handed, before = run.samples.handed
         how = {
             "state": run.present().to_json(),
             "left": None if run.left is None else run.left.to_json(),
@@ -91,16 +144,23 @@ class Checkpoint:
         base = run.system.program
         changed = [] if before is None else changed_words(before, base)
         how["before"] = [] if before is None else [(word, int(words_of(before)[word])) for word in changed]
-        numbers = {
-            **numbers_of(samples.held, base),
-            **late_numbers(samples.late, manifold.size, len(run.contacts)),
-            **{f"book_{name}": array for name, array in run.contacts.numbers().items()},
-            **run.ticks.numbers(),
-        }
-        return cls({**about, **how}, numbers)
+        return cls({**about, **how}, _arrays_of(run))
 
     def give_to(self, run: Run) -> None:
-        """Make a run that was made from :attr:`start`, recording since :attr:`begin`, what it was."""
+        """Make a run that was made from :attr:`start`, recording since :attr:`begin`, what it was.
+
+        Raises:
+            FileFormatError: It is none of such a run.
+        """
+        try:
+            _check_arrays(self.numbers, _arrays_of(run))
+            self._give_to(run)
+        except AntennaPinError:
+            raise
+        except _WRONG as error:
+            raise _no_checkpoint("simulate", error) from None
+
+    def _give_to(self, run: Run) -> None:
         how, counts = self.about, self.about["counts"]
         base = run.system.program
         if how["left"] is not None:
@@ -147,7 +207,10 @@ class Checkpoint:
         from antenna_pin.scenario import Scenario
 
         text = self.about["scenario"]
-        return Scenario.model_validate_json(text) if text else None
+        try:
+            return Scenario.model_validate_json(text) if text else None
+        except ValueError as error:
+            raise _no_checkpoint("scenario", error) from None
 
     # --- as a file ------------------------------------------------------------------------------------------
 
@@ -173,17 +236,27 @@ class Checkpoint:
                 f"{path}: no checkpoint of a run in {str(folder_of(path))!r}: it was never stopped, or has "
                 "come to its end"
             )
-        numbers = read_sealed(source)
+        numbers = read_sealed(source, _ARRAYS)
         try:
             about = json.loads(str(numbers.pop("about")))
             found = about["format"]
-        except (KeyError, TypeError, ValueError) as error:
-            raise FileFormatError(f"{source}: must be a checkpoint of a run, got {error!r}") from None
+            of_scenario = json.loads(about["scenario"] or "{}")
+        except _WRONG as error:
+            raise _no_checkpoint(source, error) from None
         if found != FORMAT:
             raise FileFormatError(
                 f"{source}: the format must be {FORMAT!r}, got {found!r}; go on with the version that wrote "
                 "it, or run the scenario again"
             )
+        if not isinstance(of_scenario, dict):
+            raise _no_checkpoint(source, ValueError(f"scenario {of_size(of_scenario)}"))
+        try:
+            _About.model_validate_json(json.dumps(about))
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = ".".join(map(str, first["loc"]))
+            said = f"{where} {of_size(first['input'])} ({first['msg'].lower()})"
+            raise _no_checkpoint(source, ValueError(said)) from None
         for name, version in library_versions().items():
             if about["versions"].get(name) != version:
                 raise FileFormatError(
@@ -191,6 +264,41 @@ class Checkpoint:
                     "end would be another run's; go on with that version, or run the scenario again"
                 )
         return cls(about, numbers)
+
+
+# What comes of what a run has not written.
+_WRONG = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError, RecursionError)
+
+
+def _no_checkpoint(place: object, error: Exception) -> FileFormatError:
+    words = one_line(str(error) if type(error) is ValueError else repr(error))[:200]
+    return FileFormatError(
+        f"{place}: must be a checkpoint of a run, got one with {words}; run the scenario again from its start"
+    )
+
+
+def _arrays_of(run: Run) -> dict[str, NDArray[Any]]:
+    """Return what a run remembers in arrays."""
+    return {
+        **numbers_of(run.samples.held, run.system.program),
+        **late_numbers(run.samples.late, run.system.manifold.size, len(run.contacts)),
+        **{f"book_{name}": array for name, array in run.contacts.numbers().items()},
+        **run.ticks.numbers(),
+    }
+
+
+def _check_arrays(found: Mapping[str, NDArray[Any]], own: Mapping[str, NDArray[Any]]) -> None:
+    """Refuse arrays that are not those of a run, but for how many rows they have.
+
+    Raises:
+        ValueError: Says which.
+    """
+    for name in [*own, *found]:
+        if name not in own or name not in found:
+            raise ValueError(f"{'no' if name in own else 'an'} array {name!r}")
+        one, like = found[name], own[name]
+        if one.dtype.descr != like.dtype.descr or one.ndim != like.ndim or one.shape[1:] != like.shape[1:]:
+            raise ValueError(f"{name} of {one.dtype}, shape {one.shape}")
 
 
 def about_run(

@@ -202,7 +202,8 @@ class Audit:
     @property
     def round_off(self) -> float:
         """Error that is round-off of the ledger's numbers [J]."""
-        unit = 0.5 * self._start["slip"] @ self._start["scales"][1]
+        with np.errstate(over="ignore", invalid="ignore"):  # of a state that no run comes to
+            unit = 0.5 * self._start["slip"] @ self._start["scales"][1]
         return self._roundings * float(max(self._most["round_off"], unit))
 
     @property

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import math
 import os
+import re
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -17,13 +19,17 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.capacity import check_fits
 from antenna_pin.errors import FileFormatError, OutputError
 from antenna_pin.files import has_whole_seal, replacing, seal
 from antenna_pin.records import MEMORY
 from antenna_pin.simulation.samples import Chunk, Late
+from antenna_pin.units import shown
 
 __all__ = [
     "CHECKPOINT",
+    "LATE",
+    "SAMPLED",
     "Parts",
     "changed_words",
     "chunk_of",
@@ -41,7 +47,13 @@ Array = NDArray[np.float64]
 #: Name of the file that is written after the parts that it tells of.
 CHECKPOINT = "checkpoint"
 
+#: Arrays of samples, and of late ones, in a file.
+SAMPLED = ("times", "states", "memories", "program", "programs", "changed", "values")
+LATE = ("late_times", "late_states", "late_memories")
+
 _SUFFIX = ".parts"
+_PART = re.compile("|".join(("run", *SAMPLED)))
+_MEMBER = ".npy"
 
 
 def folder_of(path: str | os.PathLike[str]) -> Path:
@@ -62,11 +74,16 @@ def write_sealed(path: Path, numbers: Mapping[str, NDArray[Any]]) -> None:
         seal(partial)
 
 
-def read_sealed(path: Path) -> dict[str, NDArray[Any]]:
+def read_sealed(path: Path, known: re.Pattern[str]) -> dict[str, NDArray[Any]]:
     """Return the arrays of a file.
 
+    Args:
+        path: Of the file.
+        known: Matches the names that its arrays may have.
+
     Raises:
-        FileFormatError: It is not there, or not as it was written.
+        FileFormatError: It is not there, or not as it was written; nothing is read of what is not known, is
+            there twice, or would take more memory than its bytes in the file.
     """
     way_out = "run the scenario again from its start"
     try:
@@ -74,7 +91,8 @@ def read_sealed(path: Path) -> dict[str, NDArray[Any]]:
             raise FileFormatError(
                 f"{path}: must be as antenna-pin wrote it, got another checksum: it was damaged; {way_out}"
             )
-        _check_sizes(path)
+        with zipfile.ZipFile(path) as file:
+            _check_members(file, path.stat().st_size, known)
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
     except FileFormatError:
@@ -86,15 +104,24 @@ def read_sealed(path: Path) -> dict[str, NDArray[Any]]:
         raise FileFormatError(f"{path}: must be what antenna-pin wrote, got: {words}; {way_out}") from None
 
 
-def _check_sizes(path: Path) -> None:
-    """Refuse arrays that take more memory than the file has bytes: those that are written are not packed."""
-    with zipfile.ZipFile(path) as file:
-        members = file.infolist()
-    size = path.stat().st_size
+def _check_members(file: zipfile.ZipFile, size: int, known: re.Pattern[str]) -> None:
+    """Refuse arrays that are not known, are there twice, or take more memory than bytes in the file."""
+    members = file.infolist()
     if any(one.compress_type != zipfile.ZIP_STORED for one in members) or (
         sum(one.file_size for one in members) > size
     ):
         raise ValueError(f"packed arrays of more bytes than the {size} of the file")
+    names = [one.filename for one in members]
+    for one in members:
+        if not (one.filename.endswith(_MEMBER) and known.fullmatch(one.filename.removesuffix(_MEMBER))):
+            raise ValueError(f"{shown(one.filename)}, which is not known")
+        if names.count(one.filename) > 1:
+            raise ValueError(f"{one.filename} {names.count(one.filename)} times")
+        with file.open(one) as stream:
+            np.lib.format.read_magic(stream)  # of another version's header what follows makes no sense
+            shape, _, kind = np.lib.format.read_array_header_1_0(stream)
+            if min(shape, default=0) < 0 or stream.tell() + math.prod(shape) * kind.itemsize != one.file_size:
+                raise ValueError(f"{one.filename} of shape {shape} in {one.file_size} bytes")
 
 
 # --- samples in numbers ---------------------------------------------------------------------------------
@@ -137,15 +164,26 @@ def numbers_of(chunk: Chunk, base: Array) -> dict[str, NDArray[Any]]:
 
 
 def chunk_of(numbers: Mapping[str, NDArray[Any]], base: Array) -> Chunk:
-    """Return the samples that :func:`numbers_of` has made arrays of."""
-    distinct = [base.copy() for _ in range(int(numbers["programs"]))]
-    for (k, word), value in zip(numbers["changed"].tolist(), numbers["values"].tolist(), strict=True):
+    """Return the samples that :func:`numbers_of` has made arrays of.
+
+    Raises:
+        ValueError: They are no such samples.
+        TooLargeError: Their programs do not fit into memory.
+    """
+    count, which, changed = int(numbers["programs"]), numbers["program"], numbers["changed"]
+    if not 0 <= count <= len(which) == len(numbers["times"]) or (which >= count).any():
+        raise ValueError(f"{len(which)} samples with one of {count} programs each")
+    if changed.size and (changed.min() < 0 or (changed.max(axis=0) >= (count, len(base))).any()):
+        raise ValueError(f"changes beyond {count} programs of {len(base)} words")
+    check_fits("simulate", f"{count} programs", count * base.nbytes, "run the scenario again from its start")
+    distinct = [base.copy() for _ in range(count)]
+    for (k, word), value in zip(changed.tolist(), numbers["values"].tolist(), strict=True):
         words_of(distinct[k])[word] = value
     return Chunk(
         numbers["times"],
         numbers["states"],
         numbers["memories"],
-        [distinct[k] for k in numbers["program"].tolist()],
+        [distinct[k] for k in which.tolist()],
     )
 
 
@@ -253,7 +291,7 @@ class Parts:
             FileFormatError: It is not as it was written, or of another run.
         """
         path = self.path(number)
-        numbers = read_sealed(path)
+        numbers = read_sealed(path, _PART)
         if str(numbers.get("run")) != self.identity or len(numbers["times"]) != self.rows[number]:
             raise FileFormatError(
                 f"{path}: must be of the run of the checkpoint beside it, got a part of another; "

@@ -116,6 +116,10 @@ def prepared(
     for name, one in (("q", q), ("v", v), ("angles", angles)):
         if start is not None and one is not None:
             raise InvalidParameterError(place, name, "left out beside start, which holds it", one)
+    told: object = angles
+    if not isinstance(told, Mapping | None):
+        rule = "a mapping of joints' names to turned angles [rad]"
+        raise InvalidParameterError(place, "angles", rule, said=shown(told))
     scenario = model if isinstance(model, Scenario) else None
     if scenario is not None:
         system = build_system(scenario)

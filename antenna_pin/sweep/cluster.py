@@ -143,7 +143,9 @@ class Cluster:
                 n_workers=self._workers or os.cpu_count() or 1,
                 threads_per_worker=1,
                 processes=True,
-                dashboard_address="127.0.0.1:0",  # any free port; the default one may be taken
+                dashboard_address=None,  # which any user of this machine could read
+                # What serves it listens still, for nothing: on any free port, as the default may be taken.
+                scheduler_kwargs={"dashboard_address": "127.0.0.1:0", "dashboard": False},
                 silence_logs=logging.CRITICAL,
             )
 

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Memory that a long run and the commands that read its result take.
+"""Memory and time that a long run and the commands that read its result take.
 
 Case 3 of the antenna by the compiled engine, 40, 160 and 320 s sampled at 10 kHz: results of half a gigabyte
 to four. Each command is a process of its own; what counts is its peak resident memory: for commands that read
 all of it, imports included, for the run what is above that of a run of 1 ms, which has loaded the same code::
 
     scripts/bench/memory.py
+    scripts/bench/memory.py --span 80       # a result of 1 GB
     scripts/bench/memory.py --quick         # 1 s
 """
 
@@ -14,6 +15,8 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
+import time
+from pathlib import Path
 
 from bench_tools import CLOSED_FORM, Report
 
@@ -43,6 +46,17 @@ IDEAL = ("run", "bai2020", "--case", "case1", "--out", "ideal.nc", "--no-progres
 READERS = {
     "info": ("info", "run.nc"),
     "impacts": ("impacts", "run.nc"),
+    "impacts --csv": ("impacts", "run.nc", "--csv", "impacts.csv"),
+    "phase": (
+        "phase",
+        "run.nc",
+        "-x",
+        "motion_angle[elevation]",
+        "-y",
+        "motion_rate[elevation]",
+        "--out",
+        "p.nc",
+    ),
     "record": ("record", "run.nc", "--out", "run.html"),
     "analyse": ("analyse", "run.nc"),
     "plot": ("plot", "run.nc", "--out", "figures"),
@@ -51,28 +65,35 @@ READERS = {
 }
 
 
-def peak(words: tuple[str, ...], folder: str) -> float:
-    """Return the peak memory of a command [MB]."""
+def peak(words: tuple[str, ...], folder: str) -> tuple[float, float]:
+    """Return the peak memory of a command [MB], and its time [s]."""
+    began = time.perf_counter()
     done = subprocess.run(
         [sys.executable, "-c", OWN, *words], cwd=folder, check=True, capture_output=True, text=True
     )
-    return float(done.stderr.splitlines()[-1])
+    return float(done.stderr.splitlines()[-1]), time.perf_counter() - began
 
 
 def main() -> int:
     """Measure all of it."""
     report = Report("memory", __doc__ or "")
-    spans = ("1",) if report.parse().quick else ("40", "160", "320")
+    report.parser.add_argument("--span", action="append", help="of a run [s]; 40, 160 and 320 if left out")
+    asked = report.parse()
+    spans = ("1",) if asked.quick else asked.span or ("40", "160", "320")
     with tempfile.TemporaryDirectory() as folder:
-        least = peak((*RUN, "--duration", "1 ms"), folder)
+        least, _ = peak((*RUN, "--duration", "1 ms"), folder)
     report.add("a run of 1 ms: imports and kernels", least, "MB")
     for span in spans:
         with tempfile.TemporaryDirectory() as folder:
-            above = peak((*RUN, "--duration", span), folder) - least
-            report.add(f"{span} s at 10 kHz: run, above that", above, "MB", 300.0)
+            megabytes, seconds = peak((*RUN, "--duration", span), folder)
+            report.add(f"{span} s at 10 kHz: run, above that", megabytes - least, "MB", 300.0)
+            report.add(f"{span} s at 10 kHz: run, time", seconds, "s")
+            report.add(f"{span} s at 10 kHz: result", (Path(folder) / "run.nc").stat().st_size / 1e6, "MB")
             peak((*IDEAL, "--duration", span), folder)
             for name, words in READERS.items():
-                report.add(f"{span} s at 10 kHz: {name}", peak(words, folder), "MB", 600.0)
+                megabytes, seconds = peak(words, folder)
+                report.add(f"{span} s at 10 kHz: {name}", megabytes, "MB", 600.0)
+                report.add(f"{span} s at 10 kHz: {name}, time", seconds, "s")
     return report.finish()
 
 

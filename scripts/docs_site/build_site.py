@@ -11,13 +11,13 @@ import functools
 import http.server
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
-from laid_out import lay_out
-from verdict import complaints
+from antenna_pin.interruption import ended_by, ending_by_signals
 
 ROOT = Path(__file__).parents[2]
 BUILT = ROOT / "build" / "docs"
@@ -32,6 +32,8 @@ def build(built: Path = BUILT, *, anew: bool = False) -> Path:
         built: Folder for source, site and what is kept between builds.
         anew: Whether nothing of an earlier build is used: scripts and notebooks are run again, too.
     """
+    from laid_out import lay_out  # which imports for seconds, and is ended in one line then, too
+
     source, site, kept = built / "source", built / "site", built / "kept"
     if anew:
         shutil.rmtree(built, ignore_errors=True)
@@ -52,8 +54,14 @@ def build(built: Path = BUILT, *, anew: bool = False) -> Path:
         "IPYTHONDIR": str(quiet_kernels(built / "ipython")),
         "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]),
     }
-    done = subprocess.run([*command, *options, str(source), str(site)], env=environment, check=False)
-    if done.returncode:
+    words = [*command, *options, str(source), str(site)]
+    with subprocess.Popen(words, env=environment, process_group=0) as sphinx:
+        try:
+            sphinx.wait()
+        except KeyboardInterrupt:
+            os.killpg(sphinx.pid, signal.SIGKILL)  # with its processes
+            raise
+    if sphinx.returncode:
         raise SystemExit("docs: not built; the warnings above say why")
     return site
 
@@ -75,11 +83,22 @@ def serve(site: Path) -> None:
 
 
 def main() -> int:
-    """Build, and check or show what was built."""
+    """Build, and check or show what was built; Ctrl-C and SIGTERM end it in one line."""
+    ending_by_signals()
+    try:
+        return _main()
+    except KeyboardInterrupt:
+        print("docs: interrupted", file=sys.stderr)
+        return 128 + ended_by()
+
+
+def _main() -> int:
     parser = argparse.ArgumentParser(prog="scripts/docs", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--check", action="store_true", help="build anew, check links, anchors and sizes")
     parser.add_argument("--serve", action="store_true", help="show it under http://localhost:8000")
     asked = parser.parse_args()
+    from verdict import complaints
+
     begun = time.monotonic()
     site = build(anew=asked.check)
     print(f"{(site / 'index.html').relative_to(ROOT)}: built in {time.monotonic() - begun:.0f} s")

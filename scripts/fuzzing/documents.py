@@ -23,7 +23,16 @@ from fuzzing.odd import misspelt, odd_value
 from fuzzing.texts import text_change
 from fuzzing.values import Names, admits, name_for, sound_value, toml
 
-__all__ = ["Base", "document", "draw_diagram", "draw_scenario", "draw_study", "scenarios", "small_scenario"]
+__all__ = [
+    "Base",
+    "document",
+    "draft_of",
+    "draw_diagram",
+    "draw_scenario",
+    "draw_study",
+    "scenarios",
+    "small_scenario",
+]
 
 # Of shipped scenarios the small ones are drawn so many times as often, and so are those of a kind each; that
 # with most kinds is drawn as often as all of these.
@@ -33,7 +42,7 @@ _SMALL, _OFTEN, _MOST = ("impact_pair", "pendulum", "slider", "spherical_pendulu
 SHORT = ("--set", "integrator.max_steps=200")
 # So many points of a diagram take longer than an input may; so few are made soon.
 _MANY, _FEW = 10**6 + 1, 1000
-_REPLACED = (("integrator",), ("integrator", "max_steps"))
+_REPLACED = frozenset({("integrator",), ("integrator", "max_steps")})
 
 
 @dataclass(frozen=True)
@@ -46,6 +55,7 @@ class Base:
         table: Its content.
         files: What it names.
         names: Names that there are.
+        replaced: Keys of which what the file says does not count.
     """
 
     name: str
@@ -53,6 +63,7 @@ class Base:
     table: Mapping[str, Any]
     files: Mapping[str, bytes]
     names: Names
+    replaced: frozenset[tuple[str, ...]] = frozenset()
 
 
 @dataclass
@@ -91,14 +102,14 @@ def _cases() -> Iterator[Base]:
             found = merge(merge(table, own), short)
             for joint in found.get("clearance", {}).values():
                 joint["geometry"] = "closed-form"
-            base = Base("scenario.toml", Scenario, found, files, _names(found, files))
+            base = Base("scenario.toml", Scenario, found, files, _names(found, files), _REPLACED)
             yield from [base] * (_OFTEN if folder.name in _SMALL else 1)
 
 
 def _rigs() -> Iterator[Base]:
     for number, table in enumerate(rigs()):
         files = {"rig.urdf": RIG.encode()}
-        base = Base("scenario.toml", Scenario, table, files, _names(table, files))
+        base = Base("scenario.toml", Scenario, table, files, _names(table, files), _REPLACED)
         yield from [base] * (_OFTEN if number else _MOST)
 
 
@@ -183,8 +194,7 @@ def _value_change(chance: Random, base: Base, place: Place) -> Change:
     wrong = not admits(what, value) and not any(
         isinstance(shape, Named) and not shape.of for shape in what.shapes
     )
-    # What is set over a file replaces what the file says, be that right or wrong.
-    wrong = wrong and not (base.cls is Scenario and path in _REPLACED)
+    wrong = wrong and path not in base.replaced
     long = isinstance(value, int) and value.bit_length() > 4096  # told of before its place is known
     says = () if long else tuple(name for name in path[-2:] if name.isidentifier())
     plain = all(key.replace("-", "_").isidentifier() for key in path)
@@ -209,7 +219,8 @@ def document(table: Mapping[str, Any]) -> str:
     return "".join(f"{toml(key)} = {toml(value)}\n" for key, value in table.items())
 
 
-def _draft(chance: Random, base: Base, act: Callable[[list[str]], Sequence[str]]) -> Draft:
+def draft_of(chance: Random, base: Base, act: Callable[[list[str]], Sequence[str]]) -> Draft:
+    """Return a document with some changes, and the command of what is to be set."""
     changes = tuple(change_of(chance, base) for _ in range(chance.choice((1, 1, 1, 2, 3))))
 
     def made(kept: Sequence[Change]) -> Input:
@@ -235,7 +246,7 @@ def draw_scenario(chance: Random) -> Draft:
         + (("urdf", "--out", "out.urdf"), ("info", "--json"), ("modes",))
         + (("run", "--out", "out.nc", "--no-progress", *SHORT),) * 2
     )
-    return _draft(chance, base, lambda sets: [words[0], base.name, *sets, *words[1:]])
+    return draft_of(chance, base, lambda sets: [words[0], base.name, *sets, *words[1:]])
 
 
 _STUDY = {
@@ -273,7 +284,7 @@ def draw_study(chance: Random) -> Draft:
     base = _study_base()
     words: tuple[str, ...] = ("sweep", base.name, "--out", "some.study", "--no-progress")
     words += ("--dry-run",) if chance.random() < 0.7 else ("--workers", "0")
-    return _draft(chance, base, lambda sets: [*words, *sets])
+    return draft_of(chance, base, lambda sets: [*words, *sets])
 
 
 _DIAGRAM = {
@@ -301,7 +312,7 @@ def draw_diagram(chance: Random) -> Draft:
     """Return a bifurcation diagram's file."""
     base = _diagram_base()
     words = ["bifurcation", base.name, "--out", "diagram.nc", "--no-progress", "--workers", "1"]
-    draft = _draft(chance, base, lambda sets: [*words, *sets])
+    draft = draft_of(chance, base, lambda sets: [*words, *sets])
     return replace(draft, made=lambda kept: _in_time(draft.made(kept)))
 
 

@@ -15,14 +15,16 @@ from typing import Any
 
 from antenna_pin import AntennaPinError
 from antenna_pin.cli import app
+from antenna_pin.errors import printable
 
 __all__ = ["LINE", "Change", "Content", "Draft", "Input", "problem_of", "quietly"]
 
 #: Most letters that a refusal may have.
 LINE = 1200
 
-#: Exit codes of what was done, refused, and ended before its time with a result that was saved.
-_DONE, _REFUSED, _EARLY = 0, 2, 3
+#: Exit codes of what was done, refused, and ended before its time with a result that was saved; of a fit that
+#: has found no minimum, of a run whose ledger is open.
+_DONE, _REFUSED, _EARLY, _UNBALANCED, _DOUBTFUL = 0, 2, 3, 4, 5
 
 # Lines on the error stream of a command that was not refused: notes and bars of progress.
 _NOTE = re.compile(r"antenna-pin: (?!.*(encountered in|Warning))|.*━|\s*$")
@@ -141,9 +143,10 @@ def _commanded(words: Sequence[str], folder: Path) -> str | None:
         if left and not _may_leave(words):
             raise _FaultError(f"refused, and left {', '.join(map(str, left))}: {said[:200]!r}")
         return _line(lines[-1] if lines else "")
-    if code not in (_DONE, _EARLY):
+    if code not in (_DONE, _EARLY, _UNBALANCED, _DOUBTFUL):
         raise _FaultError(f"exit code {code}, said {(said or out.getvalue())[-300:]!r}")
-    for line in said.splitlines():
+    lines = said.splitlines() if code != _UNBALANCED else []
+    for line in lines:
         if not _NOTE.match(line):
             raise _FaultError(f"exit code {code}, said {line!r}")
     return None
@@ -196,7 +199,7 @@ def _as_errors() -> Any:
 
 
 def _line(said: str) -> str:
-    if len(said.splitlines()) != 1 or not said.isprintable():
+    if len(said.splitlines()) != 1 or printable(said) != said:
         raise _FaultError(f"not one plain line: {said[:300]!r}")
     if len(said) > LINE:
         raise _FaultError(f"a line of {len(said)} letters: {said[:200]!r}")

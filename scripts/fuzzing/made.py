@@ -8,10 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from antenna_pin import load_scenario, simulate
 from fuzzing.documents import SHORT, document, small_scenario
 from fuzzing.inputs import quietly
 
-__all__ = ["COMMANDS", "FAST", "MADE", "made"]
+__all__ = ["COMMANDS", "FAST", "MADE", "made", "stopped", "swinging"]
 
 FAST = ("--no-progress",)
 
@@ -73,6 +74,12 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], str]] = {
     "study report": (("study", "report", "few.study", "--no-figures", "--out", "out/s.html"), "s.html"),
     "curve": (("contact", "curve", "--csv", "out/curve.csv"), "curve.csv"),
     "law figures": (("contact", "curve", "hertz", "--out", "out/laws"), "laws"),
+    "fit": (("fit", "few.fit.toml", *FAST, "--out", "out/few.nc"), "few.nc"),
+    "sensitivity": (
+        ("sensitivity", "swing.toml", "springs.held.stiffness", "--out", "out/slopes.nc"),
+        "slopes.nc",
+    ),
+    "fmu": (("export", "fmu", "swing.toml", "--outputs", "bore.angle", "--out", "out/a.fmu"), "a.fmu"),
     "list": (("list",), ""),
 }
 
@@ -86,8 +93,25 @@ values = ["0.1 mm", "0.2 mm"]
 impacts = { measure = "impacts" }
 """
 
+_FIT = """scenario = "swing.toml"
+[parameters.stiffness]
+key = "springs.held.stiffness"
+start = "90 N*m/rad"
+between = ["10 N*m/rad", "1000 N*m/rad"]
+[records.test]
+file = "test.csv"
+columns.rate = { of = "motion_rate[bore]", sd = "1e-3 rad/s" }
+"""
 
-def _swinging() -> dict[str, Any]:
+
+def _record(folder: Path) -> str:
+    """Return the record of a run of ``swing.toml``, as text."""
+    run = simulate(load_scenario(folder / "swing.toml")).data
+    rows = zip(run["time"].values.tolist(), run["motion_rate"].values[:, 0].tolist(), strict=True)
+    return "time,rate\n" + "".join(f"{time!r},{rate!r}\n" for time, rate in rows)
+
+
+def swinging() -> dict[str, Any]:
     """Return a scenario that is driven and damped, without play: it has an orbit of 10 ms."""
     push = {"joint": "bore", "kind": "sine", "amplitude": 0.1, "frequency": 100.0}
     held = {"joint": "bore", "stiffness": 100.0, "damping": 1.0}
@@ -103,12 +127,14 @@ def made() -> Mapping[str, bytes]:
     fast = {"bore": {"journal_velocity": [0.5, 0.0, 0.0]}}
     play = {**base.table, "initial": {"joints": fast}}
     long = {**play, "duration": 0.5, "output": {"rate": 20e3}}
-    tables = {"play.toml": play, "swing.toml": _swinging(), "long.toml": long}
+    tables = {"play.toml": play, "swing.toml": swinging(), "long.toml": long}
     files = {**base.files, **{name: document(table).encode() for name, table in tables.items()}}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file, content in {**files, "few.study.toml": _STUDY.encode()}.items():
             (folder / file).write_bytes(content)
+        (folder / "few.fit.toml").write_text(_FIT)
+        (folder / "test.csv").write_text(_record(folder))
         for file, words in MADE.items():
             quietly([*words, "--out", file], folder)
         quietly(["sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *FAST], folder)
@@ -116,3 +142,17 @@ def made() -> Mapping[str, bytes]:
             if path.is_file():
                 files[path.relative_to(folder).as_posix()] = path.read_bytes()
     return files
+
+
+@functools.cache
+def stopped() -> Mapping[str, bytes]:
+    """Return what a run of ``long.toml`` leaves that a limit of wall time has stopped, by name."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file in ("long.toml", "pair.urdf"):
+            (folder / file).write_bytes(made()[file])
+        quietly(["run", "long.toml", "--out", "stopped.nc", "--max-wall-time", "50 ms", *FAST], folder)
+        return {
+            path.relative_to(folder).as_posix(): path.read_bytes()
+            for path in sorted(folder.rglob("stopped*/*"))
+        }

@@ -21,7 +21,7 @@ from fuzzing.made import FAST, MADE, made
 from fuzzing.odd import Raw, misspelt, odd_value
 from fuzzing.texts import text_change
 
-__all__ = ["draw_result", "draw_store"]
+__all__ = ["draw_result", "draw_store", "replaced"]
 
 Edit = Callable[[Any], None]
 
@@ -145,13 +145,13 @@ def _attribute_edit(chance: Random, key: str) -> Change:
         except (KeyError, TypeError, ValueError, RecursionError):
             _set(file.attrs, key, "x")
             return
-        _set(file.attrs, key, json.dumps(_replaced(content, at, value, other), default=str))
+        _set(file.attrs, key, json.dumps(replaced(content, at, value, other), default=str))
 
     what = other or shown(value)[:60]
     return Change(f"attribute {key} at {at:.3f}: {what!r}", edit)
 
 
-def _replaced(content: Any, at: float, value: Any, other: str | None) -> Any:
+def replaced(content: Any, at: float, value: Any, other: str | None) -> Any:
     """Return JSON with the entry at some part of it replaced, lost or called otherwise."""
     if isinstance(value, Raw):
         value = [[[[value.text]]]]
@@ -288,6 +288,6 @@ def _store_change(chance: Random, name: str) -> Change:
             table = json.loads(content)
         except (ValueError, RecursionError):
             return content[:-1]
-        return json.dumps(_replaced(table, at, value, None), default=str).encode()
+        return json.dumps(replaced(table, at, value, None), default=str).encode()
 
     return Change(f"{name} at {at:.3f}: {shown(value)[:60]!r}", edit)

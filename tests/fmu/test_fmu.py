@@ -1,5 +1,6 @@
 """An exported FMU, run by FMPy: its outputs are those of the run with the same commands, bit for bit."""
 
+import json
 import zipfile
 from pathlib import Path
 
@@ -8,8 +9,9 @@ import pytest
 from sessions import antenna
 
 from antenna_pin import load_scenario, start
-from antenna_pin.errors import AntennaPinError, OutputError
+from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError
 from antenna_pin.fmu import export_fmu
+from antenna_pin.fmu.packed import Packed
 from antenna_pin.fmu.si import powers_of
 
 fmpy = pytest.importorskip("fmpy")
@@ -235,6 +237,22 @@ def test_what_cannot_be_exported_is_refused_in_one_line(scenario, tmp_path, monk
         export_fmu(scenario, **{"out": "here.fmu", "outputs": ["elevation.angle"], **given})
     assert "\n" not in str(refused.value)
     assert not list(Path().iterdir())
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"inputs": 1.0}, {"outputs": [1]}, {"scenario": None}, {"more": []}, {"parameters": None}],
+    ids=str,
+)
+def test_a_pack_that_was_changed_is_refused_in_one_line(scenario, tmp_path, change):
+    packed = Packed(scenario=scenario, inputs=(), outputs=("elevation.angle",), parameters=(), token="one")
+    packed.write(tmp_path)
+    assert Packed.read(tmp_path).outputs == packed.outputs
+    (path,) = tmp_path.iterdir()
+    path.write_text(json.dumps(json.loads(path.read_text()) | change))
+    with pytest.raises(FileFormatError, match="must be as it was packed, got .*; export it again") as refused:
+        Packed.read(tmp_path)
+    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(

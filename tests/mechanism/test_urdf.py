@@ -11,7 +11,7 @@ import yourdfpy
 from lxml import etree
 
 from antenna_pin.errors import AntennaPinError, MechanismError, OutputError, UnknownNameError
-from antenna_pin.mechanism import JointChange, LinkChange, ShapeChange, Urdf, build_mechanism
+from antenna_pin.mechanism import JointChange, LinkChange, ShapeChange, Urdf, WrittenUrdf, build_mechanism
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
@@ -244,6 +244,28 @@ def test_names_are_looked_up_with_the_nearest_one_offered(crooked):
 def test_an_axis_is_the_direction_alone_and_x_where_the_urdf_says_nothing(crooked):
     assert crooked.axis("swivel") == pytest.approx([1 / 3, 2 / 3, -2 / 3], rel=1e-15)
     assert Urdf.from_text(pair(hinge()), "u.urdf").axis("j").tolist() == [1.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("broken", "said", "change"),
+    [
+        ('<dynamics damping="0,5"/>', "<dynamics> damping='0,5'", JointChange(damping=0.5)),
+        ('<dynamics friction="1 2"/>', "<dynamics> friction='1 2'", JointChange(friction=0.5)),
+        ('<axis xyz="0 0 x"/>', "<axis> xyz='0 0 x'", JointChange(axis=(0.0, 0.0, 1.0))),
+        ('<origin xyz="0 nan 0"/>', "<origin> xyz='0 nan 0'", JointChange(origin_xyz=(0.0, 0.0, 1.0))),
+    ],
+)
+def test_a_broken_number_that_is_given_elsewhere_is_said(broken, said, change):
+    """It does not act, and so is not refused; the file is as wrong as before."""
+    text = pair(hinge(broken))
+    with pytest.raises(MechanismError, match=re.escape(said.partition("=")[0])):
+        Urdf.from_text(text, "u.urdf")
+    written = WrittenUrdf(text=text, where="u.urdf")
+    written.variant(origins={"j": change})  # is accepted
+    (line,) = written.not_simulated
+    assert re.match(rf"u\.urdf, line \d+: joint 'j': {re.escape(said)} is no number and does not count", line)
+    sound = pair(hinge('<limit effort="inf" velocity="1"/>'))
+    assert WrittenUrdf(text=sound, where="u.urdf").not_simulated == ()
 
 
 def test_friction_of_joints_is_read_and_what_has_no_axis_is_said(crooked):

@@ -445,6 +445,13 @@ def test_a_step_costs_little_beyond_its_integration(short):
         (lambda s: s.set("springs.hold.stifness", 1.0), "did you mean stiffness"),
         (lambda s: s.set("springs.hold.stiffness", -1.0), "stiffness must be zero or more"),
         (lambda s: s["elevation.angel"], "did you mean elevation.angle"),
+        (lambda s: s.step(10**5000), "step: duration must be a positive time"),
+        (lambda s: s.run_until(10**5000), "run_until: goal must be a positive time"),
+        (
+            lambda s: s.set("drives.elevation.value", 10**5000),
+            "drives.elevation.value must be a finite number",
+        ),
+        (lambda s: s.reset(angles=[1.0]), r"reset: angles must be a mapping .*, got \[1.0\]"),
         (lambda s: s.on("drives.elevator"), "did you mean drives.elevation"),
         (lambda s: s.restore(State.from_json(s.state.to_json().replace('"x": [', '"x": [1.0, '))), "start.x"),
     ],

@@ -1,9 +1,13 @@
 """A run that was stopped, any number of times, and goes on from its checkpoints ends as if it never was."""
 
+import io
 import itertools
+import json
 import os
+import re
 import signal
 import warnings
+import zipfile
 from types import SimpleNamespace
 
 import numpy as np
@@ -261,11 +265,79 @@ def test_a_system_built_in_python_goes_on(tmp_path, small_parts):
 
 def test_arrays_that_take_more_than_their_file_are_refused(tmp_path):
     """Ours are not packed; such a file is no larger in memory than on the disk."""
-    path = tmp_path / "0001.npz"
+    path, known = tmp_path / "0001.npz", re.compile("times")
     with path.open("wb") as file:
         np.savez_compressed(file, times=np.zeros(10**6))
     seal(path)
     with pytest.raises(FileFormatError, match=r"0001\.npz: must be .*, got: packed arrays"):
-        read_sealed(path)
+        read_sealed(path, known)
     write_sealed(path, {"times": np.zeros(10**4)})
-    assert len(read_sealed(path)["times"]) == 10**4
+    assert len(read_sealed(path, known)["times"]) == 10**4
+    with pytest.raises(FileFormatError, match=r"'times\.npy', which is not known"):
+        read_sealed(path, re.compile("states"))
+
+
+def header(shape):
+    """Return an array's header that announces more numbers than follow it."""
+    stream = io.BytesIO()
+    np.lib.format.write_array_header_1_0(stream, {"descr": "<f8", "fortran_order": False, "shape": shape})
+    return stream.getvalue()
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize(
+    "members, said",
+    [
+        ([("times.npy", header((1,)) + bytes(8)), ("more.npy", b"")], "'more.npy', which is not known"),
+        ([("times.npy", header((1,)) + bytes(8))] * 2, "times.npy 2 times"),
+        (
+            [("times.npy", header((10**12,)) + bytes(8))],
+            r"times.npy of shape \(1000000000000,\) in 136 bytes",
+        ),
+        ([("times", header((1,)) + bytes(8))], "'times', which is not known"),
+    ],
+)
+def test_members_that_are_not_ours_are_refused_unread(tmp_path, monkeypatch, members, said):
+    """One not known, one there twice, one that announces more than it has."""
+    path = tmp_path / "0001.npz"
+    with zipfile.ZipFile(path, "w") as file:
+        for name, content in members:
+            file.writestr(name, content)
+    seal(path)
+    monkeypatch.setattr(np, "load", lambda *given, **more: pytest.fail("was read"))
+    with pytest.raises(FileFormatError, match=said):
+        read_sealed(path, re.compile("times"))
+
+
+def with_about(numbers, **changes):
+    about = json.loads(str(numbers["about"])) | changes
+    return numbers | {"about": np.array(json.dumps(about))}
+
+
+FORGED = {
+    "a billion programs": lambda old: old | {"programs": np.array(10**9)},
+    "a change beyond": lambda old: old | {"changed": np.array([[0, 10**9]]), "values": np.array([1])},
+    "another shape": lambda old: old | {"states": old["states"][:, 1:]},
+    "another kind": lambda old: old | {"times": old["times"].astype("f4")},
+    "an array less": lambda old: {name: one for name, one in old.items() if name != "late_times"},
+    "an array more": lambda old: old | {"tick_times_0": np.zeros(3)},
+    "rows of a contact more": lambda old: old | {"book_open": np.append(old["book_open"], 0)},
+    "no outcome": lambda old: with_about(old, outcome=None),
+    "an unknown outcome": lambda old: with_about(old, outcome="X"),
+    "no counts": lambda old: with_about(old, counts={}),
+    "a scenario of another kind": lambda old: with_about(old, scenario="[]"),
+    "a pace in words": lambda old: with_about(old, paced=[0, "x"]),
+    "a word more": lambda old: with_about(old, more=1),
+    "what happened in words": lambda old: with_about(old, happened=[["x"]]),
+}
+
+
+@pytest.mark.parametrize("change", FORGED)
+def test_a_checkpoint_sealed_anew_is_refused_in_one_line(stopped, change):
+    path = stopped.with_name("run.nc.parts") / "checkpoint"
+    write_sealed(path, FORGED[change](read_sealed(path, re.compile(".*"))))
+    with pytest.raises(
+        FileFormatError, match=r"must be a checkpoint of a run|must be of this scenario"
+    ) as error:
+        simulate(antenna(), out=stopped, resume=True)
+    assert "\n" not in str(error.value) and len(str(error.value)) < 500

@@ -255,6 +255,52 @@ def test_without_an_onset_a_stop_presses_out_by_its_elastic_part(law, begins):
     assert float(run.data.v.values[-1, 0]) == pytest.approx(depth * omega, rel=1e-6)
 
 
+@pytest.mark.parametrize("law", ["exact-restitution", "carvalho-martins"])
+@pytest.mark.parametrize("other", [False, True], ids=["same side", "other side"])
+def test_a_stop_that_was_off_while_it_touched_has_no_onset(law, other):
+    """Hit, switched off in the touch and on again deeper in: the rate of the hit scales no damping any more.
+
+    It presses out by its elastic part: the greatest speed follows from the energy when it is switched on.
+    """
+    stiffness, mass, rate = 8000.0, 2.0, 0.3
+    gap = 0.004 if other else 10.0
+    stop = EndStop(joint="j", lower=0.0, upper=gap, stiffness=stiffness, law=law, restitution=0.5)
+    if other:  # it touches below, flies past the upper side while it is off, and is switched on there
+        q, v, off, on = [-0.001], [rate], 1e-4, 0.02
+    else:
+        q, v, off, on = [0.001], [-rate], 0.01, 0.03
+    events = tuple(
+        Event(name=str(t), when=Time(t), action=Set("stops.s0.on", value))
+        for t, value in ((off, False), (on, True))
+    )
+    settings = RunSettings(rtol=1e-9, max_step=0.01, output_rate=1e4)
+    run = simulate(
+        system("prismatic", "fixed", stop), q=q, v=v, duration=0.15, settings=settings, events=events
+    )
+    where, speed = (np.interp(on, run.data.time, run.data[name].values[:, 0]) for name in ("q", "v"))
+    depth = where - gap if other else -where
+    expected = np.sqrt(speed**2 + stiffness / mass * depth**2)
+    greatest = np.abs(run.data.v.values[run.data.time.values > on]).max()
+    assert depth > 1e-3
+    assert greatest == pytest.approx(expected, rel=1e-6)
+    assert len(changes(run, "upper: off" if other else "lower: off")) == 1
+
+
+def test_a_stop_that_was_off_has_the_onset_of_its_next_touch():
+    """Pressed in at the start, off, on again between its sides: half of the next hit's rate comes back."""
+    stop = EndStop(joint="j", lower=0.0, upper=0.004, stiffness=8000.0, restitution=0.5)
+    events = [
+        Event(name=str(t), when=Time(t), action=Set("stops.s0.on", value))
+        for t, value in ((1e-4, False), (0.01, True))
+    ]
+    run = simulate(
+        system("prismatic", "fixed", stop), q=[-0.001], v=[0.3], duration=0.07, settings=TIGHT, events=events
+    )
+    met = np.interp(0.01, run.data.time, run.data.v.values[:, 0])
+    assert changes(run, "upper: off").size == 1
+    assert float(run.data.v.values[-1, 0]) == pytest.approx(-0.5 * met, rel=1e-7)
+
+
 def test_a_start_at_the_limit_has_its_own_rate_for_its_approach():
     """Exact restitution of 0.5 gives half of it back."""
     stop = EndStop(joint="j", lower=0.0, stiffness=8000.0, restitution=0.5)

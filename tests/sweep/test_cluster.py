@@ -10,7 +10,9 @@ import subprocess
 import sys
 import threading
 import time
+import urllib.request
 
+import psutil
 import pytest
 
 from antenna_pin.sweep import Cluster, Here, driver, reach, run_study
@@ -47,6 +49,17 @@ def test_processes_of_this_machine_make_the_store_of_one_process(write, tmp_path
     run_study(study, tmp_path / "here.study", executor=Here())
     two, here = (tmp_path / f"{name}.study" / "runs.nc" for name in ("two", "here"))
     assert two.read_bytes() == here.read_bytes()
+
+
+def test_no_page_tells_what_the_processes_do(cluster):
+    """Any user of this machine could read it; Dask makes one wherever Bokeh is installed."""
+    process = psutil.Process()
+    for one in [process, *process.children(recursive=True)]:
+        for connection in one.net_connections("tcp"):
+            if connection.status == psutil.CONN_LISTEN:
+                for page in ("status", "info/main/workers.html", "json/identity.json", "metrics", "health"):
+                    with pytest.raises(OSError):  # 404, or no server of pages
+                        urllib.request.urlopen(f"http://127.0.0.1:{connection.laddr.port}/{page}", timeout=5)
 
 
 @pytest.mark.slow

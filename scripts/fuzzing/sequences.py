@@ -1,0 +1,271 @@
+"""Objects that are called again and again: sessions, what a page explores, units for co-simulation."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from antenna_pin import AntennaPinError, load_scenario, start
+from antenna_pin.fmu.packed import Packed
+from antenna_pin.live.explored import Explored
+from antenna_pin.units import shown
+from fuzzing.inputs import Change, Draft, Input
+from fuzzing.made import made
+from fuzzing.odd import ODD_TEXTS, Raw, odd_number, odd_value
+from fuzzing.results import replaced
+
+__all__ = ["draw_explored", "draw_fmu", "draw_session"]
+
+Call = Callable[[Any], Any]
+
+_SCENARIOS = ("play.toml", "swing.toml")
+_FEW_STEPS = ("integrator.max_steps=200", "integrator.engine=compiled")
+_PLACES = (
+    "drives.push.amplitude",
+    "springs.held.stiffness",
+    "drives.push",
+    "springs.held",
+    "drives.push.frequency",
+)
+_READ = (
+    "bore.angle",
+    "bore.rate",
+    "motion_angle[bore]",
+    "time",
+    "energy",
+    "drives.push.torque",
+    "peak_force",
+)
+
+
+def _value(chance: Random) -> Any:
+    """Return a number or anything else, sound and odd."""
+    roll = chance.random()
+    if roll < 0.4:
+        return chance.choice((1e-4, 2e-4, "0.1 ms", 1e-3, 0.5, 1.0, True))
+    value = odd_number(chance) if roll < 0.7 else odd_value(chance)
+    return value.text if isinstance(value, Raw) else value
+
+
+def _name(chance: Random, sound: Sequence[str]) -> Any:
+    return chance.choice(sound) if chance.random() < 0.7 else chance.choice((*ODD_TEXTS, None, 3, ("a",)))
+
+
+def _numbers(chance: Random) -> Any:
+    return chance.choice(
+        ([], [math.nan], [1.0], [0.1] * 7, "x", None, [[1.0]], np.zeros(3), [1e300], {"a": 1})
+    )
+
+
+def _drawn(chance: Random, made_of: Callable[[], Any], draw: Callable[[Random], tuple[str, Call]]) -> Draft:
+    """Return some calls of one object; what is refused is refused, and the next call follows."""
+    changes = tuple(Change(*draw(chance)) for _ in range(chance.randrange(1, 7)))
+
+    def written(kept: Sequence[Change]) -> Input:
+        def act() -> None:
+            one = made_of()
+            refusal: AntennaPinError | None = None
+            for change in kept:
+                try:
+                    change.apply(one)
+                except AntennaPinError as error:
+                    refusal = error
+            if refusal is not None:
+                raise refusal
+
+        return Input(made(), act)
+
+    return Draft(changes, written)
+
+
+# --- sessions ----------------------------------------------------------------------------------------------
+
+
+def draw_session(chance: Random) -> Draft:
+    """Return calls of a session."""
+    name = chance.choice(_SCENARIOS)
+    return _drawn(chance, lambda: start(load_scenario(name, overrides=_FEW_STEPS)), _session_call)
+
+
+def _session_call(chance: Random) -> tuple[str, Call]:
+    value, place, read = _value(chance), _name(chance, _PLACES), _name(chance, _READ)
+    q, at, limit = _numbers(chance), chance.random(), _value(chance)
+    calls: dict[str, Call] = {
+        f"step({shown(value)})": lambda one: one.step(value),
+        f"run_until({shown(value)})": lambda one: one.run_until(value),
+        f"run_until(f, {shown(value)})": lambda one: one.run_until(
+            lambda moment: math.sin(1e4 * moment.time), value
+        ),
+        f"run_until(f -> {shown(value)})": lambda one: one.run_until(lambda moment: value, 1e-4),
+        f"set({shown(place)}, {shown(value)})": lambda one: one.set(place, value),
+        f"set({shown(place)}.on, {shown(value)})": lambda one: one.set(f"{place}.on", value),
+        f"on({shown(place)})": lambda one: one.on(place),
+        f"off({shown(place)})": lambda one: one.off(place),
+        f"[{shown(read)}]": lambda one: one[read],
+        f"unit({shown(read)})": lambda one: one.unit(read),
+        f"reset(q={shown(q)})": lambda one: one.reset(q=q),
+        f"reset(v={shown(q)})": lambda one: one.reset(v=q),
+        f"reset(angles={shown(q)})": lambda one: one.reset(angles=q),
+        f"restore({shown(value)})": lambda one: one.restore(value),
+        f"restore(state at {at:.3f} {shown(limit)})": lambda one: one.restore(
+            _spoiled(one.save(), at, limit)
+        ),
+        "copy": lambda one: one.copy().step(1e-4),
+        "trajectory": lambda one: one.trajectory().summary(),
+        "close": lambda one: one.close(),
+        f"command[{shown(place)}] = {shown(value)}": lambda one: one.command.__setitem__(place, value),
+    }
+    what = chance.choice([*calls])
+    return ascii(what)[1:161], calls[what]
+
+
+def _spoiled(state: Any, at: float, value: Any) -> Any:
+    """Return a state with one of its numbers another, as Python or a file may hold it."""
+    text = json.dumps(replaced(json.loads(state.to_json()), at, value, None), default=str)
+    return type(state).from_json(text)
+
+
+# --- what a page explores ----------------------------------------------------------------------------------
+
+
+def draw_explored(chance: Random) -> Draft:
+    """Return what a page's sliders and boxes do to a scenario."""
+    name, span = chance.choice(_SCENARIOS), chance.choice((1e-3, 1e-3, 5e-4, 0.0, -1.0, math.nan, math.inf))
+    joint = chance.choice((None, None, "bore", "x"))
+    return _drawn(
+        chance, lambda: Explored(load_scenario(name, overrides=_FEW_STEPS), joint, span), _explored_call
+    )
+
+
+def _explored_call(chance: Random) -> tuple[str, Call]:
+    at, share, text = (
+        chance.random(),
+        _value(chance),
+        chance.choice((*ODD_TEXTS, "1", "1e-3", "0.2", "1e308")),
+    )
+    number = odd_number(chance)
+    number = float(number) if abs(number) < 10**308 else 1e308
+    share = float(share) if isinstance(share, int | float) and abs(share) < 10**308 else 0.5
+    name = chance.choice(("bore", *ODD_TEXTS))
+
+    def typed(one: Explored) -> None:
+        knob = one.knobs[int(at * len(one.knobs))]
+        one.turn(knob.place, knob.read(text))
+        one.scenario()
+
+    def slid(one: Explored) -> None:
+        knob = one.knobs[int(at * len(one.knobs))]
+        one.turn(knob.place, knob.from_slider(min(max(share, 0.0), 1.0)))
+        knob.told(one.value(knob))
+        one.scenario()
+
+    def turned(one: Explored) -> None:
+        one.turn(one.knobs[int(at * len(one.knobs))].place, number)
+        one.scenario()
+
+    calls: dict[str, Call] = {
+        f"typed at {at:.3f} {shown(text)}": typed,
+        f"slid at {at:.3f} {shown(share)}": slid,
+        f"turned at {at:.3f} {shown(number)}": turned,
+        f"look_at({shown(name)})": lambda one: one.look_at(name),
+        "save": lambda one: load_scenario(one.save(Path("saved.toml"))),
+        "reset": lambda one: one.reset(),
+    }
+    what = chance.choice([*calls, *[key for key in calls if " at " in key]])
+    return ascii(what)[1:161], calls[what]
+
+
+# --- units for co-simulation -------------------------------------------------------------------------------
+
+_INPUTS = ("push", "springs.held.stiffness", "drives.push.amplitude")
+_PARAMETERS = ("springs.held.damping", "duration", "drives.push.frequency", "integrator.rtol", "format")
+
+
+def draw_fmu(chance: Random) -> Draft:
+    """Return what a unit is made with, or the calls of a master."""
+    if chance.random() < 0.3:
+        return _exported(chance)
+    about = {
+        "inputs": ["springs.held.stiffness"],
+        "outputs": ["bore.angle", "bore.rate"],
+        "parameters": ["springs.held.damping"],
+        "token": "one",
+    }
+    edit = _value(chance) if chance.random() < 0.3 else None
+    at = chance.random()
+
+    def unit() -> Any:
+        from antenna_pin.fmu.slave import Slave
+
+        scenario = load_scenario("swing.toml", overrides=_FEW_STEPS)
+        packed = Packed(
+            scenario=scenario, **{k: tuple(v) if isinstance(v, list) else v for k, v in about.items()}
+        )
+        packed.write(Path())
+        if edit is not None:
+            (path,) = Path().glob("*.json")
+            path.write_text(json.dumps(replaced(json.loads(path.read_text()), at, edit, None), default=str))
+        slave = Slave(instance_name="one", resources=str(Path.cwd()))
+        slave.setup_experiment(0.0)
+        slave.exit_initialization_mode()
+        return slave
+
+    draft = _drawn(chance, unit, _slave_call)
+    if edit is None:
+        return draft
+    return Draft(
+        (*draft.changes, Change(f"packed at {at:.3f}: {ascii(edit)[:60]}", lambda one: None)), draft.made
+    )
+
+
+def _slave_call(chance: Random) -> tuple[str, Call]:
+    size, now = _float(chance), _float(chance)
+    calls: dict[str, Call] = {
+        f"do_step(time, {shown(size)})": lambda one: one.do_step(one.time, size),
+        f"do_step({shown(now)}, {shown(size)})": lambda one: one.do_step(now, size),
+        f"input {shown(size)}": lambda one: one._inputs.__setitem__("springs.held.stiffness", size),
+        f"parameter {shown(size)}": lambda one: one._parameters.__setitem__("springs.held.damping", size),
+        "begin": lambda one: one.exit_initialization_mode(),
+        "read": lambda one: one._read("bore.angle"),
+        "state": lambda one: one._set_fmu_state(one._get_fmu_state()),
+        "terminate": lambda one: one.terminate(),
+        "description": lambda one: one.to_xml(),
+    }
+    what = chance.choice([*calls])
+    return what, calls[what]
+
+
+def _float(chance: Random) -> float:
+    value = _value(chance)
+    return float(value) if isinstance(value, int | float) and abs(value) < 10**308 else 1e-4
+
+
+def _exported(chance: Random) -> Draft:
+    """Return a command that exports a unit, with names sound and odd."""
+    sound: Mapping[str, Sequence[str]] = {
+        "--inputs": _INPUTS,
+        "--outputs": _READ[:4],
+        "--parameters": _PARAMETERS,
+        "--out": ("a.fmu", "b.fmu", "a", "no/such/a.fmu"),
+        "--set": ("springs.held.stiffness=3", "duration=2"),
+    }
+    changes = []
+    for _ in range(chance.randrange(1, 4)):
+        option = chance.choice([*sound])
+        word = chance.choice(sound[option]) if chance.random() < 0.6 else chance.choice(ODD_TEXTS)
+        words = [option, word] if chance.random() < 0.8 else [option, word, chance.choice(_INPUTS)]
+        changes.append(Change(ascii(" ".join(words)[:100]), lambda given, words=words: given.extend(words)))
+
+    def written(kept: Sequence[Change]) -> Input:
+        words = ["export", "fmu", "swing.toml", "--outputs", "bore.angle"]
+        for change in kept:
+            change.apply(words)
+        return Input(made(), words)
+
+    return Draft(tuple(changes), written)
