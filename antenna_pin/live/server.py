@@ -34,7 +34,8 @@ _PORTS = 65535
 def _write(stage: str) -> None:
     """Write a stage of the work on the error stream, if somebody still reads it."""
     with contextlib.suppress(OSError):
-        print(f"explore: {stage}", file=sys.stderr, flush=True)
+        sys.stderr.write(f"explore: {stage}\n")
+        sys.stderr.flush()
 
 
 @takes(duration="s")
