@@ -133,6 +133,7 @@ def test_numbers_of_a_figure_lie_over_nothing(write, tmp_path, fake, sampled):
     axes = plot.study_distribution(table, "force").axes[0]
     title = axes.get_title("left")
     assert title.count("%:\N{NO-BREAK SPACE}2000") == 4
+    assert len({one.split(":")[1] for one in title.split(";")}) == 4  # as many digits as tell them apart
     axes.figure.draw_without_rendering()
     (words,) = axes.findobj(lambda one: isinstance(one, Text) and one.get_text() == title)
     box = words.get_window_extent()
