@@ -27,7 +27,7 @@ __all__ = ["Tops"]
 Array = NDArray[np.float64]
 
 _MOST = 4  # places that are looked at, of one motion
-_STEPS = 500  # from one sample to the next
+_STEPS = 200  # that are tried from one sample to the next
 _LOOKS = np.linspace(0.0, 1.0, 5)  # within a step, at first
 _FRACTIONS = np.linspace(0.0, 1.0, 9)  # of a bracket
 _ZOOMS = 6  # each leaves a quarter of the bracket: 2e-4 of a step, of which a flat maximum keeps the square
@@ -159,7 +159,7 @@ class _Again:
         try:
             stepper.restart(begin, ends.states[0])
             h = end - begin
-            while stepper.t < end and len(made) < _STEPS:
+            for _ in range(_STEPS):
                 h = min(h, end - stepper.t)
                 error = stepper.attempt(h)
                 if error < 1.0:
@@ -169,7 +169,11 @@ class _Again:
                     times.append(own[0])
                     states.append(own[1])
                     stepper.accept()
-                h *= min(4.0, 0.9 * error**-0.25) if error > 1e-6 else 4.0
+                    if end - stepper.t <= 4.0 * math.ulp(end):
+                        break
+                h *= min(4.0, 0.9 * max(error, 1e-6) ** -0.25) if error < 1e4 else 0.1  # not a number, too
+            else:
+                return []  # steps that come to nothing
         except FunctionError:
             return []  # of a function of the user's, which has answers at the samples
         sizes = self._sizes(np.concatenate(times), np.concatenate(states), ends)

@@ -9,6 +9,7 @@ from antenna_pin import RunSettings, load_scenario, simulate
 from antenna_pin.analysis import drive_loads
 from antenna_pin.dynamics import System
 from antenna_pin.elements import PrescribedMotion, Sine, Sum
+from antenna_pin.engine import CompiledStepper
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 MASS, LENGTH, INERTIA, GRAVITY = 2.0, 0.5, 0.1, 9.81
@@ -61,6 +62,13 @@ def test_the_largest_torque_is_that_of_the_closed_form(driven, output_rate):
     assert motion["peak_torque"] == float(found["peak_effort"])
     if output_rate < 20.0:  # samples alone miss it
         assert np.abs(run.data["drive_torque"]).max() < 0.99 * sizes.max()
+
+
+def test_steps_that_come_to_nothing_leave_what_samples_say(driven, monkeypatch):
+    within = CompiledStepper.attempt
+    monkeypatch.setattr(CompiledStepper, "attempt", lambda stepper, h: within(stepper, h) * math.nan)
+    run = driven(17.0)
+    assert run.data["peak_effort"].values[0] == np.abs(run.data["drive_torque"].values).max()
 
 
 def test_a_lean_result_has_the_same():
