@@ -160,6 +160,7 @@ def test_report_and_tables_tell_of_failures(write, tmp_path, fake):
     assert html.count("too deep</td>") == 6  # outcome and reason of runs 0, 5 and 10
     assert "12 of 12 runs made; 3 did not reach their end" in html
     assert "Runs that are not whole: 3 did not reach their end" in html
+    assert "not balance" not in html  # each run has one fault
     shown = CliRunner().invoke(app, ["study", "show", str(folder), "--json"])
     rows = json.loads(shown.stdout)["runs"]
     assert [row["force"] for row in rows] == np.ravel(table["force"].values).tolist()
