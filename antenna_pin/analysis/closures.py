@@ -69,7 +69,7 @@ _TORQUES = {
     "rms_torque": ("N m", "root mean square of the torque on the follower (N if it slides)"),
 }
 _EFFORTS = {
-    "peak_effort": ("N m", "largest size of the effort at a sample (N if it slides)"),
+    "peak_effort": ("N m", "largest size of the effort, of a motion between samples too (N if it slides)"),
     "time_of_peak_effort": ("s", "when it was"),
     "rms_effort": ("N m", "root mean square of the effort (N if it slides)"),
     "peak_power": ("W", "largest size of the power at a sample"),
@@ -140,6 +140,7 @@ def drive_loads(run: RunLike) -> xr.Dataset:
     """
     data = data_of(run)
     time = sample_times(data, "drive_loads")
+    located = names_along(data, "motion") if "time_of_peak_effort" in data else ()
     rows = []
     for name in names_along(data, "drive"):
         effort = np.asarray(data["drive_torque"].sel(drive=name).values, dtype=float)
@@ -148,7 +149,10 @@ def drive_loads(run: RunLike) -> xr.Dataset:
         at = float(time[int(np.argmax(size))])
         power = drive_power(data, name)
         most = float("nan") if power is None else float(np.abs(power).max())
-        rows.append([float(size.max()), at, float(time_rms(time, effort)), most, *totals])
+        peak = float(size.max())
+        if name in located:
+            peak, at = (float(data[what].sel(motion=name)) for what in ("peak_effort", "time_of_peak_effort"))
+        rows.append([peak, at, float(time_rms(time, effort)), most, *totals])
     return _table("drive", names_along(data, "drive"), rows, _EFFORTS)
 
 

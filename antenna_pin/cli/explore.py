@@ -8,10 +8,14 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.cli._common import CaseOption, ScenarioArgument, SetOption, load, say
+from antenna_pin.cli._common import CaseOption, ScenarioArgument, SetOption, complain, load, say
 from antenna_pin.cli._opening import browser_for_pages, opened_by_file
 from antenna_pin.cli._progress import waiting_for_the_user
 from antenna_pin.errors import MissingToolError
+
+
+def _say_stage(stage: str) -> None:
+    complain(f"note: {stage}")
 
 
 def explore(
@@ -41,6 +45,7 @@ def explore(
 
     The page is served to this machine only, to whoever has its whole address, until Ctrl-C.
     """
+    _say_stage("loading")
     from antenna_pin.live import check_bokeh
 
     check_bokeh()
@@ -54,7 +59,7 @@ def explore(
     from antenna_pin.live import explore as serve
 
     with (
-        serve(chosen, joint=joint, duration=duration, port=port, out=out) as exploration,
+        serve(chosen, joint=joint, duration=duration, port=port, out=out, progress=_say_stage) as exploration,
         contextlib.ExitStack() as while_served,
     ):
         try:

@@ -97,6 +97,8 @@ def _say_notes(label: str, trajectory: Trajectory, everything: bool) -> None:
         say(f"{label}: {trajectory.message}")
     elif trajectory.advice:
         say(f"{label}: the run was {trajectory.advice}")
+    for line in trajectory.assumed:
+        say(f"{label}: {line}")
     say_spin(trajectory, f"{label}: ")
     say_limits(trajectory, f"{label}: ")
     if counts := trajectory.constraints:

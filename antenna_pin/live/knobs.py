@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -34,6 +35,8 @@ _OTHERS = {
     "N*m/rad": ("N*m/deg",),
     "N*m*s/rad": ("N*m*s/deg",),
 }
+# Of a table's name: of springs a spring, of latches a latch.
+_PLURAL = re.compile(r"(?<=ch)es$|s$")
 _FROM_0_TO_1 = frozenset({"restitution", "efficiency", "efficiency_back"})
 
 
@@ -282,7 +285,7 @@ def _of_element(family: str, name: str, spec: Any, sliding: Collection[str]) -> 
         if not isinstance(value, float) or (value == 0.0 and not about.required):
             continue
         yield Knob(
-            group=f"{_words(family).removesuffix('s').capitalize()} {name}",
+            group=f"{_PLURAL.sub('', _words(family)).capitalize()} {name}",
             name=_words(key),
             place=f"{family}.{name}.{key}",
             unit=about.sliding if slides and about.sliding else about.unit,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import time
+from collections.abc import Callable
 from functools import partial
 from html import escape
 from importlib.resources import files
@@ -19,7 +20,7 @@ from antenna_pin.live.explored import Curves, Explored, said_of
 from antenna_pin.live.knobs import Knob
 from antenna_pin.live.looks import darkened, dressed
 from antenna_pin.live.panels import Panels
-from antenna_pin.live.runner import Made, Runner
+from antenna_pin.live.runner import COMPILING, Made, Runner
 from antenna_pin.readable import lasting
 from antenna_pin.scenario import Scenario
 
@@ -38,13 +39,21 @@ class Page:
         joint: Which joint is looked at first.
         span: How much of the run is made [s].
         out: Where the scenario is saved: a file, or a folder for numbered ones.
+        tell: Called with the stages of the first run.
     """
 
     def __init__(
-        self, document: Document, scenario: Scenario, joint: str | None, span: float, out: Path
+        self,
+        document: Document,
+        scenario: Scenario,
+        joint: str | None,
+        span: float,
+        out: Path,
+        tell: Callable[[str], None],
     ) -> None:
         """Make it, and ask for the first run."""
-        self._document, self._out = document, out
+        self._document, self._out, self._tell = document, out, tell
+        self._told = ""
         self._explored = Explored(scenario, joint, span)
         self._name = "-".join(filter(None, (scenario.name, scenario.case)))
         self._runner = Runner(self._hear)
@@ -187,16 +196,19 @@ class Page:
 
     def _tick(self) -> None:
         """Write the stage of the first run, until something of it is shown."""
-        seconds = round(time.perf_counter() - self._opened)
-        self._panels.announce(
-            f"<div role='status'>First run: {escape(self._runner.stage)} ({seconds} s)</div>"
-        )
+        seconds, stage = round(time.perf_counter() - self._opened), self._runner.stage
+        self._panels.announce(f"<div role='status'>First run: {escape(stage)} ({seconds} s)</div>")
+        if stage == COMPILING != self._told:
+            self._told = stage
+            self._tell(f"first run: {stage}")
 
     def _show(self, made: Made) -> None:
         if self._ticking is not None:
             self._document.remove_periodic_callback(self._ticking)
             self._ticking = None
             self._panels.announce("")
+            shown = f"shown after {lasting(time.perf_counter() - self._opened)}"
+            self._tell(f"first run: {made.refused or shown}")
         if made.run is None:
             self._say(refused=made.refused)
             return

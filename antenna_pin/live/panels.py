@@ -100,7 +100,8 @@ class Panels:
             one.title.text_font_size = "13px"
             one.axis.axis_label_text_font_style = "normal"
             one.axis.formatter = BasicTickFormatter(power_limit_low=-5, power_limit_high=6)  # 0.003, not 3e-3
-            one.xaxis.ticker.desired_num_ticks = 3 if path else 4  # as many as stand side by side on a phone
+            # As many as stand side by side on a phone.
+            one.xaxis.ticker.desired_num_ticks = 4 if panel is curves.third else 3
             one.axis.minor_tick_line_color = None
             if path:
                 squared(one, self._corners)

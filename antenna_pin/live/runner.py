@@ -13,7 +13,10 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.session import start
 from antenna_pin.trajectory import Outcome, Trajectory
 
-__all__ = ["Made", "Runner"]
+__all__ = ["COMPILING", "Made", "Runner"]
+
+#: Stage of the work that may take longer than all others, once on a machine.
+COMPILING = "compiling, once on this machine, for a minute or two"
 
 # Wall time [s]: between looks whether something else is asked for, and between pictures of a run on its way.
 _LOOK, _PICTURE = 0.04, 0.2
@@ -73,7 +76,7 @@ class Runner:
     def stage(self) -> str:
         """The present stage of the work, for a line of text."""
         if self._clock is not None and self._clock.is_compiling:
-            return "compiling, once on this machine"
+            return COMPILING
         if self._reached is None:
             return "loading and building the mechanism"
         time, end = self._reached

@@ -9,15 +9,18 @@ import logging
 import os
 import secrets
 import socket
+import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
 
+from antenna_pin._kernel_cache import told_of_compiling
 from antenna_pin.arguments import takes
 from antenna_pin.errors import InvalidParameterError, MissingToolError, OutputError
 from antenna_pin.live.explored import SPAN, Explored
+from antenna_pin.live.runner import COMPILING
 from antenna_pin.scenario import Scenario, scenario_named
 
 __all__ = ["Exploration", "explore"]
@@ -28,6 +31,13 @@ _HEIGHT = "980px"
 _PORTS = 65535
 
 
+def _write(stage: str) -> None:
+    """Write a stage of the work on the error stream, if somebody still reads it."""
+    with contextlib.suppress(OSError):
+        sys.stderr.write(f"explore: {stage}\n")
+        sys.stderr.flush()
+
+
 @takes(duration="s")
 def explore(
     scenario: Scenario | str | os.PathLike[str],
@@ -36,6 +46,7 @@ def explore(
     duration: float | str = SPAN,
     port: int = 0,
     out: Path | str | None = None,
+    progress: Callable[[str], None] | None = _write,
 ) -> Exploration:
     """Serve a page with sliders for a scenario's numbers, on this machine only, until it is stopped.
 
@@ -48,6 +59,8 @@ def explore(
         port: Where it listens; a free one if 0.
         out: Where "Save as scenario" writes: a file, or a folder for numbered ones; the working folder if
             left out.
+        progress: Called with each stage of the work, a line of text: building, compiling, the first run of a
+            page (these in the server's thread). The error stream has them if left out, nobody if None.
 
     Raises:
         AntennaPinError: The scenario cannot be explored.
@@ -55,6 +68,8 @@ def explore(
         OutputError: The port is taken, or there is no such folder.
     """
     assert not isinstance(duration, str)  # read already, by `takes`
+    tell = progress or (lambda stage: None)
+    tell("building the mechanism")
     check_bokeh()
     scenario = scenario_named(scenario)
     if not 0 <= port <= _PORTS:
@@ -62,8 +77,10 @@ def explore(
     target = Path.cwd() if out is None else Path(out)
     if not target.is_dir() and not target.absolute().parent.is_dir():
         raise OutputError(f"{target}: the output's folder {str(target.parent)!r} does not exist; make it")
-    Explored(scenario, joint, duration).scenario()
-    return Exploration(scenario, joint, duration, port, target)
+    left = [COMPILING]
+    with told_of_compiling(lambda: tell(left.pop()) if left else None):
+        Explored(scenario, joint, duration).scenario()
+    return Exploration(scenario, joint, duration, port, target, tell)
 
 
 def check_bokeh() -> None:
@@ -100,9 +117,17 @@ class Exploration:
         url: Where its page is, with the key that lets one in.
     """
 
-    def __init__(self, scenario: Scenario, joint: str | None, duration: float, port: int, out: Path) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        joint: str | None,
+        duration: float,
+        port: int,
+        out: Path,
+        tell: Callable[[str], None],
+    ) -> None:
         """Listen, and serve from now on."""
-        self._about = scenario, joint, duration, out
+        self._about = scenario, joint, duration, out, tell
         self._key = secrets.token_bytes(32)
         self._ready = threading.Event()
         self._failed: BaseException | None = None
@@ -173,8 +198,7 @@ class Exploration:
     def _fill(self, document: Any) -> None:
         from antenna_pin.live.page import Page
 
-        scenario, joint, duration, out = self._about
-        Page(document, scenario, joint, duration, out)
+        Page(document, *self._about)
 
     def wait(self) -> None:
         """Return when it has been stopped; Ctrl-C comes through."""

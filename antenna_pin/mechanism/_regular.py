@@ -183,13 +183,23 @@ def said_of_idle(model: Any, idle: Idle, moved: Mapping[str, RigidGroup], base: 
     if idle.joint in list(model.parents)[1:]:
         has += ", and what it carries lets go of it"
     way = "turn" if idle.turns else "shift"
-    what, out = f"joint {name!r}", "lock the joint"
+    what, out = f"joint {name!r}", f'lock the joint (mechanism.joints.{name}.kind = "locked")'
     if name == base:
         what, out = "the free base", "take base = 'fixed'"
+    elif others := [one for one in _carries_nothing(model) if one != name]:
+        out += f", likewise {', '.join(others)}"
     return (
         f"{what} can {way} {body.called} without any inertia: {has}; "
         f"give it one (mechanism.links.{body.name}), or {out}"
     )
+
+
+def _carries_nothing(model: Any) -> list[str]:
+    """Return the joints beyond which there is no mass and no inertia at all, by name."""
+    carried = [inertia.mass + float(np.trace(inertia.inertia)) for inertia in model.inertias]
+    for i in range(model.njoints - 1, 0, -1):
+        carried[model.parents[i]] += carried[i]
+    return [model.names[i] for i in range(1, model.njoints) if carried[i] == 0.0]
 
 
 def _at(model: Any, q: Array) -> tuple[Any, Array]:

@@ -31,6 +31,7 @@ from antenna_pin.plot._style import (
     new_figure,
     styled,
 )
+from antenna_pin.readable import number
 
 __all__ = [
     "QUANTILES",
@@ -91,10 +92,10 @@ def study_response(study: xr.Dataset, response: str, parameter: str, *, width: W
         axes.margins(x=0.03)
     else:
         several = len(lines) > 1
-        for number, (label, mine) in enumerate(lines):
+        for k, (label, mine) in enumerate(lines):
             chosen = mine & there
             order = np.argsort(x.values[chosen], kind="stable")
-            colour = SEQUENTIAL(_LIGHTEST * number / max(len(lines) - 1, 1)) if several else COLOURS[0]
+            colour = SEQUENTIAL(_LIGHTEST * k / max(len(lines) - 1, 1)) if several else COLOURS[0]
             axes.plot(
                 x.values[chosen][order],
                 y.values[chosen][order],
@@ -152,21 +153,23 @@ def study_map(
     axes = figure.add_subplot()
     axes.grid(False)
     dims = (study[second].dims[0], study[first].dims[0])
-    grid = dims[0] != dims[1] and set(study["outcome"].dims) == set(dims)
-    if grid:
+    shown: Any
+    lines: Any = None
+    if dims[0] != dims[1] and set(study["outcome"].dims) == set(dims):
         columns, rows = np.unique(x.values), np.unique(y.values)
         field = np.full((rows.size, columns.size), np.nan)
         field[np.searchsorted(rows, y.values), np.searchsorted(columns, x.values)] = z.values
         edges = (cell_edges(columns, x.logarithmic), cell_edges(rows, y.logarithmic))
-        shown: Any = axes.pcolormesh(*edges, np.ma.masked_invalid(field), cmap=SEQUENTIAL)
+        shown = axes.pcolormesh(*edges, np.ma.masked_invalid(field), cmap=SEQUENTIAL)
         if min(field.shape) > 1 and np.isfinite(field).all() and np.ptp(field) > 0.0:
             lines = axes.contour(columns, rows, field, levels=6, colors="white", linewidths=0.7)
-            axes.clabel(lines, fmt="%.4g", fontsize=6.0)
     else:
         shown = axes.scatter(x.values[there], y.values[there], c=z.values[there], s=8.0, cmap=SEQUENTIAL)
         axes.margins(0.03)
     bar = figure.colorbar(shown, ax=axes, label=broken(z.label))
     bar.outline.set_linewidth(0.4)
+    if lines is not None:
+        bar.add_lines(lines)  # their values stand there: labels on narrow contours lie over one another
     label_axis(axes, x, "x")
     label_axis(axes, y, "y")
     footnote(figure, said)
@@ -198,24 +201,17 @@ def study_distribution(study: xr.Dataset, response: str, *, width: Width = "colu
         above.set_ylabel("Share of runs below [-]")
         # As many digits as tell the runs apart.
         spread = max(float(np.ptp(values)), 1e-300)
-        digits = min(9, max(3, math.ceil(math.log10(max(float(np.abs(values).max()) / spread, 1.0))) + 2))
+        digits = min(9, max(4, math.ceil(math.log10(max(float(np.abs(values).max()) / spread, 1.0))) + 2))
+        marks = []
         for share in QUANTILES:
             if share * values.size > values.size - 0.5:
                 continue  # beyond the last run
             at = float(np.quantile(values, share))
             above.axvline(at, color=PEAK, linewidth=0.7, linestyle=":")
-            above.annotate(
-                f"{100.0 * share:g} %: {at:.{digits}g}",
-                (at, 1.0),
-                xytext=(-2, -2),
-                textcoords="offset points",
-                rotation=90,
-                ha="right",
-                va="top",
-                fontsize=6.0,
-                color=PEAK,
-                bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0.0, "pad": 0.6},
-            )
+            # What may be broken is what lies between two.
+            marks.append(f"{100.0 * share:g} %: {number(at, digits)}".replace(" ", "\N{NO-BREAK SPACE}"))
+        # Above all: quantiles of a narrow distribution lie so near one another that no text fits beside them.
+        axes.set_title(broken("; ".join(marks), 54), fontsize=6.0, color=PEAK)
         axes.margins(x=0.02)
     axes.set_ylabel("Runs")
     axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
@@ -277,14 +273,14 @@ def study_sensitivities(found: xr.Dataset, title: str = "", *, width: Width = "c
         if found.attrs["method"] == "morris"
         else (("first", "by itself"), ("total", "with all interactions"))
     )
-    for number, (name, label) in enumerate(bars):
+    for k, (name, label) in enumerate(bars):
         error = found[f"{name}_conf"].values if f"{name}_conf" in found else None
         axes.barh(
-            places + (0.2 if number else -0.2),
+            places + (0.2 if k else -0.2),
             found[name].values,
             0.36,
             xerr=error,
-            color=COLOURS[number],
+            color=COLOURS[k],
             label=label,
             error_kw={"linewidth": 0.8, "capsize": 2.0},
         )

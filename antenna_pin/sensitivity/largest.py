@@ -5,7 +5,8 @@ by ``-dF' / F''``; the largest force itself changes by what it changes at equal 
 where something happens, such as where another contact begins, goes with that instant.
 
 What is said with its largest size at a sample is that of a sample of the run's own: of an output time, which
-stays, or of an instant at which a contact's force is largest, with which it goes.
+stays, or of an instant at which a contact's force is largest, with which it goes. An effort that is largest
+between samples changes by what it changes at that time: its rate there is zero.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ class Peaks(NamedTuple):
 def moments_of(run: xr.Dataset) -> Array:
     """Return when forces of contacts, and sizes that are said, are largest in a result (n,) [s]."""
     found = [run["peak_time"].values] if "peak_time" in run else []
-    found += [run["time"].values[_top(run, name)].reshape(-1) for name in _said(run)]
+    found += [_times(run, name).reshape(-1) for name in _said(run)]
     every = np.concatenate(found) if found else np.zeros(0)
     return np.unique(every[np.isfinite(every)])
 
@@ -122,12 +123,11 @@ def largest_of(
     times = along.displaced.chunk.times
     found: Series = {}
     for name in (one for one in _said(run) if SIZES[one] in series):
-        tops = _top(run, name)
+        tops = _times(run, name)
         slopes, doubts = np.full((2, *tops.shape, len(scales)), math.nan)
         for index in np.ndindex(tops.shape):
-            row = int(tops[index])
-            when = float(run["time"].values[row])
-            place = _at(times, when)
+            when = float(tops[index])
+            row, place = _at(run["time"].values, when), _at(times, when)
             column = _column(run, name, index)
             way = _direction(run[SIZES[name]].values[(row, *column)])
             slope, doubt = (one[(place, *column)].reshape(len(way), -1) for one in series[SIZES[name]])
@@ -158,14 +158,16 @@ def _column(run: xr.Dataset, name: str, index: tuple[int, ...]) -> tuple[int, ..
     return (drives.index(run["motion"].values[index[0]]),)
 
 
-def _top(run: xr.Dataset, name: str) -> NDArray[np.int_]:
-    """Return at which sample of a result each size is largest, in the shape of what is said of it."""
+def _times(run: xr.Dataset, name: str) -> Array:
+    """Return when each size of a result is largest, in the shape of what is said of it [s]."""
+    if f"time_of_{name}" in run:
+        return np.asarray(run[f"time_of_{name}"].values)
     values = run[SIZES[name]].values
     sizes = np.linalg.norm(values, axis=-1) if run[SIZES[name]].dims[-1] == "axis" else np.abs(values)
     out = np.zeros(run[name].shape, dtype=int)
     for index in np.ndindex(out.shape):
         out[index] = int(np.argmax(sizes[(slice(None), *_column(run, name, index))]))
-    return out
+    return np.asarray(run["time"].values[out])
 
 
 def _direction(value: Array) -> Array:

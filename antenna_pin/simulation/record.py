@@ -22,6 +22,7 @@ from antenna_pin.simulation.samples import Chunk, Samples
 from antenna_pin.simulation.seen import Seen
 from antenna_pin.simulation.sources import SERIES, TOTALS, episodes_of, sizes_of
 from antenna_pin.simulation.tick_record import labels_of_ticks, values_of_ticks
+from antenna_pin.simulation.tops import Tops
 from antenna_pin.trajectory import ENDED_WELL, Outcome
 from antenna_pin.trajectory.columns import first_not_finite
 from antenna_pin.trajectory.labelled import Unlabelled
@@ -139,6 +140,9 @@ class Recording:
         self._totals: dict[str, Any] = {}
         self._peaks: dict[str, Any] = {}
         self._audit = Audit(run)
+        motions = np.array([isinstance(drive, Motion) for drive in run.system.drives.values()], dtype=bool)
+        # States that are not the run's own are no samples that follow one another.
+        self._tops = Tops(run, motions) if motions.any() and samples is None else None
 
     def blocks(self) -> Iterator[tuple[int, Values]]:
         """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""
@@ -190,6 +194,8 @@ class Recording:
             most = sizes.max(axis=0)
             self._peaks[name] = np.maximum(self._peaks.get(name, most), most)
         self._audit.add(seen, values, self._labels)
+        if self._tops is not None:
+            self._tops.add(seen)
 
     def unlabelled(self, series: Values, about: Mapping[str, Any], *, lean: bool = False) -> Unlabelled:
         """Return the data of the blocks so far with these series; of the run, once all have been made.
@@ -211,6 +217,8 @@ class Recording:
         }
         ticked = self.run.ticks.ticked
         values = {**series, **self._totals, **self._peaks, **episodes_of(self.run), **values_of_ticks(ticked)}
+        if self._tops is not None:
+            values["peak_effort"], values["time_of_peak_effort"] = self._tops.located()
         labels = self._labels | labels_of_ticks(ticked, lean) | ({} if lean else {"time": series["time"]})
         system, singular = self.run.system, self.run.singular
         held = first.state.copy(), last.state.copy(), self._peaks["peak_residual"]

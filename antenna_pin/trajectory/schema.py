@@ -284,9 +284,10 @@ _SUMMARIES: tuple[Variable, ...] = (
         (
             "peak_effort",
             "N m",
-            "largest size at a sample of the torque that holds the motion (a force [N])",
+            "largest size of the torque that holds the motion, located between samples (a force [N])",
             _SIZE,
         ),
+        ("time_of_peak_effort", "s", "when it was"),
     ),
     *_rows(
         "summary: closure",

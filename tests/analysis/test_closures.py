@@ -92,7 +92,10 @@ def test_what_a_motion_takes_is_its_power_over_time(driven):
     assert list(driven.data["motion"].values) == ["crank"]
     loads = drive_loads(driven).sel(drive="crank")
     torque = driven.data["drive_torque"].sel(drive="crank").values
-    assert float(loads["peak_effort"]) == np.abs(torque).max() == driven.data["peak_effort"].values[0]
+    assert float(loads["peak_effort"]) == driven.data["peak_effort"].values[0]
+    assert float(loads["time_of_peak_effort"]) == driven.data["time_of_peak_effort"].values[0]
+    # Samples at 1 kHz miss a top by (w h)^2 / 8 of it: at some 30 rad/s 1e-4.
+    assert 0.0 < float(loads["peak_effort"]) - np.abs(torque).max() < 2e-4
     power = drive_power(driven, "crank")
     # The rate is 12 rad/s but for round-off of what is read off the state.
     np.testing.assert_allclose(power, 12.0 * torque, rtol=1e-12)

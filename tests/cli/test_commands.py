@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -400,6 +401,15 @@ def test_info_refuses_what_is_not_a_result(cli, tmp_path):
     (tmp_path / "notes.nc").write_text("not a result")
     assert "notes.nc" in refused(cli("info", "notes.nc"))
     assert "no such file" in refused(cli("info", "missing.nc"))
+
+
+def test_info_says_what_a_run_assumed(cli):
+    """The line that ``run`` ends with stands in the result too."""
+    panel = Path(__file__).parents[2] / "scripts" / "examples" / "panel" / "first.toml"
+    ran = cli("run", panel, "--duration", "1 ms", "--out", "a.nc", "--no-progress")
+    (line,) = [said.removeprefix("note: ") for said in ran.out.splitlines() if "assumed" in said]
+    for options in ((), ("--all",)):
+        assert f"a: {line}" in cli("info", *options, "a.nc").out.splitlines()
 
 
 # --- plot ---

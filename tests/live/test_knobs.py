@@ -50,6 +50,11 @@ def test_a_knob_at_its_value_is_the_scenario(scenario, knob):
     assert knob.read(knob.told(knob.value)) == pytest.approx(knob.value, rel=1e-9, abs=0.0)
 
 
+def test_a_heading_names_one_of_its_table():
+    groups = {knob.group for knob in knobs_of(load_scenario("solar_array"), "root")}
+    assert {"Spring root", "Stop root", "Latch root", "Gear root_first"} <= groups
+
+
 @pytest.mark.parametrize(("scenario", "knob"), EVERY)
 def test_a_slider_goes_through_its_range_in_three_digits(scenario, knob):
     shares = [k / 20 for k in range(21)]

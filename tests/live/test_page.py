@@ -114,10 +114,15 @@ def test_a_slider_changes_the_curves_to_those_of_simulate(shown):
 
 
 def test_until_the_first_run_is_there_the_page_has_its_stage(local_page, monkeypatch):
-    """At once, in the place of the first figure, and as long as nothing of a run has come."""
+    """At once, in the place of the first figure, and as long as nothing of a run has come.
+
+    Who started it is told of compiling and of the end in a line each.
+    """
+    from antenna_pin._compile_time import CompileClock
     from antenna_pin.live import runner
 
-    release = threading.Event()
+    release, compiling, told = threading.Event(), threading.Event(), []
+    monkeypatch.setattr(CompileClock, "is_compiling", property(lambda clock: compiling.is_set()))
     begin = runner.start
 
     def held(*arguments):
@@ -125,18 +130,44 @@ def test_until_the_first_run_is_there_the_page_has_its_stage(local_page, monkeyp
         return begin(*arguments)
 
     monkeypatch.setattr(runner, "start", held)
-    with explore(load_scenario("bai2020", case="case3"), duration=0.05) as exploration:
+    with explore("bai2020", duration=0.05, progress=told.append) as exploration:
         with urllib.request.urlopen(exploration.url) as answer:
             assert "Loading the page" in answer.read().decode()  # before any script
         local_page.open(exploration.url, 1200, 900)
         text = "return Bokeh.documents[0]?.get_model_by_name('first').children[0].text;"
-        assert local_page.settles(True, f"return (() => {{ {text} }})()?.includes('First run: loading');")
+        for stage in ("loading", f"{runner.COMPILING} ("):
+            assert local_page.settles(True, f"return (() => {{ {text} }})()?.includes('First run: {stage}');")
+            compiling.set()
+        compiling.clear()
         assert not local_page.run("return document.querySelector('.plots p').offsetHeight;")
         release.set()
         shown = Shown(local_page, exploration)
         assert "blows" in shown.wait()
         assert local_page.run(text) is None  # a figure
+        *some, last = told
+        assert some == ["building the mechanism", f"first run: {runner.COMPILING}"]
+        assert last.startswith("first run: shown after ")
         local_page.open("about:blank")
+
+
+def test_what_is_done_before_the_page_is_served_is_told(monkeypatch, capsys):
+    """On the error stream, kernels that are compiled once; or to nobody."""
+    from antenna_pin import _kernel_cache
+    from antenna_pin.live import runner, server
+
+    class Compiled(server.Explored):
+        def scenario(self):
+            _kernel_cache._to_be_compiled()
+            _kernel_cache._to_be_compiled()
+
+    monkeypatch.setattr(server, "Explored", Compiled)
+    explore("bai2020").stop()
+    assert capsys.readouterr().err.splitlines() == [
+        "explore: building the mechanism",
+        f"explore: {runner.COMPILING}",
+    ]
+    explore("bai2020", progress=None).stop()
+    assert capsys.readouterr() == ("", "")
 
 
 def test_a_tab_that_is_closed_while_its_run_goes_on_is_no_warning(local_page, caplog):
@@ -294,5 +325,8 @@ def test_the_command_serves_until_ctrl_c(tmp_path, but_for_work):
             assert "Dual-axis satellite antenna" in answer.read().decode()
         served.send_signal(signal.SIGINT)
         out, err = served.communicate(timeout=120)
-    assert (served.returncode, out, but_for_work(err)) == (0, "ended\n", "")
+    assert (served.returncode, out) == (0, "ended\n")
+    loading, building, *run = but_for_work(err).splitlines()
+    assert (loading, building) == ("antenna-pin: note: loading", "antenna-pin: note: building the mechanism")
+    assert all("note: first run: " in line for line in run)  # where the page's came so far
     assert list(Path(tmp_path).iterdir()) == []

@@ -332,7 +332,8 @@ REFUSED = {
         robot(GROUND, ROD, joint("j", "ground", "rod", "continuous")),
         "fixed",
         "r.urdf: joint 'j' can turn link 'rod' without any inertia: it has 2 kg and principal moments of "
-        "inertia 0, 0.1, 0.1 kg m^2; give it one (mechanism.links.rod), or lock the joint",
+        "inertia 0, 0.1, 0.1 kg m^2; give it one (mechanism.links.rod), or lock the joint "
+        '(mechanism.joints.j.kind = "locked")',
     ),
     "rod with play": (
         robot(GROUND, ROD, joint("j", "ground", "rod", "continuous", Y)).variant(joints={"j": "free"}),
@@ -343,6 +344,16 @@ REFUSED = {
         robot(GROUND, '<link name="f"/>', joint("j", "ground", "f", "continuous")),
         "fixed",
         "r.urdf: joint 'j' can turn link 'f' without any inertia: it has no <inertial>; give it one",
+    ),
+    "frames that sensors turn": (
+        robot(
+            *(GROUND, BOB, joint("arm", "ground", "bob", "continuous"), CROSS[0].replace("cross", "a")),
+            *(joint("pan", "bob", "a", "continuous"), '<link name="b"/>', '<link name="c"/>'),
+            *(joint("grip", "bob", "b", "prismatic"), joint("tilt", "a", "c", "continuous")),
+        ),
+        "fixed",
+        "r.urdf: joint 'tilt' can turn link 'c' without any inertia: it has no <inertial>; give it one "
+        '(mechanism.links.c), or lock the joint (mechanism.joints.tilt.kind = "locked"), likewise grip, pan',
     ),
     "two hinges on one line": (
         robot(GROUND, *CROSS, BOB, joint("two", "cross", "bob", "continuous")),
@@ -369,6 +380,12 @@ def test_a_joint_that_moves_without_inertia_is_named(urdf, base, message):
     with pytest.raises(MechanismError) as caught:
         build_mechanism(urdf, base)
     assert str(caught.value).startswith(message)
+
+
+def test_the_way_out_of_frames_that_turn_is_to_lock_them():
+    urdf, base, _ = REFUSED["frames that sensors turn"]
+    kept = urdf.variant(joints={name: "locked" for name in ("grip", "pan", "tilt")})
+    assert list(build_mechanism(kept, base).joints) == ["arm"]
 
 
 def test_a_pose_in_which_a_joint_idles_is_refused_where_others_are_not():

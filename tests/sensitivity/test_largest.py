@@ -5,6 +5,7 @@ import pytest
 
 from antenna_pin import load_scenario
 from antenna_pin.sensitivity import sensitivities
+from tests.sensitivity.test_gross_works import DRIVES, scenario
 from tests.sensitivity.test_onsets import END, KEYS, MASS, PLAY, RIG, SPEED, STIFFNESS
 
 CLOSED = ["integrator.engine=compiled", "clearance.hinge.geometry=closed-form"]
@@ -61,3 +62,17 @@ def test_a_size_at_an_output_time_stays_there():
     found = sensitivities(bar, {"mechanism.gravity[2]": None}, [0.0, 1e-3], method="equation")
     size, slope = found.run.data["peak_acceleration"].values[0], found.relative("peak_acceleration")[0, 0]
     assert slope == pytest.approx(-size, rel=1e-9)  # a scale up from - 9.81 m/s^2
+
+
+def test_an_effort_that_is_largest_between_samples_changes_at_its_top(tmp_path):
+    """Of a mass that is swung it is m A (2 pi f)^2, at a quarter of a swing, which no output time meets."""
+    case, keys = scenario(tmp_path, "motion"), DRIVES["motion"][2]
+    swing, frequency, mass = keys.values()
+    found = sensitivities(case, keys, [0.0, 0.17 / frequency, 0.4 / frequency], method="equation")
+    largest = mass * swing * (2.0 * np.pi * frequency) ** 2
+    data = found.run.data
+    assert data["peak_effort"].values[0] == pytest.approx(largest, rel=1e-9)
+    # A flat top is known in time to the root of what it is known to in size.
+    assert data["time_of_peak_effort"].values[0] == pytest.approx(0.25 / frequency, rel=1e-4)
+    assert np.abs(data["drive_torque"].values).max() < 0.99 * largest
+    assert found.relative("peak_effort")[0] == pytest.approx(largest * np.array([1.0, 2.0, 1.0]), rel=1e-4)

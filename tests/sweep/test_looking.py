@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.text import Text
 from typer.testing import CliRunner
 
 from antenna_pin import open_study, plot, run_study
@@ -126,6 +127,30 @@ def test_every_figure_is_drawn_and_says_what_it_leaves_out(write, tmp_path, fake
     assert sum(len(line.get_xdata()) for line in lines) == 11
 
 
+def test_numbers_of_a_figure_lie_over_nothing(write, tmp_path, fake, sampled):
+    """Quantiles as near one another as may be stand above their lines; a map's contours in its bar."""
+    table = sampled("random", 400, lambda u, v, w: 2000.0 + 1e-3 * u)
+    axes = plot.study_distribution(table, "force").axes[0]
+    title = axes.get_title("left")
+    assert title.count("%:\N{NO-BREAK SPACE}2000") == 4
+    assert len({one.split(":")[1] for one in title.split(";")}) == 4  # as many digits as tell them apart
+    axes.figure.draw_without_rendering()
+    (words,) = axes.findobj(lambda one: isinstance(one, Text) and one.get_text() == title)
+    box = words.get_window_extent()
+    assert box.y0 >= axes.get_window_extent().y1 and box.x1 <= axes.figure.bbox.x1
+    assert not [text for panel in axes.figure.axes for text in panel.texts]
+
+    grid = run_study(write(), tmp_path / "grid.study", executor=fake())
+    axes, bar = plot.study_map(grid, "force", "rate", "play").axes
+    assert not axes.texts
+    (contours,) = axes.collections[1:]
+    levels = [line[0][1] for line in bar.collections[-1].get_segments()]
+    low, high = bar.get_ylim()
+    inside = [level for level in contours.levels if low < level < high]
+    assert len(inside) > 3
+    assert levels[1:-1] == pytest.approx(inside, abs=1e-12)  # the bar's ends are no contours
+
+
 def test_report_and_tables_tell_of_failures(write, tmp_path, fake):
     from antenna_pin.cli import app
 
@@ -135,6 +160,7 @@ def test_report_and_tables_tell_of_failures(write, tmp_path, fake):
     assert html.count("too deep</td>") == 6  # outcome and reason of runs 0, 5 and 10
     assert "12 of 12 runs made; 3 did not reach their end" in html
     assert "Runs that are not whole: 3 did not reach their end" in html
+    assert "not balance" not in html  # each run has one fault
     shown = CliRunner().invoke(app, ["study", "show", str(folder), "--json"])
     rows = json.loads(shown.stdout)["runs"]
     assert [row["force"] for row in rows] == np.ravel(table["force"].values).tolist()
