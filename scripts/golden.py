@@ -173,7 +173,7 @@ def _done(job: Any) -> tuple[str, Entry]:
         warnings.simplefilter("ignore")
         try:
             return section, DOERS[section](name, *arguments)
-        except AntennaPinError as error:
+        except Exception as error:  # a fingerprint, too
             return section, {name: f"{type(error).__name__}: {error}"}
 
 

@@ -196,7 +196,7 @@ def with_elements(scenario: Scenario, seed: int, number: int) -> Scenario:
         if family == "couplings":  # what is held begins as it is held
             speed = {"velocity": table["multiplier"] * turning[0].rate}
             more[f"initial.joints.{partner[0].name}"] = speed
-    if rng.random() < 0.5:
+    if rng.random() < 0.5 and joints:
         more["forces.outside"] = _force(rng, scenario, min(one.effort for one in joints.values()))
     if scenario.mechanism.base == "fixed" and rng.random() < 0.5:
         more["shake.base"] = {
