@@ -29,8 +29,8 @@ Array = NDArray[np.float64]
 _MOST = 4  # places that are looked at, of one motion
 _STEPS = 200  # that are tried from one sample to the next
 _LOOKS = np.linspace(0.0, 1.0, 5)  # within a step, at first
-_FRACTIONS = np.linspace(0.0, 1.0, 9)  # of a bracket
-_ZOOMS = 6  # each leaves a quarter of the bracket: 2e-4 of a step, of which a flat maximum keeps the square
+_BESIDE = 0.1  # of the time between samples: a top so near to one is looked for on both its sides
+_COARSE = 0.01  # of the top, by which it is above a sample beside it: parabolas say little of it then
 
 
 class _Place(NamedTuple):
@@ -38,11 +38,23 @@ class _Place(NamedTuple):
 
     Attributes:
         most: Largest size of the parabola through them [N m] ([N]).
+        bound: As far above the middle one again: no more is expected; infinite if coarse [N m] ([N]).
+        time: When the parabola is highest [s].
         samples: They.
     """
 
     most: float
+    bound: float
+    time: float
     samples: Chunk
+
+    def sides(self, coarse: bool) -> list[Chunk]:
+        """Return the pairs of samples between which its top may be, of coarse samples on both sides."""
+        first, middle, last = self.samples.times.tolist()
+        late = (self.time - middle) / (last - middle if self.time > middle else middle - first)
+        return [
+            self.samples.part(k, k + 2) for k, here in enumerate((late < _BESIDE, late > -_BESIDE)) if here
+        ]
 
 
 class _Step(NamedTuple):
@@ -91,10 +103,15 @@ class Tops:
             top = int(np.argmax(size))
             if size[top] > self._largest[m]:
                 self._largest[m], self._times[m] = size[top], chunk.times[top]
-            most = _vertices(chunk.times, size)
+            most, when = _vertices(chunk.times, size)
             here = np.argsort(-most, kind="stable")[:_MOST].tolist()
-            here = [k for k in here if math.isfinite(most[k])]
-            places = self._places[m] + [_Place(float(most[k]), chunk.part(k, k + 3)) for k in here]
+            coarse = most - np.minimum(size[:-2], size[2:]) > _COARSE * most
+            bound = np.where(coarse, np.inf, 2.0 * most - size[1:-1])
+            places = self._places[m] + [
+                _Place(float(most[k]), float(bound[k]), float(when[k]), chunk.part(k, k + 3))
+                for k in here
+                if math.isfinite(most[k])
+            ]
             self._places[m] = sorted(places, key=lambda one: -one.most)[:_MOST]
 
     def located(self) -> tuple[Array, Array]:
@@ -102,7 +119,9 @@ class Tops:
         if any(self._places):
             again = _Again(self._run, self._motions)
             for m, places in enumerate(self._places):
-                ends = [place.samples.part(k, k + 2) for place in places for k in range(2)]
+                coarse = any(place.bound == math.inf for place in places)
+                able = [place for place in places if coarse or place.bound > self._largest[m]]
+                ends = [side for place in able for side in place.sides(coarse)]
                 size, time = again.largest(m, ends)
                 if size > self._largest[m]:
                     self._largest[m], self._times[m] = size, time
@@ -132,16 +151,17 @@ class _Again:
         Minus infinity where something changes between all of them.
         """
         tops = []
-        for k, ends in enumerate(between):
-            begin = float(ends.times[0])
+        for begin, ends in {float(ends.times[0]): ends for ends in between}.items():
             if begin not in self._made:
                 self._made[begin] = self._steps(ends)
-            steps = self._made[begin]
-            tops += [(float(step.sizes[:, m].max()), k, step) for step in steps]
+            tops += [(float(step.sizes[:, m].max()), step, ends) for step in self._made[begin]]
         best = -math.inf, 0.0
-        # A top next to a step's end may be in either.
-        for _, k, step in sorted(tops, key=lambda one: one[0], reverse=True)[:2]:
-            best = max(best, self._in_step(m, step, between[k]))
+        for _, step, ends in sorted(tops, key=lambda one: -one[0])[:2]:
+            best = max(best, self._in_step(m, step, ends))
+            looks = step.sizes[:, m]
+            rises = _vertices(_LOOKS, looks)[0] - looks[1:-1]
+            if np.all(rises <= _COARSE * looks.max()) and 0 < int(np.argmax(looks)) < len(_LOOKS) - 1:
+                break  # else another may be higher, or its top in the step beside
         return best
 
     def _steps(self, ends: Chunk) -> list[_Step]:
@@ -209,19 +229,21 @@ class _Again:
         self._stepper.restart(step.time, step.state)
         self._stepper.attempt(step.size)
         self._stepper.prepare_dense()
-        low, high, best = 0.0, 1.0, (-math.inf, step.time)
-        for _ in range(_ZOOMS):
-            fractions = low + (high - low) * _FRACTIONS
-            times, states = self._states(fractions)
-            sizes = self._sizes(times, states, ends)[:, m]
-            k = int(np.argmax(sizes))
-            best = max(best, (float(sizes[k]), float(times[k])))
-            low, high = fractions[max(k - 1, 0)], fractions[min(k + 1, len(fractions) - 1)]
+        top = int(np.argmax(step.sizes[:, m]))
+        fractions = np.linspace(_LOOKS[max(top - 1, 0)], _LOOKS[min(top + 1, len(_LOOKS) - 1)], 9)
+        times, states = self._states(fractions)
+        sizes = self._sizes(times, states, ends)[:, m]
+        k = int(np.argmax(sizes))
+        best = float(sizes[k]), float(times[k])
+        _, tops = _vertices(fractions, sizes)
+        if 0 < k < len(fractions) - 1 and math.isfinite(tops[k - 1]):
+            times, states = self._states(tops[k - 1 : k])
+            best = max(best, (float(self._sizes(times, states, ends)[0, m]), float(times[0])))
         return best
 
 
-def _vertices(times: Array, sizes: Array) -> Array:
-    """Return the value at the top of the parabola through each three that follow one another, (n - 2,).
+def _vertices(times: Array, sizes: Array) -> tuple[Array, Array]:
+    """Return value and time of the top of the parabola through each three that follow one another, (n - 2,).
 
     Minus infinity where it has no top among them.
     """
@@ -233,4 +255,4 @@ def _vertices(times: Array, sizes: Array) -> Array:
         top = -0.5 * slope / bend
         value = sizes[1:-1] - 0.25 * slope**2 / bend
     inside = (bend < 0.0) & (back < top) & (top < on) & np.isfinite(value)
-    return np.where(inside, value, -np.inf)
+    return np.where(inside, value, -np.inf), np.where(inside, times[1:-1] + top, -np.inf)
