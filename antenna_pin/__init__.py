@@ -14,7 +14,7 @@ there: ``antenna_pin.laws.<TAB>``, ``antenna_pin.elements.<TAB>``, ``antenna_pin
 import importlib
 from typing import Any
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)
 

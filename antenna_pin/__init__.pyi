@@ -16,6 +16,8 @@ from antenna_pin import report as report
 from antenna_pin.assemble import build_system as build_system
 from antenna_pin.assemble import initial_state as initial_state
 from antenna_pin.assemble import urdf_variant as urdf_variant
+from antenna_pin.base.settings import ErrorScales as ErrorScales
+from antenna_pin.base.settings import RunSettings as RunSettings
 from antenna_pin.constraints import Anchor as Anchor
 from antenna_pin.constraints import Closure as Closure
 from antenna_pin.constraints import Coupling as Coupling
@@ -40,8 +42,6 @@ from antenna_pin.scenario import load_scenario as load_scenario
 from antenna_pin.scenario import models_path as models_path
 from antenna_pin.session import Session as Session
 from antenna_pin.session import start as start
-from antenna_pin.settings import ErrorScales as ErrorScales
-from antenna_pin.settings import RunSettings as RunSettings
 from antenna_pin.simulation import Progress as Progress
 from antenna_pin.simulation import simulate as simulate
 from antenna_pin.sweep import Study as Study

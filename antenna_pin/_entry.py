@@ -20,7 +20,7 @@ def main() -> None:
     gc.set_threshold(500_000, 20, 20)
     # pydantic would look through all that is installed for plugins that watch what it checks.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    from antenna_pin._lazy import go_without
+    from antenna_pin.base.lazy import go_without
 
     go_without("dask", "pint")  # which xarray loads, for a second, to see whether it is given their arrays
     from antenna_pin.cli import main as run

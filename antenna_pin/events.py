@@ -5,6 +5,6 @@ An :class:`Event` is a function of a :class:`Moment` that passes zero, or one of
 :class:`Mark`, :class:`Stop`, :class:`Set` or :class:`Jump`. Given to ``simulate(events=[...])``.
 """
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

@@ -6,6 +6,6 @@ lossy (:class:`~antenna_pin.contact.DampedContact`). Parameters are in SI units.
 stiffnesses of a pair are in :mod:`antenna_pin.contact`.
 """
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

@@ -21,12 +21,12 @@ from antenna_pin import (
     load_scenario,
     simulate,
 )
+from antenna_pin.base.units import quantity
 from antenna_pin.contact import Hertz, LankaraniNikravesh, Tanh
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.record import record
 from antenna_pin.report import report
 from antenna_pin.simulation import Time
-from antenna_pin.units import quantity
 
 __all__ = ["cases"]
 

@@ -47,7 +47,7 @@ UNITS = {
     "m/s^2": "m/s",
 }
 # Machine code is tied to these files besides all kernels.
-_COMPILED = ("records.py", "registry.py", "_lanes.py", "_jit.py", "_intrinsics.py")
+_COMPILED = ("records.py", "registry.py", "lanes.py", "jit.py", "intrinsics.py")
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,8 @@
 """Compile the kernels once, on all cores, so that no run and no test waits for them.
 
 They are kept beside the sources. What is compiled is what these runs call: all that shipped scenarios, laws
-and elements do (``tests/test_compiled_once.py``). Of processes that come to the same kernel one makes it and
-the others wait; so each begins with runs that have little in common with those of the others.
+and elements do (``tests/compiled/test_compiled_once.py``). Of processes that come to the same kernel one
+makes it and the others wait; so each begins with runs that have little in common with those of the others.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def make(job: Job, derivatives: bool = False) -> None:
     import numpy as np
 
     from antenna_pin import build_system, initial_state, load_scenario, simulate
-    from antenna_pin._kernel_cache import told_of_compiling
+    from antenna_pin.compiled.kernel_cache import told_of_compiling
     from antenna_pin.dynamics import Workspace
     from antenna_pin.mechanism import TreeDynamics
 

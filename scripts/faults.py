@@ -46,7 +46,7 @@ from forked import Ended, ended, started, unsaid
 from fuzzing.made import COMMANDS, made
 
 from antenna_pin import AntennaPinError, Trajectory, Urdf
-from antenna_pin.files import check_writable, has_whole_seal
+from antenna_pin.base.files import check_writable, has_whole_seal
 
 TEMPORARY = ".antenna-pin-"  # how names of files begin that are being written
 

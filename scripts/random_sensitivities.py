@@ -34,11 +34,11 @@ from random_additions import with_more
 from scenario_generator import draw_scenario
 
 from antenna_pin import AntennaPinError, Scenario, simulate
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.sensitivity import GrazeError
 from antenna_pin.sensitivity.by_equation import ByEquation
 from antenna_pin.sensitivity.by_runs import ByRuns
 from antenna_pin.sensitivity.parameters import parameters_of
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import settings_of
 
 # In how many steps at least the runs are made that the equation is held against.

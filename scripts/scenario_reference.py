@@ -13,8 +13,8 @@ from typing import Any, NamedTuple, get_args
 
 from pydantic.fields import FieldInfo
 
+from antenna_pin.base.parameters import attribute_docs, parameters_of
 from antenna_pin.contact import Parameter
-from antenna_pin.parameters import attribute_docs, parameters_of
 from antenna_pin.scenario import MadeSpec
 
 __all__ = ["Row", "first_line", "keys_of", "kinds_of", "listed", "said_once"]

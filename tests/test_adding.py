@@ -91,8 +91,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.elements.element import Element
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import readable
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import readable
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,8 +114,8 @@ class CubicSpring(Element):
 CUBIC_KERNELS = '''
 """A cubic spring, compiled."""
 
-from antenna_pin._compile import inlined, record
-from antenna_pin.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.base.records import layout, words_of
 
 LAYOUT = layout(("cubic", "f8"))
 SIZE = words_of(LAYOUT)

@@ -73,11 +73,11 @@ def test_compiled_code_knows_numpy_numba_and_records():
     """So that it can be compiled, read and called without what only sets it up: a URDF, a schema, a table."""
     graph = grimp.build_graph("antenna_pin", include_external_packages=True, cache_dir=None)
     below = {
-        "antenna_pin._compile",
-        "antenna_pin._by_address",
-        "antenna_pin._called",
-        "antenna_pin._lanes",
-        "antenna_pin.records",
+        "antenna_pin.compiled.decorators",
+        "antenna_pin.compiled.by_address",
+        "antenna_pin.compiled.calls",
+        "antenna_pin.compiled.lanes",
+        "antenna_pin.base.records",
         "antenna_pin.contact.records",
         "antenna_pin.elements.registry",  # from which the chain of kinds is made
         "numba",

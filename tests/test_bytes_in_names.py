@@ -6,8 +6,8 @@ import shutil
 import pytest
 
 from antenna_pin import Trajectory, load_scenario, simulate
+from antenna_pin.base.files import escaped, path_as_text, path_of_text
 from antenna_pin.errors import ScenarioError
-from antenna_pin.files import escaped, path_as_text, path_of_text
 from antenna_pin.report import report
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.shipped import models_path

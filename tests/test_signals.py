@@ -14,10 +14,10 @@ import pytest
 import typer
 
 from antenna_pin import Outcome, Trajectory
+from antenna_pin.base.files import replacing
+from antenna_pin.base.interruption import Ended, ending_by_signals, held_back, interruptible, is_interruption
 from antenna_pin.cli._common import one_line_errors
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.files import replacing
-from antenna_pin.interruption import Ended, ending_by_signals, held_back, interruptible, is_interruption
 from antenna_pin.sweep import Cluster
 
 _ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
@@ -264,11 +264,11 @@ def test_a_library_that_swallows_the_signal_while_it_is_imported(tmp_path, monke
     """Trimesh takes whatever an import raises, a signal too, and fails where it needs what it did not get."""
     (tmp_path / "swallows.py").write_text("def f() -> None | int.nothing: ...\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setattr("antenna_pin.interruption._last", [])
+    monkeypatch.setattr("antenna_pin.base.interruption._last", [])
     with pytest.raises(AttributeError) as failed:
         importlib.import_module("swallows")
     assert not is_interruption(failed.value)
-    monkeypatch.setattr("antenna_pin.interruption._last", [int(signal.SIGTERM)])
+    monkeypatch.setattr("antenna_pin.base.interruption._last", [int(signal.SIGTERM)])
     assert is_interruption(failed.value) and not is_interruption(AttributeError())
 
 

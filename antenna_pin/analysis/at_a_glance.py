@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis.round_off import is_round_off
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number, readable
 from antenna_pin.geometry.looks import LOOKS
-from antenna_pin.readable import number, readable
 from antenna_pin.trajectory import (
     Trajectory,
     contact_joints,

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["interpolate_attitude", "interpolation_error"]

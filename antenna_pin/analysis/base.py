@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._motion import motion_dataset
 from antenna_pin.analysis._run import RunLike, data_of, label_of, variable
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["base_motion"]

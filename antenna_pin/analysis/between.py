@@ -25,7 +25,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis._run import Array, RunLike, data_of
 from antenna_pin.analysis.bodies import body_poses, body_twists
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 
 __all__ = ["between_samples"]
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.impacts import impacts
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import blow_counts, names_along
 
 __all__ = ["blow_statistics", "blows"]

@@ -15,9 +15,9 @@ from antenna_pin.analysis._beside_tree import (
     passed_by_forces,
     passed_by_springs,
 )
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import path_of_text
 from antenna_pin.errors import FileFormatError
-from antenna_pin.files import path_of_text
 from antenna_pin.mechanism import (
     Mechanism,
     Urdf,

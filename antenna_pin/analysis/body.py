@@ -8,7 +8,7 @@ import xarray as xr
 from antenna_pin.analysis._motion import motion_dataset, motion_deviation
 from antenna_pin.analysis._run import RunLike, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import link_motion, quaternions
 

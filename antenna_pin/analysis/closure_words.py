@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from antenna_pin.arguments import takes
-from antenna_pin.readable import GIVEN, number, readable
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import GIVEN, number, readable
 from antenna_pin.scenario import Scenario
 
 __all__ = ["said_of_constraints", "said_of_coupling", "said_of_moving", "said_of_singular"]

@@ -11,7 +11,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.sampled import time_rms
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import names_along
 
 __all__ = [

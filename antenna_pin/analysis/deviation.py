@@ -15,7 +15,7 @@ from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.growth import Growth, growths_of
 from antenna_pin.analysis.piecewise import beside, blocks
 from antenna_pin.analysis.sampled import Mean, resampled
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import names_along
 

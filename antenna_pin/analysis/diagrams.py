@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis.recurrence import RecurrenceKind, recurrence
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 
 __all__ = ["Verdict", "diagram_verdicts", "said_of_verdicts"]
 

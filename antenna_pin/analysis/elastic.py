@@ -11,8 +11,8 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times, variable
 from antenna_pin.analysis.sampled import time_rms
-from antenna_pin.arguments import takes
-from antenna_pin.readable import number, readable
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number, readable
 from antenna_pin.trajectory import names_along
 
 __all__ = ["SPIN_WITHIN", "elastic_motion", "elastic_parts_of", "modal_energy", "said_of_spin"]

@@ -8,7 +8,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.stops import labelled_table
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import Touch, elements_of, mesh_spans, mesh_touches
 
 __all__ = ["gear_contacts", "gear_impacts", "gears_of"]

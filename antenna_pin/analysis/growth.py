@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import Array
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 
 __all__ = ["Growth", "growth_of", "growths_of"]
 

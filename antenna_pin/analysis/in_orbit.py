@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis._run import RunLike, data_of, sample_times
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.analysis.orbit import Orbit
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["orbit_angles", "orbit_of"]

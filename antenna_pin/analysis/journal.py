@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, variable
 from antenna_pin.analysis.piecewise import blocks
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.geometry import LOOKS
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along

@@ -7,8 +7,8 @@ import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.piecewise import blocks
-from antenna_pin.arguments import takes
-from antenna_pin.readable import number
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number
 from antenna_pin.scenario import joint_limits
 from antenna_pin.trajectory import elements_of, is_lean, names_along
 

@@ -11,7 +11,7 @@ from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_ti
 from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.analysis.sampled import time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.settling import touching_intervals
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import contacts_of, names_along
 
 __all__ = ["load_statistics"]

@@ -11,7 +11,7 @@ import xarray as xr
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read
 from antenna_pin.analysis.piecewise import ROWS
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 
 __all__ = ["long_amplitudes", "long_spectrogram", "long_spectrum"]
 

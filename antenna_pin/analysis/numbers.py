@@ -25,7 +25,7 @@ from antenna_pin.analysis.round_off import is_round_off, round_off_scales
 from antenna_pin.analysis.settling import settling
 from antenna_pin.analysis.signals import scales_of, signals
 from antenna_pin.analysis.spectrum import dominant_frequencies
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import Trajectory
 

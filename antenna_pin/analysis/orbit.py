@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.arguments import takes
-from antenna_pin.directions import unit
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.directions import unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import OrbitSpec
 

@@ -13,7 +13,7 @@ import xarray as xr
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.quantity import Quantity, quantity
 from antenna_pin.analysis.transients import settled
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes
 

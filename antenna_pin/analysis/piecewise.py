@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis._run import Array
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 
 __all__ = ["LONG", "ROWS", "beside", "blocks"]
 

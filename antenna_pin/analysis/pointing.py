@@ -32,8 +32,8 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.bodies import body_poses, mechanism_of
 from antenna_pin.analysis.orbit import Orbit
 from antenna_pin.analysis.piecewise import blocks
-from antenna_pin.arguments import takes
-from antenna_pin.directions import unit
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import PointingSpec
 from antenna_pin.trajectory import Trajectory

@@ -49,7 +49,7 @@ from antenna_pin.analysis._indices import (
     extremes,
 )
 from antenna_pin.analysis._polygon import Polygon
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["DEFINITIONS", "INTERPRETATIONS", "error_components", "pointing_indices"]

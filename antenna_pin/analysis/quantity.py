@@ -41,9 +41,9 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_
 from antenna_pin.analysis.closures import couplings_of, drives_of, effort_unit
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.signals import signals
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.readable import printed_unit
 from antenna_pin.trajectory import names_along
 
 __all__ = ["Quantity", "QuantityName", "quantities", "quantity"]

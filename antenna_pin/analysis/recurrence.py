@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.chaos_test import Chaos, ChaosTest, chaos_test
 from antenna_pin.analysis.transients import scaled, settled
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 
 __all__ = ["Recurrence", "RecurrenceKind", "recurrence", "section_lines"]
 

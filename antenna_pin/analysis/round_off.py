@@ -18,7 +18,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.piecewise import blocks
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import is_lean
 from antenna_pin.trajectory.columns import ROUND_OFF
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.piecewise import LONG, ROWS
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["resampled", "time_mean", "time_percentiles", "time_rms"]

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.analysis.assembled import AssembledJoint, JournalPose
 from antenna_pin.analysis.tilts import TiltRange, milliradians
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance, pose_of
 from antenna_pin.geometry.revolute import revolute_scenario

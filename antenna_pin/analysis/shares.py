@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.analysis.piecewise import blocks
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory import Trajectory, contacts_of, series

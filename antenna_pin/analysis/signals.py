@@ -13,7 +13,7 @@ from antenna_pin.analysis.base import base_motion
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.even import Read
 from antenna_pin.analysis.piecewise import blocks
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import names_along
 
 __all__ = ["RunSignal", "scales_of", "signals"]

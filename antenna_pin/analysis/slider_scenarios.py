@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.analysis._run import RunLike, choose, data_of, variable
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contact_ends, contacts_of
 

@@ -25,7 +25,7 @@ from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read, UniformSignal, uniform
 from antenna_pin.analysis.long_spectra import long_amplitudes
 from antenna_pin.analysis.piecewise import LONG
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [

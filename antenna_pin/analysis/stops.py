@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import ModeChange, Touch, elements_of, latch_changes, touches
 
 __all__ = ["labelled_table", "latch_events", "stop_impacts", "stops_and_latches"]

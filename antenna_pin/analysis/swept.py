@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.quantity import quantity
 from antenna_pin.analysis.shaken import shaken_link, shakes_of
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.elements import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 

@@ -7,7 +7,7 @@ import numpy as np
 from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.shaken import shaken_link, shakes_of, way_of
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 
 __all__ = ["base_quantity", "shaken_target"]
 

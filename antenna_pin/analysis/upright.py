@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis._run import RunLike, choose, data_of
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.analysis.journal import clearance_shapes
-from antenna_pin.arguments import takes
-from antenna_pin.directions import unit
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory import series
 

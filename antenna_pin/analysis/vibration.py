@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.even import uniform
 from antenna_pin.analysis.spectrum import spectrum
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["band_rms", "power_density", "transfer"]

@@ -1,5 +1,5 @@
 """From a scenario to a system: URDF variant, Pinocchio model, force elements, initial state."""
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 
-from antenna_pin.arguments import takes
 from antenna_pin.assemble.closures import closures_of
 from antenna_pin.assemble.couplings import couplings_of
 from antenna_pin.assemble.elements import elements_of
@@ -15,6 +14,7 @@ from antenna_pin.assemble.places import check_known, check_motion
 from antenna_pin.assemble.rotors import armature_of
 from antenna_pin.assemble.shaken import among_others
 from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
+from antenna_pin.base.arguments import takes
 from antenna_pin.control import measures_of
 from antenna_pin.dynamics import HeldKind, System, settled
 from antenna_pin.errors import AssumedWarning, MechanismError, NotSimulatedWarning

@@ -8,11 +8,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
 from antenna_pin.assemble.build import build_system
 from antenna_pin.assemble.closures import axes_turned
 from antenna_pin.assemble.initial import guess_of, initial_angles, initial_state
 from antenna_pin.assemble.variant import as_written
+from antenna_pin.base.arguments import takes
 from antenna_pin.dynamics import System, Workspace, constraint_counts, facts_of_couplings
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.clearance import TouchingSpec

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from antenna_pin.assemble.places import check_motion, slides, where
 from antenna_pin.assemble.variant import as_written
+from antenna_pin.base.readable import readable
 from antenna_pin.elements import JointFriction, StickingFriction
 from antenna_pin.errors import ScenarioError
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.readable import readable
 from antenna_pin.scenario import Scenario, moved_joints
 
 __all__ = ["Frictions", "frictions_of"]

@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
 from antenna_pin.assemble.places import check_known, check_motion, slides, where
+from antenna_pin.base.arguments import takes
 from antenna_pin.dynamics import BASE, System, assemble, put_followers
 from antenna_pin.elements import Motion
 from antenna_pin.errors import MechanismError, ScenarioError

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from antenna_pin.arguments import takes
 from antenna_pin.assemble.places import check_motion, where
+from antenna_pin.base.arguments import takes
 from antenna_pin.elements import Reference
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.mechanism import JointSlot

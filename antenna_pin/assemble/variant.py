@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from antenna_pin.arguments import takes
 from antenna_pin.assemble.cuts import check_not_closures
 from antenna_pin.assemble.flexible import with_flexible_links
 from antenna_pin.assemble.places import check_known, where
 from antenna_pin.assemble.rotors import with_rotors
 from antenna_pin.assemble.shaken import with_shaken
-from antenna_pin.changes import JointChange
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.changes import JointChange
 from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.flexible import ElasticPart
 from antenna_pin.mechanism import JointVariant, Urdf, WrittenUrdf

@@ -18,6 +18,7 @@ from typing import Annotated
 
 import typer
 
+from antenna_pin.base.interruption import ending_by_signals
 from antenna_pin.cli import (
     analyse,
     bifurcation,
@@ -54,7 +55,6 @@ from antenna_pin.cli._common import (
 from antenna_pin.cli._numbers import with_plain_numbers
 from antenna_pin.cli._progress import said_at_work
 from antenna_pin.cli._usage import OneLineGroup
-from antenna_pin.interruption import ending_by_signals
 
 __all__ = ["app", "main"]
 

@@ -91,8 +91,8 @@ class AttractorStore:
         """Return a bifurcation diagram, of as many values as are asked for."""
         import numpy as np
 
+        from antenna_pin.base.units import any_quantity
         from antenna_pin.nonlinear import bifurcation, load_plan, open_diagram, values_of
-        from antenna_pin.units import any_quantity
 
         plan = load_plan(wanted.name)
         scenario = plan.base(self.settings)
@@ -158,9 +158,9 @@ class AttractorStore:
         """Return how the motion goes on behind the points."""
         import dataclasses
 
+        from antenna_pin.base.state import State
         from antenna_pin.simulation import simulate
         from antenna_pin.simulation.run import settings_of
-        from antenna_pin.state import State
         from antenna_pin.trajectory import Trajectory
 
         state = State.from_json(str(section.attrs["state"]))

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.base.numerals import bare
 from antenna_pin.cli._common import say
 from antenna_pin.cli._export import plain
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,7 +41,7 @@ MostOrbitsOption = Annotated[int, typer.Option("--most", metavar="N", help="Orbi
 
 def ends_of(text: str | None, over: str, known: Scenario) -> tuple[float, float, str]:
     """Return the ends of a range of a key, in SI units, and its unit ("" if none is said)."""
-    from antenna_pin.units import any_quantity
+    from antenna_pin.base.units import any_quantity
 
     rule = "given with --over as FIRST:LAST, such as '1 N*m:3 N*m'"
     parts = [] if text is None else [bare(part.strip()) for part in text.split(":")]
@@ -103,7 +103,7 @@ def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
 def print_branch(branch: xr.Dataset) -> None:
     """Print where a branch is stable, and what happens to it."""
     from antenna_pin.analysis import said_of_multiplier, stability_spans, unexplained_changes
-    from antenna_pin.readable import printed_unit
+    from antenna_pin.base.readable import printed_unit
 
     unit = printed_unit(str(branch["value"].attrs["units"]))
     head = f"{branch.attrs['parameter']} [{unit}]" if unit else str(branch.attrs["parameter"])

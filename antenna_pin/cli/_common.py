@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
 
 import typer
 
+from antenna_pin.base.interruption import ended_by, held_back, is_interruption
 from antenna_pin.errors import (
     AntennaPinError,
     InvalidParameterError,
@@ -29,7 +30,6 @@ from antenna_pin.errors import (
     one_line,
     printable,
 )
-from antenna_pin.interruption import ended_by, held_back, is_interruption
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -224,7 +224,7 @@ def writable_file(path: Path, suffix: str) -> Path:
 
     Asked before a run, so that hours of work do not end in a missing folder.
     """
-    from antenna_pin.files import check_writable
+    from antenna_pin.base.files import check_writable
 
     return check_writable(path, suffix)
 

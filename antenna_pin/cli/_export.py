@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin import tables
+from antenna_pin.base import tables
+from antenna_pin.base.files import replacing
 from antenna_pin.cli._common import figure_folder, figure_formats, writable_file
-from antenna_pin.files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,7 +51,7 @@ def say_json(facts: Mapping[str, Any]) -> None:
 
 
 def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]], silent: bool = False) -> None:
-    """Write a CSV file (:func:`antenna_pin.tables.write_csv`) and say so."""
+    """Write a CSV file (:func:`antenna_pin.base.tables.write_csv`) and say so."""
     with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
         tables.write_csv(stream, head, (plain(row) for row in rows))
     if not silent:

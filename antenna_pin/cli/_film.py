@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from antenna_pin.base.interruption import ended_by
 from antenna_pin.cli._common import SIGNALLED, complain
 from antenna_pin.cli._progress import picture_bar
 from antenna_pin.errors import InvalidParameterError, OutputError
-from antenna_pin.interruption import ended_by
 
 if TYPE_CHECKING:
     from antenna_pin.record import Filmed, Recording
@@ -47,7 +47,7 @@ def check_options(
     out: Path, kind: Kind, *, at: str | None = None, fps: float | None = None, size: str | None = None
 ) -> None:
     """Refuse, before any work, what cannot be written, and options that the output does not know."""
-    from antenna_pin.files import check_writable
+    from antenna_pin.base.files import check_writable
     from antenna_pin.record import check_film
 
     for option, given, kinds in (

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from antenna_pin.base.readable import number, readable
 from antenna_pin.cli._common import not_interrupted, say
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.cli._usage import command_of
-from antenna_pin.readable import number, readable
 
 if TYPE_CHECKING:
     import numpy as np

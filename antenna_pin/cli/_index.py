@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import quote
 
+from antenna_pin.base.files import replacing
 from antenna_pin.cli._run_store import RunStore
-from antenna_pin.files import replacing
 
 
 @dataclass

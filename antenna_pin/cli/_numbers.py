@@ -9,7 +9,7 @@ from typing import Any, ParamSpec, TypeVar
 import typer
 from typer.models import ParameterInfo
 
-from antenna_pin.numerals import decimal_in, whole_in
+from antenna_pin.base.numerals import decimal_in, whole_in
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, TextIO, cast
 
-from antenna_pin.readable import lasting
+from antenna_pin.base.readable import lasting
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -165,7 +165,7 @@ def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None]
         )
         bar.start()  # with the first step: what is refused before leaves no bar behind
 
-    from antenna_pin._kernel_cache import told_of_compiling
+    from antenna_pin.compiled.kernel_cache import told_of_compiling
 
     with _ended(bar), told_of_compiling(compiling):
         yield report

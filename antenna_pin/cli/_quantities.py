@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 
+from antenna_pin.base.numerals import DECIMAL, bare, decimal_in
 from antenna_pin.cli._tables import length_text
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.numerals import DECIMAL, bare, decimal_in
 
 
 def positive_quantity(text: str, unit: str, option: str, place: str = "contact") -> float:
     """Return what an option says in SI units, or refuse what is not positive."""
-    from antenna_pin.units import quantity
+    from antenna_pin.base.units import quantity
 
     value = quantity(bare(text), unit, option)
     if not value > 0.0:
@@ -38,7 +38,7 @@ def vector_in(text: str) -> tuple[float, float, float] | None:
 
 def list_of(text: str, unit: str, option: str, positive: bool = True) -> tuple[float, ...]:
     """Return the quantities of a list; one unit at its end counts for all, as in ``0.1,1,5 um``."""
-    from antenna_pin.units import quantity
+    from antenna_pin.base.units import quantity
 
     parts = [part.strip() for part in text.split(",") if part.strip()]
     if not parts:

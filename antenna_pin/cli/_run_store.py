@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from antenna_pin.base.interruption import Ended, ended_by
 from antenna_pin.cli._common import complain, not_interrupted, save_result, stem
 from antenna_pin.cli._progress import progress_bar
 from antenna_pin.errors import FileFormatError
-from antenna_pin.interruption import Ended, ended_by
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario

@@ -12,8 +12,8 @@ from antenna_pin.cli._common import refuse
 if TYPE_CHECKING:
     import xarray as xr
 
+    from antenna_pin.base.state import State
     from antenna_pin.scenario import Scenario
-    from antenna_pin.state import State
 
 __all__ = ["AtOption", "begun_from", "is_saved", "saved_branch"]
 
@@ -48,9 +48,9 @@ def begun_from(name: str, at: int | None, settings: list[str] | None) -> tuple[S
     Raises:
         AntennaPinError: The file is not there, is of something else, or what is changed cannot be.
     """
+    from antenna_pin.base.state import State
     from antenna_pin.nonlinear import open_orbit
     from antenna_pin.scenario import Scenario
-    from antenna_pin.state import State
 
     table = saved_branch(name)
     changes: dict[str, object] = {}

@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from antenna_pin.base.readable import lasting, number, prefixed
 from antenna_pin.cli._common import say
 from antenna_pin.cli._tables import number_text, print_rows
-from antenna_pin.readable import lasting, number, prefixed
 
 if TYPE_CHECKING:
     import xarray as xr

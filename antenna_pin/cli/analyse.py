@@ -8,13 +8,13 @@ from typing import Annotated, Any
 
 import typer
 
+from antenna_pin.base.numerals import bare
 from antenna_pin.cli._common import label_of, load_result, say
 from antenna_pin.cli._elastic import print_elastic
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of
 from antenna_pin.cli._loops import print_loops
 from antenna_pin.cli._tables import print_rows, text_of
 from antenna_pin.cli._zeros import Zeros
-from antenna_pin.numerals import bare
 
 ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
 JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all of them if left out.")]
@@ -64,7 +64,7 @@ def analyse(
     csv: CsvOption = None,
 ) -> None:
     """Say what a run shows: deviation, impacts, loads, settling, closed loops, dominant frequencies."""
-    from antenna_pin.units import quantity
+    from antenna_pin.base.units import quantity
 
     target = csv_target(csv)
     gap = quantity(bare(longest_gap), "s", "--longest-gap")

@@ -186,7 +186,7 @@ def _planned(
 
 def _print(found: xr.Dataset) -> None:
     from antenna_pin.analysis import diagram_verdicts, said_of_verdicts
-    from antenna_pin.readable import prefixed
+    from antenna_pin.base.readable import prefixed
 
     rows = []
     for name in found["branch"].values:

@@ -14,6 +14,7 @@ from typing import Annotated, Any
 
 import typer
 
+from antenna_pin.base.readable import number
 from antenna_pin.cli._common import (
     FigureFormatOption,
     FigureOutOption,
@@ -33,7 +34,6 @@ from antenna_pin.cli._tables import fixed_text, length_text, number_text, power_
 from antenna_pin.cli.experiment import experiment
 from antenna_pin.cli.scenarios import scenarios
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.readable import number
 
 app = typer.Typer(
     name="contact",

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from antenna_pin.base.readable import number
 from antenna_pin.cli._common import DOUBTFUL, not_interrupted, refuse, say, writable_file
 from antenna_pin.cli._fit_tests import identify as identify_before
 from antenna_pin.cli._fit_tests import next_test
 from antenna_pin.cli._progress import fit_bar
 from antenna_pin.cli._usage import command_of
-from antenna_pin.readable import number
 
 if TYPE_CHECKING:
     from antenna_pin.fit import Fit

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.base.numerals import bare
 from antenna_pin.cli._common import (
     CaseOption,
     SetOption,
@@ -25,7 +26,6 @@ from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported,
 from antenna_pin.cli._quantities import vector_in
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     from antenna_pin.linear import Modes
@@ -138,8 +138,8 @@ def _found(
     hold: list[str] | None,
     moving: bool,
 ) -> Modes:
+    from antenna_pin.base.units import quantity
     from antenna_pin.linear import modes as linearised
-    from antenna_pin.units import quantity
 
     more: dict[str, Any] = {}
     model: Any

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.capacity import check_count
+from antenna_pin.base.capacity import check_count
+from antenna_pin.base.interruption import Ended, ended_by
 from antenna_pin.cli._branch import (
     AmplitudeOption,
     ArcOption,
@@ -29,14 +30,13 @@ from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_o
 from antenna_pin.cli._saved_orbit import AtOption, begun_from, is_saved, saved_branch
 from antenna_pin.cli._tables import power_above, print_rows
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.interruption import Ended, ended_by
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from antenna_pin.base.state import State
     from antenna_pin.nonlinear import Orbit, Point
     from antenna_pin.scenario import Scenario
-    from antenna_pin.state import State
 
 __all__ = ["PeriodOption", "orbit", "period_of"]
 

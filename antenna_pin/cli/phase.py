@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from antenna_pin.base.numerals import bare
 from antenna_pin.cli._common import FIGURES, Width, WidthOption, load_result, not_interrupted, say
 from antenna_pin.cli._saved import PlotOption, save_both, targets_of
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     from antenna_pin.analysis import Periods
@@ -98,7 +98,7 @@ def phase(
 
 def _transient(text: str | None, period: str | None) -> float | Periods | Literal["judge"] | None:
     from antenna_pin.analysis import Periods
-    from antenna_pin.units import quantity
+    from antenna_pin.base.units import quantity
 
     counted = None if text is None else _PERIODS.fullmatch(text)
     if (counted is None) != (period is None):
@@ -115,7 +115,7 @@ def _transient(text: str | None, period: str | None) -> float | Periods | Litera
 
 def _list(file: Path) -> None:
     from antenna_pin.analysis import quantities
-    from antenna_pin.readable import printed_unit
+    from antenna_pin.base.readable import printed_unit
 
     found = quantities(load_result(file, scenario=False))
     width = max(map(len, found))

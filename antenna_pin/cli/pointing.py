@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.base.numerals import bare
 from antenna_pin.cli._common import FilesArgument, label_of, load_result, refuse, say
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
 from antenna_pin.cli._quantities import vector_in
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -178,7 +178,7 @@ def _antenna(run: Trajectory, body: str | None, boresight: str | None, up: str |
 
 
 def _seconds(text: str | None, option: str) -> float | None:
-    from antenna_pin.units import quantity
+    from antenna_pin.base.units import quantity
 
     return None if text is None else quantity(bare(text), "s", option)
 

@@ -9,12 +9,12 @@ from typing import Annotated
 
 import typer
 
+from antenna_pin.base.numerals import bare, decimal_in
 from antenna_pin.cli._common import load_result, not_interrupted, say
 from antenna_pin.cli._film import Kind, check_options, film, kind_of, size_of
 from antenna_pin.cli._packages import PackagePathOption, package_folders
 from antenna_pin.cli._quantities import vector_in
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.numerals import bare, decimal_in
 
 
 class ViewName(StrEnum):
@@ -135,7 +135,7 @@ def record(
 
 
 def _time(text: str | None, option: str) -> float | None:
-    from antenna_pin.units import quantity
+    from antenna_pin.base.units import quantity
 
     return None if text is None else quantity(bare(text), "s", option)
 

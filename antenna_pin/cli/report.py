@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from antenna_pin.base.numerals import bare
 from antenna_pin.cli._common import writable_file
-from antenna_pin.numerals import bare
 
 
 def report(
@@ -42,9 +42,9 @@ def report(
     words += [] if recordings else ["--no-recordings"]
     words += [] if window is None else ["--window", window]
 
+    from antenna_pin.base.units import quantity
     from antenna_pin.plot import processes_to_draw
     from antenna_pin.report import report as make
-    from antenna_pin.units import quantity
 
     length = None if window is None else quantity(bare(window), "s", "--window")
     made = make(

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.base.interruption import ended_by
+from antenna_pin.base.numerals import decimal_in
 from antenna_pin.cli._answers import say_answer
 from antenna_pin.cli._common import (
     ENDED_EARLY,
@@ -37,8 +39,6 @@ from antenna_pin.cli._progress import progress_bar
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import flat
 from antenna_pin.errors import AssumedWarning, LedgerOpenWarning
-from antenna_pin.interruption import ended_by
-from antenna_pin.numerals import decimal_in
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.base.numerals import bare
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
 from antenna_pin.cli._quantities import clearance_of, positive_quantity
 from antenna_pin.cli._tables import length_text, print_rows
-from antenna_pin.numerals import bare
 
 if TYPE_CHECKING:
     from antenna_pin.analysis import ScenarioPair
@@ -32,8 +32,8 @@ def scenarios(
 ) -> None:
     """Say which of the 16 contact scenarios a joint's shape allows, each with a pose or a reason."""
     from antenna_pin.analysis import SCENARIO_COLUMNS, possible_scenarios, scenario_rows
+    from antenna_pin.base.units import quantity
     from antenna_pin.geometry import RevoluteClearance
-    from antenna_pin.units import quantity
 
     target = csv_target(csv)
     radius = positive_quantity(bearing_radius, "m", "--bearing-radius")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast, get_args
 
 import typer
 
-from antenna_pin.capacity import check_count
+from antenna_pin.base.capacity import check_count
 from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
 from antenna_pin.cli._quantities import positive_quantity
@@ -17,8 +17,8 @@ from antenna_pin.cli._tables import print_rows
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 
 if TYPE_CHECKING:
+    from antenna_pin.base.state import State
     from antenna_pin.sensitivity import Changed, Method, Sensitivities
-    from antenna_pin.state import State
 
 __all__ = ["sensitivity"]
 
@@ -94,7 +94,7 @@ def sensitivity(
 
 def _state(path: Path) -> State:
     """Return the state in a file."""
-    from antenna_pin.state import State
+    from antenna_pin.base.state import State
 
     try:
         text = path.read_text(encoding="utf-8")

@@ -93,7 +93,7 @@ def _check(
     targets: list[str], case: str | None, settings: list[str] | None, roots: list[Path], out: Path | None
 ) -> None:
     """Print a line for each thing found, with the file before it, and a count of all."""
-    from antenna_pin.files import check_writable, replacing
+    from antenna_pin.base.files import check_writable, replacing
 
     target = None if out is None else check_writable(out)
     lines: list[str] = []

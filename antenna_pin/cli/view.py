@@ -37,7 +37,7 @@ def view(
 
     The page is one that record makes; it stays, and can be opened again.
     """
-    from antenna_pin.files import check_writable
+    from antenna_pin.base.files import check_writable
 
     opened = browser_for_pages("view", "--no-browser makes the page and prints its path") if browser else None
     target = check_writable(out, ".html") if out is not None else None

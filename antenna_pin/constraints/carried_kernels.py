@@ -11,7 +11,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.force_kernels import least_forces, wrenches
 from antenna_pin.constraints.layout_kernels import (
     applied_in,
@@ -23,7 +24,6 @@ from antenna_pin.constraints.layout_kernels import (
 )
 from antenna_pin.elements import kernels as elements
 from antenna_pin.mechanism.tree_kernels import cross
-from antenna_pin.records import PLANE, RIGID, ROTATION, SLIDE
 
 OF_BODY = 12
 SCRATCH = 24

@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
-from antenna_pin.directions import direction, unit
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.directions import direction, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import frame_aligning_z
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import body_at, place_at, plan_of
-from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE
 
 
 @kernel

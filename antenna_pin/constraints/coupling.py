@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Self
 
+from antenna_pin.base.parameters import check, parameter
 from antenna_pin.errors import InvalidParameterError, MechanismError
-from antenna_pin.parameters import check, parameter
 
 __all__ = ["Coupling", "check_order", "spread"]
 

@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import PLANE
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import driven_at, plan_of
 from antenna_pin.mechanism.tree_kernels import unwrapped
 from antenna_pin.mechanism.twist_kernels import twist_angle, twist_bias
-from antenna_pin.records import PLANE
 
 # Step of differences of a turn [rad]; of sixth order they are off by 1e-19 of what is smooth on the scale of
 # one, and round-off is 1e-13.

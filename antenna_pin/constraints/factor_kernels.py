@@ -6,7 +6,7 @@ with pivoting; Golub and Van Loan (2013), Matrix Computations, sections 5.2.8 an
 little the directions before are taken once more. Rows of which nothing is left are redundant and need not be
 held.
 
-A direction is taken out of all rows behind it four rows at a time (:mod:`antenna_pin._lanes`).
+A direction is taken out of all rows behind it four rows at a time (:mod:`antenna_pin.compiled.lanes`).
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined, kernel
-from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.lanes import LANES, lane, put_lane, same_lane, sum_of_lane
 from antenna_pin.constraints.layout_kernels import (
     closure_at,
     coupled_at,

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.mechanism.tree_kernels import BODY, PLACE
-from antenna_pin.records import layout, words_of
 
 #: Head of a plan. Sizes: bodies, closures, motions, couplings, elements that may hold, all rows, these in
 #: whole lanes (``width``; zeros fill the last), nq and nv, this in whole lanes (``span``). Length by which

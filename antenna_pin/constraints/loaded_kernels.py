@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.carried_kernels import write_carried
 from antenna_pin.constraints.factor_kernels import factorize
 from antenna_pin.constraints.layout_kernels import hold_at, plan_of

@@ -10,14 +10,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin._lanes import LANES
+from antenna_pin.base.records import PLANE, RIGID, words_of
+from antenna_pin.compiled.lanes import LANES
 from antenna_pin.constraints import layout_kernels as _layout
 from antenna_pin.constraints.carried_kernels import room_for
 from antenna_pin.constraints.closure import Anchor, Closure
 from antenna_pin.constraints.coupling import Coupling
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import WORLD, Mechanism, body_tree, frame_aligning_z
-from antenna_pin.records import PLANE, RIGID, words_of
 
 __all__ = ["DrivenJoint", "Plan", "make_plan", "on_body"]
 

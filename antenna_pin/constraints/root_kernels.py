@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined
+from antenna_pin.compiled.decorators import inlined
 
 
 @inlined

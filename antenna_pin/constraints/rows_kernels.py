@@ -32,7 +32,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.column_kernels import closure_columns
 from antenna_pin.constraints.driven_kernels import driven_rate, twist_row
 from antenna_pin.constraints.layout_kernels import (

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
-from antenna_pin._lanes import LANES, lane, put_lane, same_lane, sum_of_lane
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.lanes import LANES, lane, put_lane, same_lane, sum_of_lane
 from antenna_pin.constraints.driven_kernels import driven_rate
 from antenna_pin.constraints.factor_kernels import add_multiple, inner_product
 from antenna_pin.constraints.layout_kernels import driven_at, found_in, plan_of

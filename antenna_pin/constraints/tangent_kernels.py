@@ -29,12 +29,12 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import body_at, closure_at, coupled_at, place_at, plan_of
 from antenna_pin.mechanism.number_kernels import write_frame_change
 from antenna_pin.mechanism.room_kernels import crossed
 from antenna_pin.mechanism.spatial_kernels import add_six, cross_motion, cross_wrench, set_six
-from antenna_pin.records import layout
 
 #: A closure in a state: the origin of its second frame from the point, that one's third axis, the axes of the
 #: first (columns); U and U', the wrench on the second body, and the moment along e alone. Then for one

@@ -1,5 +1,5 @@
 """Materials, stiffness of a pair, normal laws and friction laws: numbers only."""
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Self
 
-from antenna_pin.arguments import fits, unknown_type
+from antenna_pin.base.arguments import fits, unknown_type
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameters_of
 
 __all__ = ["Law"]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.friction_kernels import (
     DAHL,
     DAHL_LAW,

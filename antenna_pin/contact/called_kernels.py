@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._called import call_1, call_3
-from antenna_pin._compile import inlined
+from antenna_pin.compiled.calls import call_1, call_3
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.contact.records import dissipation_record, elastic_record, friction_record
 
 CALLED = 100.0  # as a kind of elastic law

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import kernel
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.contact.power_kernels import power
 from antenna_pin.contact.records import elastic_record
 

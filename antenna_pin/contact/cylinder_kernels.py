@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.contact.records import elastic_record
 
 # F_0, d_0: d = d_0 s ln(1/s), F = F_0 s

@@ -20,10 +20,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.contact import damping_kernels as kernels
 from antenna_pin.contact.normal import RESTITUTION, Dissipation, ElasticLaw
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameters_of
 
 __all__ = [
     "AdamsDamping",

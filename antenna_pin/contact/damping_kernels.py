@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED_WHOLE, CALLED_WHOLE_LAW, called_whole
 from antenna_pin.contact.records import NORMAL_LAW, dissipation_record
 

@@ -15,15 +15,15 @@ from typing import ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._compile import record
-from antenna_pin.answers import check_takes
-from antenna_pin.arguments import takes
+from antenna_pin.base.answers import check_takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.compiled.decorators import record
+from antenna_pin.compiled.given_functions import address_of, callable_of, is_compiled
 from antenna_pin.contact import friction_kernels as kernels
 from antenna_pin.contact._law import Law
 from antenna_pin.contact.called_kernels import CALLED_FRICTION
 from antenna_pin.contact.records import FRICTION_LAW, FRICTION_SIZE, coded
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.given_functions import address_of, callable_of, is_compiled
 
 __all__ = [
     "Ambrosio",

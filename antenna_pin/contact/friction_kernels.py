@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED_FRICTION, CALLED_FRICTION_LAW, called_ratio
 from antenna_pin.contact.records import FRICTION_LAW, FRICTION_SIZE, friction_record
 

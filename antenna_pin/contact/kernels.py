@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED, CALLED_LAW, called_energy, called_force
 from antenna_pin.contact.conformal_kernels import (
     BAI_ZHAO_LAW,

@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.material import Material
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.material import Material
 
 __all__ = ["MATERIALS", "MATERIAL_PAIRS", "Material", "MaterialPair", "material_pairs"]
 

@@ -21,16 +21,16 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._compile import record
-from antenna_pin.answers import check_takes
-from antenna_pin.arguments import takes
+from antenna_pin.base.answers import check_takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.compiled.decorators import record
+from antenna_pin.compiled.given_functions import address_of, is_compiled
 from antenna_pin.contact import kernels
 from antenna_pin.contact._law import Law
 from antenna_pin.contact.called_kernels import CALLED, CALLED_WHOLE
 from antenna_pin.contact.damping_kernels import CONSERVATIVE
 from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE, POWER, coded
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.given_functions import address_of, is_compiled
 
 __all__ = [
     "CompiledNormalLaw",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.contact.records import elastic_record
 
 # (pi/2) E* L, R_j, R_i, dR, the share of the depth that shapes the contact

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._lazy import Classes
+from antenna_pin.base.lazy import Classes
 from antenna_pin.contact.aliases import ALIASES, Alias
 from antenna_pin.contact.hysteresis import HysteresisDamping
 from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, Dissipation, ElasticLaw, Hertz

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin._compile import inlined
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.contact.records import elastic_record
 
 POWER_LAW = elastic_record("stiffness", "exponent")  # K, n

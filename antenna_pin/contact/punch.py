@@ -16,7 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["annular_punch_factor"]

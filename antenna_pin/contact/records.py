@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._compile import record
-from antenna_pin.records import Record, check_names
+from antenna_pin.base.records import Record, check_names
+from antenna_pin.compiled.decorators import record
 
 _ELASTIC_ROOM = 8
 _DISSIPATION_ROOM = 6

@@ -12,12 +12,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from antenna_pin._lazy import Classes
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.lazy import Classes
+from antenna_pin.base.parameters import Parameter, parameters_of
 from antenna_pin.contact.aliases import ALIASES
 from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, ElasticLaw
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.parameters import Parameter, parameters_of
 
 __all__ = [
     "DISSIPATIONS",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["delivered_restitution", "exact_hysteresis", "stored_share"]

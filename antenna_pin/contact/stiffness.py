@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.contact.materials import Material
 from antenna_pin.errors import InvalidParameterError
 

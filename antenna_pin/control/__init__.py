@@ -4,6 +4,6 @@ A controller is no force element (:mod:`antenna_pin.elements`): it sets the one 
 thrusters that takes commands. Nothing here knows mechanics; a run asks controllers by :class:`Now`.
 """
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

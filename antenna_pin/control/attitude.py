@@ -11,15 +11,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.answers import check_takes
-from antenna_pin.arguments import takes
+from antenna_pin.base.answers import check_takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.parameters import check, parameter
 from antenna_pin.control.controller import Controller, Now
 from antenna_pin.control.limits import limited
 from antenna_pin.control.measure import Measure
 from antenna_pin.control.pid import Course
 from antenna_pin.control.turns import between_quaternions, product_of, quaternion_of, turned_back
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import check, parameter
 
 __all__ = ["AttitudeFeedback"]
 

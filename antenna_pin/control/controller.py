@@ -22,11 +22,11 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, Protocol
 
-from antenna_pin.answers import check_takes
-from antenna_pin.arguments import fits
+from antenna_pin.base.answers import check_takes
+from antenna_pin.base.arguments import fits
+from antenna_pin.base.parameters import holds
 from antenna_pin.control.memory import check_kept
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import holds
 
 __all__ = ["Controller", "Instants", "Now"]
 

@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
-from antenna_pin.answers import check_takes
-from antenna_pin.arguments import takes
+from antenna_pin.base.answers import check_takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.parameters import check, parameter
 from antenna_pin.control.controller import Controller, Now
 from antenna_pin.control.limits import limited
 from antenna_pin.control.measure import Measure
 from antenna_pin.control.sensor import Sensor
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import check, parameter
 
 __all__ = ["Course", "Pid", "PidState"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from antenna_pin._lazy import Classes
+from antenna_pin.base.lazy import Classes
 
 __all__ = ["CONTROLLERS"]
 

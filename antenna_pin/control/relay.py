@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.parameters import check, parameter
 from antenna_pin.control.controller import Controller, Now
 from antenna_pin.control.measure import Measure
 from antenna_pin.control.sensor import Sensor
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import check, parameter
 
 __all__ = ["BangBang", "BangBangState"]
 

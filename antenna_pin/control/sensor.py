@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.parameters import LEAST, check, parameter
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import LEAST, check, parameter
 
 __all__ = ["Sensor"]
 

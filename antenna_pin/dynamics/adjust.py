@@ -8,13 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.acting import acting_in
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import Change, Element, ForceElement, Met, Modal, kind_of
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.parameters import parameters_of
 
 __all__ = ["Adjustments", "first_modes", "joints_held", "modes_in_another", "modes_kept"]
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.kernels import ABOUT_JOURNAL, ABOUT_MOTION, act_at, element_at, own_motion
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import axis_of_parent, journal_centre

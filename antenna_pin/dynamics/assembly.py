@@ -7,7 +7,8 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number
 from antenna_pin.constraints import (
     OPPOSITE,
     Unclosed,
@@ -27,7 +28,6 @@ from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import Motion
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import JointSlot
-from antenna_pin.readable import number
 
 __all__ = [
     "BASE",

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.tree_kernels import place_bodies
-from antenna_pin.records import layout
 
 # What a state has: energies [J] (those stored in contacts and springs are others' to write), momenta, the
 # angular one about the mass centre, and their scales [kg m/s, kg m^2/s].

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import journal_place, journal_state
-from antenna_pin.records import layout
 
 #: A bearing at a sample, bearing axes: place of the journal at the reference point [m], tilt of its axis
 #: (size: the sine), force on it [N] and moment about the reference point there [N m].

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import POSE
 from antenna_pin.dynamics.bearing_load_kernels import BEARING_LOAD, look_at_bearings
 from antenna_pin.dynamics.mounted import bearings_in
 from antenna_pin.dynamics.program_parts import program_parts
 from antenna_pin.dynamics.system import System
-from antenna_pin.records import POSE
 
 __all__ = ["bearing_loads", "bearing_names"]
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.answers import AskedFunction
+from antenna_pin.base.answers import AskedFunction
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.held import held_slot
 from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Element, ForceElement, Integral, Modal, Motion

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.arguments import unknown_type
+from antenna_pin.base.arguments import unknown_type
+from antenna_pin.base.parameters import beyond
 from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.parameters import beyond
 
 __all__ = ["make_unit", "numbers", "spaces"]
 

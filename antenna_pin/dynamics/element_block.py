@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, SLIDE
 from antenna_pin.dynamics import kernels
 from antenna_pin.elements import BetweenJoints, Element, ForceElement, kind_of
 from antenna_pin.errors import MechanismError
-from antenna_pin.records import CIRCLE, FIXED_AXIS, SLIDE
 
 __all__ = ["WITH_AXIS", "element_block", "element_head"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.base.records import memory_numbers, memory_records
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.records import memory_numbers, memory_records
 
 __all__ = ["acceleration", "contact_memory"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import kernel
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.constraints.factor_kernels import factorize
 from antenna_pin.constraints.force_kernels import write_holding
 from antenna_pin.constraints.layout_kernels import PLACE_WORDS, applied_in, found_in, plan_of

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.peak_kernels import NODES, track_peaks
 from antenna_pin.dynamics.trial_kernels import (
     DEPTH_RATE,

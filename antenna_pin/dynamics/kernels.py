@@ -1,7 +1,7 @@
 """Force elements of a system as one flat program, compiled.
 
-``program`` is a list of blocks that starts behind its head (:data:`antenna_pin.records.PROGRAM`). A block
-begins with what it is and how long (:data:`antenna_pin.records.BLOCK`): a clearance joint
+``program`` is a list of blocks that starts behind its head (:data:`antenna_pin.base.records.PROGRAM`). A
+block begins with what it is and how long (:data:`antenna_pin.base.records.BLOCK`): a clearance joint
 (:mod:`antenna_pin.joints.layout_kernels`), or an element at a joint, of one of the kinds of
 :mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Behind stand the elements on links
 (:mod:`antenna_pin.dynamics.link_kernels`), with a pass of their own.
@@ -18,7 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import BLOCK, CIRCLE, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.kernels import clearance_joint, joint_energy
 from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
@@ -32,7 +33,6 @@ from antenna_pin.joints.pose_kernels import (
     onto_joint,
 )
 from antenna_pin.mechanism.tree_kernels import unwrapped
-from antenna_pin.records import BLOCK, CIRCLE, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
 
 # Typed: of a plain constant Numba makes a type of its own, and compiles all that is called with it once more.
 HEADER: Any = np.int64(words_of(PROGRAM))

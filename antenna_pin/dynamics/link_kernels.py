@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.audit_kernels import mass_centre
 from antenna_pin.dynamics.kernels import PARAMETERS, act_at, element_at, head_of, own_motion
 from antenna_pin.dynamics.point_kernels import add_pull, add_wrench, draw, push, stored_between
@@ -29,7 +30,6 @@ from antenna_pin.elements.desk_kernels import (
     clear,
 )
 from antenna_pin.mechanism.tree_kernels import place_bodies
-from antenna_pin.records import layout
 
 #: A place at which a force acts, at a sample: force [N], and torque about it [N m], world axes.
 APPLIED = layout(("force", "f8", (3,)), ("torque", "f8", (3,)))

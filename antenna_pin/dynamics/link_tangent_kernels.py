@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.link_kernels import add_forces
 from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import place_of
 from antenna_pin.constraints import Anchor, on_body
 from antenna_pin.dynamics import kernels, link_kernels
 from antenna_pin.dynamics.blocks import Blocks, check_booked
@@ -18,7 +19,6 @@ from antenna_pin.elements import desk_kernels as _desk
 from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.mechanism import body_tree
 from antenna_pin.mechanism.tree_kernels import place_bodies
-from antenna_pin.records import place_of
 
 __all__ = [
     "ForcePlace",

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from antenna_pin.base.readable import number
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import Motion, PrescribedMotion
 from antenna_pin.errors import MechanismError
-from antenna_pin.readable import number
 
 __all__ = ["check_jumps", "check_limits"]
 

@@ -6,13 +6,13 @@ import dataclasses
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
+from antenna_pin.base.roots import root_between
 from antenna_pin.dynamics.held import HeldKind
 from antenna_pin.elements import AxialPreload, Bearing, ForceElement
 from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.roots import root_between
 
 __all__ = ["bearings_in", "kinds_about_axis", "on_bearings", "with_preloads_placed"]
 

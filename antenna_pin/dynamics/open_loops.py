@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from antenna_pin.base.readable import number
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import Motion
-from antenna_pin.readable import number
 
 __all__ = ["said_of_open"]
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._called import call_back
-from antenna_pin._compile import inlined
-from antenna_pin.records import layout
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.calls import call_back
+from antenna_pin.compiled.decorators import inlined
 
 # What comes of a question: an answer; a function of the user's has none here, though it may elsewhere; or
 # something that ends the run.

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.trial_kernels import (
     DEPTH_RATE,
     GAP,
@@ -14,7 +15,6 @@ from antenna_pin.dynamics.trial_kernels import (
     root_of,
     value_at,
 )
-from antenna_pin.records import layout
 
 #: A step is looked at in this many parts.
 NODES = 4

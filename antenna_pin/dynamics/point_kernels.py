@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
-from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout, words_of
 
 #: An end: index of its body (-1: the world), and its place in the body's frame [m].
 SIDE = layout(("body", "i8"), ("point", "f8", (3,)))

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import MEMORY, POSE, layout
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics import link_kernels as _links
 from antenna_pin.dynamics import point_kernels as _points
 from antenna_pin.dynamics.audit_kernels import audit_state
@@ -34,7 +35,6 @@ from antenna_pin.joints.kernels import apart_motion, wrench_on_journal
 from antenna_pin.joints.layout_kernels import ALL_COMPILED, CLEARANCE, joint_at, primitive_of, revolute_of
 from antenna_pin.joints.pose_kernels import journal_state, motion_angle
 from antenna_pin.mechanism.tree_kernels import unwrapped
-from antenna_pin.records import MEMORY, POSE, layout
 
 # A contact at a sample, by the names of the result's variables.
 SEEN = layout(

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.dynamics import audit_kernels, link_kernels, point_kernels, sample_kernels
 from antenna_pin.dynamics.audit import energy_of_python_laws
 from antenna_pin.dynamics.held_samples import held_samples
@@ -19,7 +20,6 @@ from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.errors import FunctionError
 from antenna_pin.joints.layout_kernels import JOINT
 from antenna_pin.mechanism import PLACE, JointSlot, body_tree
-from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["Observed", "joint_motion", "observed", "sliding_motion"]
 

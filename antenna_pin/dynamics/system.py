@@ -9,8 +9,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin._views import as_html
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.records import PROGRAM, place_of
+from antenna_pin.base.views import as_html
 from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import kernels, turn_kernels
 from antenna_pin.dynamics.blocks import (
@@ -52,7 +53,6 @@ from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import WORLD, Mechanism
-from antenna_pin.records import PROGRAM, place_of
 
 __all__ = ["System"]
 
@@ -72,8 +72,8 @@ class System:
     work lost in its damper; what else an element's effort depends on).
 
     Beside it stands the contact memory, the contacts' discrete state, one record each
-    (:data:`antenna_pin.records.MEMORY`: touching, approach speed, effective mass). It is not part of ``y``;
-    whoever advances the system changes it, at located events only.
+    (:data:`antenna_pin.base.records.MEMORY`: touching, approach speed, effective mass). It is not part of
+    ``y``; whoever advances the system changes it, at located events only.
 
     Args:
         mechanism: Joints with play, held or on bearings must be floating there (planar for a planar play).

@@ -12,7 +12,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.angle_change_kernels import (
     MOST,
     N,
@@ -33,7 +34,6 @@ from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, c
 from antenna_pin.integrate.manifold_kernels import factor_of, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
-from antenna_pin.records import layout
 
 #: What acts, a joint with play (``element`` 0) or an element at joints: its number among these; its block in
 #: the program; the joint's

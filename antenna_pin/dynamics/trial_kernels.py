@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
 from antenna_pin.dynamics.outside_kernels import ask, ask_at
 from antenna_pin.integrate.kernels import dense_joint

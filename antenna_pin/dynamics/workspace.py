@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.base.records import CONTACT, MEMORY, PLANE, POSE, memory_records, words_of
 from antenna_pin.constraints import Constraints
 from antenna_pin.contact.onset import approach_speed_in_contact
 from antenna_pin.dynamics import kernels, link_kernels, point_kernels, query_kernels, trial_kernels
@@ -23,7 +24,6 @@ from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import PLACE, body_tree
 from antenna_pin.mechanism.tree_kernels import place_bodies
-from antenna_pin.records import CONTACT, MEMORY, PLANE, POSE, memory_records, words_of
 
 __all__ = ["Workspace"]
 
@@ -43,9 +43,9 @@ class Workspace:
             :func:`antenna_pin.dynamics.contact_memory`).
 
     Attributes:
-        memory: The contact memory that the derivative uses, :data:`antenna_pin.records.MEMORY`, (contacts,);
-            to be written to.
-        table: Contact table of the last evaluation, :data:`antenna_pin.records.CONTACT`, (rows,).
+        memory: The contact memory that the derivative uses, :data:`antenna_pin.base.records.MEMORY`,
+            (contacts,); to be written to.
+        table: Contact table of the last evaluation, :data:`antenna_pin.base.records.CONTACT`, (rows,).
         tau: Generalized force of the elements at the last evaluation, (nv,).
         paths: What happens in Python, of the joints of which anything does.
         program: The system's program, with the values of drives in Python of the last evaluation.

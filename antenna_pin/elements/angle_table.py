@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import number, readable
 from antenna_pin.elements.curve import Interpolation, areas, check_table, cubics
 from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import number, readable
 
 __all__ = ["Outside", "TableSpring"]
 

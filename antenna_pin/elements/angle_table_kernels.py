@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.curve_kernels import area, curve
-from antenna_pin.records import layout, words_of
 
 #: Behind it stands the curve, with its integral up to each point. ``goes_on``: its slope does, beyond it.
 LAYOUT = layout(("points", "i8"), ("goes_on", "i8"))

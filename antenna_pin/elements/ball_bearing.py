@@ -9,11 +9,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.roots import root_between
 from antenna_pin.elements.bearing import Bearing
 from antenna_pin.elements.hertz_point import groove_contact, in_series
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
-from antenna_pin.roots import root_between
 
 __all__ = ["BallBearing"]
 

@@ -20,9 +20,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.element import LOSS, About, Element, Integral
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
 
 __all__ = ["AxialPreload", "Bearing", "StiffnessBearing", "moved"]
 

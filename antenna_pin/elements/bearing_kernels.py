@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
-from antenna_pin.records import layout, words_of
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 
 #: Matrices over (x, y, z, tilt about x, tilt about y); what pushes in its centred place; energy there [J];
 #: the reference point along the axis from the joint's [m]; balls, whose records stand behind.

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.flanks import Flanks
 from antenna_pin.elements.mesh import mesh_numbers
 from antenna_pin.elements.mesh_kernels import TWO
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
 
 __all__ = ["Belt", "Cable"]
 

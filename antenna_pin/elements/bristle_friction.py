@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.elements.own_load import NUMBERS_OF_LOAD, check_load, check_unloaded, numbers_of_load
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
 
 __all__ = ["BristleFriction", "DahlFriction", "GonthierFriction", "LuGreFriction"]
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.bristle_kernels import bristle, gonthier_kink
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER
-from antenna_pin.records import layout, words_of
 
 #: By how much bristles are bent at Coulomb friction, their stiffness, viscous friction, how bent they start,
 #: as a share of that; by how much a load adds to it all, and what that load is made of. Behind it stands the

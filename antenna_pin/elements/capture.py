@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.modal import CAPTURE, Change, Met, ModalElement
-from antenna_pin.parameters import parameter
 
 __all__ = ["HELD", "INSIDE", "LET_GO", "OUTSIDE", "Capture"]
 

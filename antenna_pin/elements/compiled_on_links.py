@@ -70,9 +70,9 @@ def _compiled(function: Any, sizes: tuple[int, int, int, int]) -> Any:
     """Return a function as kernels call it: of a time and a place, which gives 1 where it raises."""
     from numba import carray, cfunc, float64, njit
 
-    from antenna_pin._pointer import pointer
+    from antenna_pin.base.records import words_of
+    from antenna_pin.compiled.pointer import pointer
     from antenna_pin.elements.desk_kernels import JOINT, LINK, STATE, WHOLE
-    from antenna_pin.records import words_of
 
     numbers, links, joints, states = sizes
     first = numbers

@@ -10,10 +10,10 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from antenna_pin.base.parameters import check, parameter
 from antenna_pin.elements.curve import Interpolation, check_table, cubics, points_and_middles
 from antenna_pin.elements.reference import Reference, pieces
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import check, parameter
 
 __all__ = ["Sum", "Table", "curve_term", "going_on"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.elements.element import Drive
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["ConstantDrive"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
-from antenna_pin.records import layout, words_of
 
 LAYOUT = layout(("value", "f8"))
 SIZE = words_of(LAYOUT)

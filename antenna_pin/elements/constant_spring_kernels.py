@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, record
-from antenna_pin.records import layout, words_of
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 
 #: Ends are infinite where there is none.
 LAYOUT = layout(("torque", "f8"), ("lower", "f8"), ("upper", "f8"), ("ramp", "f8"))

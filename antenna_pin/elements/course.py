@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
+from antenna_pin.base.readable import GIVEN, number
 from antenna_pin.elements.composed_courses import curve_term
 from antenna_pin.elements.curve import Interpolation, check_covers, check_table, points_and_middles
 from antenna_pin.elements.element import ForceElement
 from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.readable import GIVEN, number
 
 __all__ = ["Course", "Swing"]
 

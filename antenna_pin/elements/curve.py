@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Literal
 
+from antenna_pin.base.parameters import LARGEST, LEAST
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import LARGEST, LEAST
 
 __all__ = [
     "Interpolation",

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined
-from antenna_pin.records import layout, words_of
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined
 
 #: How many links, joints and states; whether the first link takes the reaction of all others; whether it
 #: puts nothing in (its work is what it stores and loses); the time [s]; and what it tells: energy stored [J],

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.motion_kernels import effort
-from antenna_pin.records import layout, words_of
 
 __all__ = ["LAYOUT", "effort", "motion", "write_rates"]
 

@@ -2,8 +2,8 @@
 
 An element acts at one joint: it sees time, the joint's angle and rate, and gives the torque about its axis.
 (A :class:`ForceElement` may act elsewhere; what is said below of joints does not hold for it then.)
-It is a frozen dataclass whose fields declare themselves (:mod:`antenna_pin.parameters`), beside kernels in a
-file of their own, which the class names in ``kernels``:
+It is a frozen dataclass whose fields declare themselves (:mod:`antenna_pin.base.parameters`), beside kernels
+in a file of their own, which the class names in ``kernels``:
 
 - ``LAYOUT``, the record of its numbers;
 - ``effort(words, at, t, angle, rate)``: its torque [N m], or force [N] at a joint that slides, from the
@@ -34,10 +34,10 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from antenna_pin.answers import AskedFunction, check_takes, told_numbers
-from antenna_pin.arguments import takes
-from antenna_pin.parameters import check, parameters_of
-from antenna_pin.readable import GIVEN, readable
+from antenna_pin.base.answers import AskedFunction, check_takes, told_numbers
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.parameters import check, parameters_of
+from antenna_pin.base.readable import GIVEN, readable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -215,7 +215,7 @@ class ForceElement:
         return [f"{word} {self.said(name, slides)}" for name, word in words.items() if getattr(self, name)]
 
     def unit(self, name: str, slides: bool) -> str:
-        """Return the unit of one of its parameters as :mod:`antenna_pin.readable` takes it."""
+        """Return the unit of one of its parameters as :mod:`antenna_pin.base.readable` takes it."""
         found = parameters_of(type(self))[name]
         return (
             (found.sliding if slides and found.sliding else found.unit).replace("**", "^").replace("*", " ")
@@ -266,7 +266,7 @@ class Element(ForceElement):
             place: Its name, for what is said of them.
             slides: Whether the joint slides along its axis rather than turning about it.
         """
-        from antenna_pin.given_functions import callable_of
+        from antenna_pin.compiled.given_functions import callable_of
 
         words = _motion_words(slides)
         return tuple(

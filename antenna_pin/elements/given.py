@@ -33,7 +33,7 @@ class CallableDrive(Drive):
     @property
     def called(self) -> bool:
         """Whether kernels call its function."""
-        from antenna_pin.given_functions import is_compiled
+        from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.torque)
 
@@ -57,7 +57,7 @@ class CallableDrive(Drive):
         return (("torque", self.torque, 3),)
 
     def _address(self) -> float:
-        from antenna_pin.given_functions import address_of
+        from antenna_pin.compiled.given_functions import address_of
 
         return address_of(type(self).__name__, "torque", self.torque, 3) if self.called else 0.0
 

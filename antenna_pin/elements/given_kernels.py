@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._called import call_3
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.calls import call_3
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
-from antenna_pin.records import layout, words_of
 
 #: The value, and where the function stands; 0 where Python writes the value.
 LAYOUT = layout(("value", "f8"), ("address", "f8"))

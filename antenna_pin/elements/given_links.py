@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol
 
-from antenna_pin.answers import asked, check_takes
-from antenna_pin.arguments import unknown_type
+from antenna_pin.base.answers import asked, check_takes
+from antenna_pin.base.arguments import unknown_type
 from antenna_pin.elements.desk_kernels import clear
 from antenna_pin.elements.element import ForceElement, Integral
 from antenna_pin.elements.on_links import BOOKED, AtPoint, OnLinks
@@ -141,7 +141,7 @@ class CallableElement(OnLinks):
     @property
     def called(self) -> bool:
         """Whether kernels call its function."""
-        from antenna_pin.given_functions import is_compiled
+        from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.act)
 
@@ -151,8 +151,8 @@ class CallableElement(OnLinks):
 
     def values(self) -> dict[str, Any]:
         """Return its numbers: where its function stands, zero where Python asks it."""
+        from antenna_pin.compiled.given_functions import is_compiled
         from antenna_pin.elements.compiled_on_links import address_on_links
-        from antenna_pin.given_functions import is_compiled
 
         if not is_compiled(self.act):
             return {"address": 0.0}
@@ -216,7 +216,7 @@ class CallableForce(AtPoint):
     @property
     def called(self) -> bool:
         """Whether kernels call its function."""
-        from antenna_pin.given_functions import is_compiled
+        from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.wrench)
 

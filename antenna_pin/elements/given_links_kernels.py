@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._called import call_3
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.calls import call_3
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.desk_kernels import clear
-from antenna_pin.records import layout, words_of
 
 #: Where the function stands; 0 where Python asks it. The parameters stand behind, then the desk.
 LAYOUT = layout(("address", "f8"))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._called import call_1
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.calls import call_1
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.motion_kernels import effort
-from antenna_pin.records import layout, words_of
 
 __all__ = ["LAYOUT", "effort", "motion", "write_rates"]
 

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from antenna_pin.directions import A_DIRECTION, unit
+from antenna_pin.base.directions import A_DIRECTION, unit
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.elements.element import ForceElement
 from antenna_pin.elements.on_links import OnLinks
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["GravityGradient"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.angle_table import TableSpring
 from antenna_pin.elements.element import LOSS, Integral
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
 
 __all__ = ["HarnessSpring"]
 

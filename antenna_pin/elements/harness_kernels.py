@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.angle_table_kernels import ends_at, given_at, torque_at
-from antenna_pin.records import layout, words_of
 
 #: Behind it stand the curves of the mean and of half the difference, each with its integral up to each point.
 LAYOUT = layout(("points", "i8"), ("goes_on", "i8"), ("reversal", "f8"), ("start", "f8"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin.roots import root_between
+from antenna_pin.base.roots import root_between
 
 __all__ = ["groove_contact", "in_series", "point_stiffness"]
 

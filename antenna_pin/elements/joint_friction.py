@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.element import LOSS, Element, Integral
-from antenna_pin.parameters import parameter
 
 __all__ = ["JointFriction"]
 

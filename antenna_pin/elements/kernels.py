@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from antenna_pin._compile import composed, composed_later
+from antenna_pin.compiled.decorators import composed, composed_later
 from antenna_pin.elements import registry
 
 

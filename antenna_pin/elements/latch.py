@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.capture import HELD, Capture
 from antenna_pin.elements.modal import Change, Met
-from antenna_pin.parameters import parameter
 
 __all__ = ["Latch"]
 

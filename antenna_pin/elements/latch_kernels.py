@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
-from antenna_pin.records import layout, words_of
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 
 # Its modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
 OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
-from antenna_pin.records import layout, words_of
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 
 # The integrals of a drive in x, in the order of ``Drive.integrals``.
 WORKS = layout(("work", "f8"), ("gross_work", "f8"))

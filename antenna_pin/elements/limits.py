@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.modal import ModalElement
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
 
 __all__ = ["Limits"]
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
-from antenna_pin._lanes import LANES, lane, same_lane, sum_of_lane
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.lanes import LANES, lane, same_lane, sum_of_lane
 
 _FIRST = LANES * LANES + LANES
 # Sines and cosines follow from those before by one product each; that often they are computed anew.

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.element import Element
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
 
 __all__ = ["MaxwellSlip"]
 

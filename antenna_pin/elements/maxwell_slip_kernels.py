@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
-from antenna_pin.records import layout, words_of
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 
 #: Which of them slip, the k-th counts 2^k. Behind it stand stiffness, reach and anchor of each.
 LAYOUT = layout(("count", "i8"), ("mode", "i8"), ("slips", "i8"))

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
+from antenna_pin.base.parameters import LEAST, parameter
+from antenna_pin.base.readable import number
 from antenna_pin.elements.flanks import Flanks
 from antenna_pin.elements.mesh_kernels import APART, BOTH_WAYS, TWO
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import LEAST, parameter
-from antenna_pin.readable import number
 
 __all__ = ["Gear", "Rack", "Spline", "mesh_numbers"]
 

@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.curve_kernels import curve
-from antenna_pin.records import layout, words_of
 
 # Springs: 1 on the side of a positive deflection, 2 on both sides, 0 one that acts both ways, without room.
 BOTH_WAYS = 0

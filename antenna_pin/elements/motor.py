@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.elements.element import GROSS_WORK, WORK, Drive, Integral
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["Motor"]
 

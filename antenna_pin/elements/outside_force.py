@@ -6,14 +6,14 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import GIVEN, number, readable
 from antenna_pin.elements.composed_courses import Table
 from antenna_pin.elements.courses import Sine
 from antenna_pin.elements.curve import Interpolation, check_covers, check_table
 from antenna_pin.elements.on_links import AtPoint
 from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, number, readable
 
 __all__ = ["OutsideForce"]
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.desk_kernels import turned
 from antenna_pin.elements.term_kernels import course
-from antenna_pin.records import layout, words_of
 
 #: Behind it stand ``terms`` words of its course.
 LAYOUT = layout(

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import check, parameter
 from antenna_pin.elements.course import Course
 from antenna_pin.elements.curve import Interpolation
 from antenna_pin.elements.element import Drive
 from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import check, parameter
 
 __all__ = ["PDController"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.term_kernels import course
-from antenna_pin.records import layout, words_of
 
 #: Behind it stand ``terms`` words of what it follows, its table among it.
 LAYOUT = layout(

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.between_points import BetweenPoints
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
 
 __all__ = ["PointSpring"]
 

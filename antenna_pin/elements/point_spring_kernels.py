@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
-from antenna_pin.records import layout, words_of
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 
 LAYOUT = layout(("stiffness", "f8"), ("damping", "f8"), ("free_length", "f8"))
 SIZE = words_of(LAYOUT)

@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
+from antenna_pin.base.parameters import check, parameter
+from antenna_pin.base.readable import GIVEN, number
 from antenna_pin.elements.course import Course, Swing
 from antenna_pin.elements.element import GROSS_WORK, WORK, Element, Integral
 from antenna_pin.elements.reference import Reference
 from antenna_pin.elements.term_jumps import TermJump, jumps
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import check, parameter
-from antenna_pin.readable import GIVEN, number
 
 __all__ = ["CallableMotion", "DistanceMotion", "Motion", "PrescribedMotion"]
 
@@ -193,7 +193,7 @@ class CallableMotion(Motion):
     @property
     def called(self) -> bool:
         """Whether kernels call its functions."""
-        from antenna_pin.given_functions import is_compiled
+        from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.position, self.velocity, self.acceleration)
 
@@ -207,7 +207,7 @@ class CallableMotion(Motion):
         numbers = {"position": 0.0, "rate": 0.0, "acceleration": 0.0}
         if not self.called:
             return {**numbers, "first": 0.0, "second": 0.0, "third": 0.0}
-        from antenna_pin.given_functions import address_of
+        from antenna_pin.compiled.given_functions import address_of
 
         functions = zip(("first", "second", "third"), ("position", "velocity", "acceleration"), strict=True)
         place = type(self).__name__

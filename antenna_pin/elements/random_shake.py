@@ -11,13 +11,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin._lanes import LANES
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import GIVEN, number, readable
+from antenna_pin.compiled.lanes import LANES
 from antenna_pin.elements import term_kernels as kernels
 from antenna_pin.elements.reference import term
 from antenna_pin.elements.shake import Shake
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, number, readable
 
 __all__ = ["RandomShake", "band_power", "density_at"]
 

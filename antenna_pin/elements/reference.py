@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from antenna_pin.base.parameters import check, parameters_of
+from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.elements import term_kernels as kernels
 from antenna_pin.elements.swept_pieces import SweptPiece
-from antenna_pin.parameters import check, parameters_of
-from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["OverTime", "Reference", "pieces", "swept", "term"]
 

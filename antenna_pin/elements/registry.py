@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from antenna_pin._lazy import Classes
+from antenna_pin.base.lazy import Classes
 from antenna_pin.errors import UnknownNameError
 
 if TYPE_CHECKING:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.latch_kernels import HELD, capture
-from antenna_pin.records import layout, words_of
 
 #: Window with its middle, greatest rate, energy (infinite: any) and way of capture (+1, -1, 0 for both),
 #: torque at which it lets go (infinite: never), the mode, on which side of the window the joint is or was

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.stop_kernels import FREE, LOWER, UPPER, beyond
-from antenna_pin.records import layout, words_of
 
 #: Limits (infinite where there is none), and the mode: off both, at rest on the lower, or on the upper one.
 LAYOUT = layout(("lower", "f8"), ("upper", "f8"), ("mode", "i8"))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.fade_kernels import faded
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.term_kernels import course
-from antenna_pin.records import layout, words_of
 
 #: Behind it stand ``terms`` words of its course.
 LAYOUT = layout(("terms", "i8"), ("fade_in", "f8"))

@@ -8,13 +8,13 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import readable
 from antenna_pin.elements.composed_courses import curve_term, going_on
 from antenna_pin.elements.curve import check_covers, check_table, points_and_middles
 from antenna_pin.elements.reference import pieces
 from antenna_pin.elements.shake import Shake
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import readable
 
 __all__ = ["TableShake"]
 

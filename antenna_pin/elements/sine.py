@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import GIVEN, number
 from antenna_pin.elements.course import Swing
 from antenna_pin.elements.element import Drive
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, number
 
 __all__ = ["SineDrive"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
-from antenna_pin.records import layout, words_of
 
 LAYOUT = layout(("amplitude", "f8"), ("angular_frequency", "f8"), ("phase", "f8"))
 SIZE = words_of(LAYOUT)

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements import term_kernels as kernels
 from antenna_pin.elements.reference import Reference, pieces, term
-from antenna_pin.parameters import parameter
 
 __all__ = ["RestToRest", "SCurve", "Slew", "Trapezoid"]
 

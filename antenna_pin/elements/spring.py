@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
 
 __all__ = ["JointSpring"]
 

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.elements.own_load import NUMBERS_OF_LOAD, check_load, check_unloaded, numbers_of_load
 from antenna_pin.elements.sticking_friction_kernels import STANDSTILL_RATE
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
 
 __all__ = ["StickingFriction"]
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, record
-from antenna_pin.records import layout, words_of
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 
 #: The mode, where it sticks, whether motions prescribe the joint's rate; friction of slipping and up to which
 #: it sticks, viscous friction, Stribeck's curve; the same by the load; by what radial force, axial force and

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, Literal
 
+from antenna_pin.base.parameters import parameter, parameters_of
+from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.contact.onset import NO_APPROACH, approach_speed_in_contact
 from antenna_pin.elements.element import IMPULSE, LOSS, Integral
 from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
 from antenna_pin.elements.modal import Change, Met, Remembered
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter, parameters_of
-from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["EndStop"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force, normal_force
-from antenna_pin.records import layout, words_of
 
 # Its modes: off both sides, on the lower one, on the upper one.
 FREE, LOWER, UPPER = 0, 1, 2

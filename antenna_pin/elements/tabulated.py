@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from antenna_pin.base.parameters import check, parameter
+from antenna_pin.base.readable import number, readable
 from antenna_pin.elements.curve import Interpolation, check_covers, check_table, cubics, points_and_middles
 from antenna_pin.elements.element import Drive
-from antenna_pin.parameters import check, parameter
-from antenna_pin.readable import number, readable
 
 __all__ = ["TableDrive"]
 

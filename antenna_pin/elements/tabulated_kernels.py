@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.curve_kernels import curve
 from antenna_pin.elements.ledger_kernels import write_work
-from antenna_pin.records import layout, words_of
 
 #: Behind it stand the points' times, and the coefficients of the cubics between them.
 LAYOUT = layout(("points", "i8"))

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.base.records import words_of
 from antenna_pin.elements import term_kernels as kernels
-from antenna_pin.records import words_of
 
 __all__ = ["TermJump", "continued", "jumps"]
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.lines_kernels import lines
-from antenna_pin.records import layout, words_of
 
 #: A term: what it is, how many words it has in all, how many pieces (swings, lanes of lines) follow, how
 #: many coefficients a piece has (the number of the first line), when it begins [s], how long it lasts or

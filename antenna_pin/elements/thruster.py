@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
-from antenna_pin.directions import A_DIRECTION
+from antenna_pin.base.directions import A_DIRECTION
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.readable import GIVEN, number, readable
 from antenna_pin.elements.element import Integral
 from antenna_pin.elements.on_links import BOOKED, AtPoint
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameter
-from antenna_pin.readable import GIVEN, number, readable
 
 __all__ = ["Thruster"]
 

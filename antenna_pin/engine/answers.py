@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._called import CALLED_BACK
+from antenna_pin.compiled.calls import CALLED_BACK
 from antenna_pin.dynamics import Workspace
 from antenna_pin.dynamics import outside_kernels as kernels
 from antenna_pin.dynamics.by_pinocchio import accelerations_of, terms_of

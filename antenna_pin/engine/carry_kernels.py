@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.engine.tangent_kernels import write_tangent
 from antenna_pin.integrate.kernels import RATES, STATE, begin, stage, store
 from antenna_pin.integrate.manifold_kernels import space_of, write_bracket

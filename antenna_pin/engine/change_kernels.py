@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin._compile import kernel
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.inspect_kernels import fill_nodes
 from antenna_pin.dynamics.outside_kernels import ask, has_failed
 from antenna_pin.dynamics.peak_kernels import track_peaks

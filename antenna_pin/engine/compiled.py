@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import POSE
+from antenna_pin.base.settings import Engine
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.engine.answers import Answers, give_pinocchio, give_python
 from antenna_pin.engine.implicit_kernels import attempt_implicit
@@ -12,8 +14,6 @@ from antenna_pin.engine.step_kernels import Numbers, attempt, derivative, prepar
 from antenna_pin.errors import MechanismError
 from antenna_pin.integrate import Method, Stepper
 from antenna_pin.mechanism import PLACE, ROOM, TreeDynamics, body_tree
-from antenna_pin.records import POSE
-from antenna_pin.settings import Engine
 
 __all__ = ["Compiled", "CompiledStepper", "check_compiled"]
 

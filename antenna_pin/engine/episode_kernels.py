@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
 from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.engine.step_kernels import accelerate
@@ -14,7 +15,6 @@ from antenna_pin.integrate.kernels import STATE_ROW, dense_state
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.layout_kernels import CLEARANCE, joint_at
 from antenna_pin.joints.pose_kernels import journal_state
-from antenna_pin.records import layout
 
 #: One contact from onset to release: which; when it began [s], how fast [m/s], onto which mass [kg]; when it
 #: ended [s], not-a-number while it lasts; its largest force [N], when [s], its largest depth [m], its impulse

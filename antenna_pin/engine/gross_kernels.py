@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.integrate.kernels import START
 from antenna_pin.integrate.manifold_kernels import space_of
 

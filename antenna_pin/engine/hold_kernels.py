@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.factor_kernels import factorize
 from antenna_pin.constraints.layout_kernels import PLACE_WORDS, found_in, plan_of
 from antenna_pin.constraints.rows_kernels import write_residuals, write_rows

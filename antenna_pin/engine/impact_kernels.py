@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.driven_kernels import change_motions
 from antenna_pin.constraints.factor_kernels import factorize
 from antenna_pin.constraints.layout_kernels import plan_of

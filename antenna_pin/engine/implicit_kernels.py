@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import released
+from antenna_pin.compiled.decorators import released
 from antenna_pin.dynamics.outside_kernels import has_failed
 from antenna_pin.engine.step_kernels import derivative, end
 from antenna_pin.integrate.explicit_kernels import ASK, FAILED

@@ -9,7 +9,7 @@ has to see to something, and goes on from there when it is called again: where a
 
 from __future__ import annotations
 
-from antenna_pin._compile import inlined, kernel, released
+from antenna_pin.compiled.decorators import inlined, kernel, released
 from antenna_pin.dynamics.inspect_kernels import inspect_step
 from antenna_pin.dynamics.outside_kernels import has_failed
 from antenna_pin.engine.change_kernels import FAILED, GOES_ON, HOPELESS, change, graze, make_again, take_up

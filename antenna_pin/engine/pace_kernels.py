@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import kernel
-from antenna_pin.records import layout
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import kernel
 
 SAFETY = 0.9
 SHRINK = 0.2

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.driven_kernels import change_motions, driven_rate
 from antenna_pin.constraints.factor_kernels import factorize
 from antenna_pin.constraints.layout_kernels import driven_at, plan_of

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import BLOCK, PROGRAM, place_of, words_of
 from antenna_pin.constraints import layout_kernels as layout_of_rows
 from antenna_pin.dynamics import System, kernels
 from antenna_pin.dynamics.tangent_kernels import FRAMES, ITSELF
@@ -17,7 +18,6 @@ from antenna_pin.integrate.word_kernels import Words
 from antenna_pin.joints import layout_kernels, motion_change_kernels
 from antenna_pin.joints.slope_kernels import LawWords
 from antenna_pin.mechanism import BODY
-from antenna_pin.records import BLOCK, PROGRAM, place_of, words_of
 
 __all__ = ["SystemSlopes", "moves_rows", "shifts_of", "takes_slopes"]
 

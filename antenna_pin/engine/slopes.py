@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import MEMORY
 from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.slope_kernels import Room, write_slopes
-from antenna_pin.records import MEMORY
 
 __all__ = ["Slopes"]
 

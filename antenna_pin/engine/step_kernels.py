@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import applied_in
 from antenna_pin.constraints.loaded_kernels import solve
 from antenna_pin.constraints.rows_kernels import write_rows

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
 from antenna_pin.dynamics.trial_kernels import contacts_in
 from antenna_pin.dynamics.turn_kernels import turn_on
@@ -15,7 +16,6 @@ from antenna_pin.engine.gross_kernels import settle
 from antenna_pin.engine.hold_kernels import close
 from antenna_pin.engine.step_kernels import attempt, prepare_dense
 from antenna_pin.integrate.kernels import START, STATE, STATE_ROW, begin, dense_state
-from antenna_pin.records import layout
 
 # Where a step is: it has not begun; longer ones did not pass; its trial stands, and is to be searched; a
 # contact is known to change in it; its end is the state, at which a contact is to change.

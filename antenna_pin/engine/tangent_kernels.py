@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.link_kernels import add_forces
 from antenna_pin.dynamics.link_tangent_kernels import add_link_changes

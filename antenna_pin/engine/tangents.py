@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import MEMORY, POSE, PROGRAM, words_of
 from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.constraints.tangent_kernels import TIE
 from antenna_pin.dynamics import System, acting_in, kernels
@@ -20,7 +21,6 @@ from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate import manifold_kernels
 from antenna_pin.joints import layout_kernels, motion_change_kernels, slope_kernels
 from antenna_pin.mechanism import CHANGE, LANES, PLACE, ROOM, freedoms_below
-from antenna_pin.records import MEMORY, POSE, PROGRAM, words_of
 
 __all__ = ["Tangents"]
 

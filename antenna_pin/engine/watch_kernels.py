@@ -12,15 +12,15 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import hold_at, plan_of
 from antenna_pin.dynamics.kernels import element_kink, element_switch, evaluate, head_of, joint_motion
 from antenna_pin.dynamics.link_kernels import kink_on_links
 from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.engine.step_kernels import ask_elements, derivative
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
-from antenna_pin.records import layout
 
 # What is watched: a function of an element where its effort has a kink, the angle (or way) of a joint, its
 # rate, a gap, a normal force, a function of an element where its mode changes.

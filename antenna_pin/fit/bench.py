@@ -11,7 +11,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.interruption import interruptible
+from antenna_pin.base.interruption import interruptible
+from antenna_pin.base.state import State
 from antenna_pin.nonlinear import Flow
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.from_scenario import controllers_of, events_of, settings_of
@@ -19,7 +20,6 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.record import labelled_at, open_ledger
 from antenna_pin.simulation.run import First, prepared
 from antenna_pin.simulation.samples import Chunk
-from antenna_pin.state import State
 from antenna_pin.trajectory import ENDED_WELL, Outcome
 
 __all__ = ["Bench", "Ran", "at_times"]

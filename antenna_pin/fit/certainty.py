@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.bands import CurveBands, along_jacobian, by_sampling
 from antenna_pin.fit.experiments import without

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
+from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse
-from antenna_pin.units import any_quantity, shown
 
 __all__ = ["BlowsSpec", "ColumnSpec", "FilterSpec", "SpectrumSpec"]
 

@@ -31,7 +31,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.rank import DOUBT, rank_of
 from antenna_pin.fit.sureness import student

@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.differences import few
+from antenna_pin.base.differences import few
+from antenna_pin.base.state import State
 from antenna_pin.fit.bench import Bench
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.runs import (
@@ -39,7 +40,6 @@ from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.sensitivity import GrazeError, SensitivityError
 from antenna_pin.simulation.from_scenario import check_without_controllers
 from antenna_pin.simulation.samples import Chunk
-from antenna_pin.state import State
 
 __all__ = ["with_slopes"]
 

@@ -17,9 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import absence
+from antenna_pin.base.tables import write_csv
+from antenna_pin.base.units import shown
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
-from antenna_pin.files import absence
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.designs import Criterion
 from antenna_pin.fit.expressions import names_in
@@ -33,8 +35,6 @@ from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import nested
 from antenna_pin.scenario.shipped import read_toml
 from antenna_pin.scenario.spec import Count, Place, Quantity, Spec, dotted, explained, refuse
-from antenna_pin.tables import write_csv
-from antenna_pin.units import shown
 
 __all__ = ["ExperimentSpec", "Experiments", "TimesSpec", "Trial", "load_experiments", "without"]
 

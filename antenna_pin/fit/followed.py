@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.state import State
 from antenna_pin.errors import ScenarioError
 from antenna_pin.fit.one_piece import Curve, Piece
 from antenna_pin.fit.runs import Rig
 from antenna_pin.fit.unknowns import Unknowns
-from antenna_pin.state import State
 
 __all__ = ["Along", "Known", "followed"]
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.readable import prefixed
+from antenna_pin.base.readable import prefixed
 
 __all__ = ["Growth", "growth_of"]
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.rank import DOUBT, Rank, rank_of
 from antenna_pin.fit.sureness import Residuals, student
-from antenna_pin.readable import number
 
 __all__ = ["Identifiable", "identifiable", "said_of_direction"]
 

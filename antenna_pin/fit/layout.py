@@ -8,8 +8,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from antenna_pin.base.units import shown
 from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse
-from antenna_pin.units import shown
 
 __all__ = ["LayoutSpec"]
 

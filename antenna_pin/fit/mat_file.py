@@ -13,7 +13,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from antenna_pin.capacity import free_memory
+from antenna_pin.base.capacity import free_memory
 
 __all__ = ["BadMatFileError", "Mat73Error", "read_mat"]
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.units import unit_factor
 from antenna_pin.errors import ScenarioError
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.plan import RecordSpec
 from antenna_pin.fit.record_file import read_columns
-from antenna_pin.units import unit_factor
 
 __all__ = ["Measured", "measured"]
 

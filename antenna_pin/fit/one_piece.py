@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.state import State
 from antenna_pin.fit.bench import Bench, Ran
 from antenna_pin.fit.pieces import touching
 from antenna_pin.fit.runs import Rig, bench_of, reason_of, rows_of, sensed
 from antenna_pin.fit.unknowns import Unknowns
 from antenna_pin.nonlinear import Chart
 from antenna_pin.nonlinear.frames import way_between
-from antenna_pin.state import State
 
 __all__ = ["Curve", "Found", "Piece"]
 

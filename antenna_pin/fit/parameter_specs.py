@@ -6,10 +6,10 @@ from typing import Literal, Self
 
 from pydantic import field_validator, model_validator
 
+from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.fit.columns import AnyQuantity
 from antenna_pin.fit.expressions import names_in
 from antenna_pin.scenario.spec import Spec, refuse
-from antenna_pin.units import any_quantity, shown
 
 __all__ = ["DerivedSpec", "FitParameterSpec", "PriorSpec"]
 

@@ -10,7 +10,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.units import shown
 from antenna_pin.errors import OutputError
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.expressions import evaluate, names_in
@@ -21,7 +22,6 @@ from antenna_pin.fit.sureness import Noise
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.runs_file import RunsFile, laid_over, nested
 from antenna_pin.scenario.spec import Count, Folder, Quantity, Spec, refuse, refuse_name
-from antenna_pin.units import shown
 
 __all__ = [
     "FitPlan",

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from antenna_pin.base.parameters import LARGEST
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench
 from antenna_pin.fit.columns import ColumnSpec
@@ -23,7 +24,6 @@ from antenna_pin.fit.runs import Rig, scenario_with
 from antenna_pin.fit.sensors import amount, check_sensor, noise_of, reading, unit_of
 from antenna_pin.fit.statistics import Target, target_of
 from antenna_pin.fit.unknowns import Unknowns, size_of
-from antenna_pin.parameters import LARGEST
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.from_scenario import check_without_controllers
 from antenna_pin.sweep.design import put_value

@@ -6,7 +6,7 @@ import math
 
 import xarray as xr
 
-from antenna_pin.readable import number, prefixed
+from antenna_pin.base.readable import number, prefixed
 
 __all__ = ["from_to", "profile_interval", "profile_lines"]
 

@@ -24,7 +24,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.fit.losses import Loss, cost
 from antenna_pin.fit.rank import DOUBT

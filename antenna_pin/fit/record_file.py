@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.files import absence
+from antenna_pin.base.units import unit_factor
 from antenna_pin.errors import ScenarioError, UnknownNameError
-from antenna_pin.files import absence
 from antenna_pin.fit.layout import LayoutSpec
 from antenna_pin.fit.mat_file import BadMatFileError, Mat73Error, read_mat
 from antenna_pin.fit.text_record import from_text
 from antenna_pin.fit.uff_record import from_universal
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
-from antenna_pin.units import unit_factor
 
 __all__ = ["SUFFIXES", "Columns", "read_columns"]
 

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.readable import number
 from antenna_pin.fit.sureness import hang_together, persistence
-from antenna_pin.readable import number
 
 __all__ = ["ResidualTests", "notes_on_residuals", "tests_of"]
 

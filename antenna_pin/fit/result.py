@@ -12,16 +12,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
-from antenna_pin.brief import brief
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
+from antenna_pin.base.files import check_writable, replacing
+from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.files import check_writable, replacing
 from antenna_pin.fit.covariance import Bands
 from antenna_pin.fit.expressions import evaluate
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.sureness import student
 from antenna_pin.fit.validation import ValidationResult
-from antenna_pin.readable import number, prefixed
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
 from antenna_pin.trajectory import open_table, save_table, table_attributes
 

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.interruption import is_interruption
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.bench import Bench, Ran, at_times
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.expressions import evaluate
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.sensors import instants, reading
-from antenna_pin.interruption import is_interruption
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.sweep.design import put_value

@@ -19,12 +19,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import joint_loads, mechanism_of, quantity
-from antenna_pin.directions import unit as along
+from antenna_pin.base.directions import unit as along
+from antenna_pin.base.units import quantity as in_si
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.filters import FilterInput, filter_response, input_of_acceleration, input_of_values
 from antenna_pin.mechanism import link_motion
-from antenna_pin.units import quantity as in_si
 
 __all__ = ["amount", "check_sensor", "instants", "noise_of", "reading", "unit_of"]
 

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable
+from antenna_pin.base.readable import number
 from antenna_pin.errors import MissingToolError
-from antenna_pin.files import check_writable
 from antenna_pin.fit.covariance import WITHHELD, Bands, bands_of
 from antenna_pin.fit.growth import Growth, growth_of
 from antenna_pin.fit.laboratory import Laboratory
@@ -29,7 +30,6 @@ from antenna_pin.fit.sureness import hang_together
 from antenna_pin.fit.surface import on_surface
 from antenna_pin.fit.validation import Validation
 from antenna_pin.fit.verdict import advises_starts, verdict_of
-from antenna_pin.readable import number
 from antenna_pin.sweep import Executor
 
 __all__ = ["run_fit"]

@@ -21,7 +21,7 @@ from typing import Literal, Protocol, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.losses import Loss, curvature, influence
 from antenna_pin.fit.rank import DOUBT, Rank, rank_of

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.fit.designs import Design, Plan
 from antenna_pin.fit.identifiable import Identifiable
 from antenna_pin.scenario import Scenario

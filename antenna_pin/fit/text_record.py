@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.files import marked_encoding
+from antenna_pin.base.numerals import decimal_in
+from antenna_pin.base.tables import BadTableError, TextLayout, UnknownColumnError, hint, read_cells
+from antenna_pin.base.units import shown
 from antenna_pin.errors import ScenarioError, UnknownNameError
-from antenna_pin.files import marked_encoding
 from antenna_pin.fit.layout import LayoutSpec
-from antenna_pin.numerals import decimal_in
-from antenna_pin.tables import BadTableError, TextLayout, UnknownColumnError, hint, read_cells
-from antenna_pin.units import shown
 
 __all__ = ["from_text"]
 

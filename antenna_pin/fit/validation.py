@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from antenna_pin.base.readable import number
 from antenna_pin.fit.covariance import BEYOND_CHANCE
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.problem import NoRunError, Problem
-from antenna_pin.readable import number
 from antenna_pin.sweep import Executor
 
 __all__ = ["ValidationResult", "Validation"]

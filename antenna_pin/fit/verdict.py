@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.readable import number, readable
 from antenna_pin.fit.covariance import Bands
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.runs import NoRunError
-from antenna_pin.readable import number, readable
 
 __all__ = ["advises_starts", "verdict_of"]
 

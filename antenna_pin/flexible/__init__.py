@@ -3,6 +3,6 @@
 What stays and what moves are together the link: mass, mass centre and inertia are kept exactly.
 """
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.parameters import SWINGS, check, parameter
+from antenna_pin.base.units import shown
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties, least_share
 from antenna_pin.flexible.kind import FlexibleKind
 from antenna_pin.flexible.part import ElasticPart, SphereShape
 from antenna_pin.flexible.realised import realised
-from antenna_pin.parameters import SWINGS, check, parameter
-from antenna_pin.units import shown
 
 __all__ = ["ModalData"]
 

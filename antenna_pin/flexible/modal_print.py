@@ -17,14 +17,14 @@ import re
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 
+from antenna_pin.base.numerals import decimal_in, whole_in
+from antenna_pin.base.units import shown
 from antenna_pin.flexible.modal_table import (
     BadModalTableError,
     ModalTable,
     checked_factors,
     checked_frequency,
 )
-from antenna_pin.numerals import decimal_in, whole_in
-from antenna_pin.units import shown
 
 __all__ = ["read_printed"]
 

@@ -6,6 +6,8 @@ CSV has the columns ``frequency``, ``tx``, ``ty``, ``tz``, ``rx``, ``ry``, ``rz`
 
 from __future__ import annotations
 
+from antenna_pin.base.parameters import RULES, SWINGS
+from antenna_pin.base.tables import BadTableError, column_of, headings, read_cells
 from antenna_pin.flexible.modal_print import read_printed
 from antenna_pin.flexible.modal_table import (
     FACTORS,
@@ -14,8 +16,6 @@ from antenna_pin.flexible.modal_table import (
     checked_factors,
     checked_frequency,
 )
-from antenna_pin.parameters import RULES, SWINGS
-from antenna_pin.tables import BadTableError, column_of, headings, read_cells
 
 __all__ = ["BadModalTableError", "ModalTable", "read_modal_table"]
 

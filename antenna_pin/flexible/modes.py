@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from antenna_pin.directions import A_DIRECTION, unit
+from antenna_pin.base.directions import A_DIRECTION, unit
+from antenna_pin.base.parameters import SWINGS, check, parameter
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.kind import FlexibleKind
 from antenna_pin.flexible.part import ElasticPart, SphereShape, Takes
 from antenna_pin.flexible.realised import balanced_rotor, sliding_mass
-from antenna_pin.parameters import SWINGS, check, parameter
 
 __all__ = ["EffectiveMode", "EffectiveModes"]
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.directions import A_DIRECTION, unit
+from antenna_pin.base.directions import A_DIRECTION, unit
+from antenna_pin.base.parameters import SWINGS, check, parameter
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.kind import FlexibleKind
@@ -20,7 +21,6 @@ from antenna_pin.flexible.part import (
     MeshShape,
     frame_with_z,
 )
-from antenna_pin.parameters import SWINGS, check, parameter
 
 __all__ = ["Petals", "petal_body"]
 

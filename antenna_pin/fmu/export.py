@@ -14,10 +14,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from antenna_pin.arguments import takes
 from antenna_pin.assemble import urdf_variant
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.errors import InvalidParameterError, MissingToolError
-from antenna_pin.files import check_writable, replacing
 from antenna_pin.fmu.packed import Packed, check_names
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import start

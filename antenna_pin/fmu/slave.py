@@ -18,12 +18,12 @@ from pythonfmu3 import DefaultExperiment, Float64, Fmi3Causality, Fmi3Slave, Uni
 from pythonfmu3.enums import Fmi3Initial, Fmi3Status, Fmi3Variability
 from pythonfmu3.fmi3slave import Fmi3StepResult
 
+from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fmu.packed import Packed, Variable, place_of
 from antenna_pin.fmu.si import powers_of
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import Session, start
-from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome
 
 __all__ = ["Slave"]

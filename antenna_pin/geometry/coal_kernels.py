@@ -14,9 +14,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.geometry.revolute_kernels import REVOLUTE, bore_contact, flange_contact
-from antenna_pin.records import layout, words_of
 
 #: Rows, as bits (1, 2: the bore's circles at +z and at -z; 4, 8: the flanges there): those wanted, and of
 #: them those about which coal is still to be asked.

@@ -145,7 +145,7 @@ class CoalRevolute:
         of flanges that press; each is asked of coal.
 
         Args:
-            pose: :data:`antenna_pin.records.POSE` of the journal, (1,).
+            pose: :data:`antenna_pin.base.records.POSE` of the journal, (1,).
             strips: Number of strips.
             nodes: Of the sectors (NODE, sectors).
             radius: Of the sectors' circle [m].

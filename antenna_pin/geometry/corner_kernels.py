@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import kernel
-from antenna_pin.records import layout
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import kernel
 
 #: The centre of a corner's rounding, from the journal's centre in the *child's* axes [m], a plane wall in
 #: bearing axes: its normal into the hollow and its distance from the bearing's centre [m], and the corner's

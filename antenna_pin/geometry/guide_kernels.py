@@ -16,9 +16,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.geometry.revolute_kernels import bore_contact
-from antenna_pin.records import layout
 
 #: As CORNER (:mod:`antenna_pin.geometry.corner_kernels`), in a guide that ends: the wall's normal into the
 #: hollow, which has no part along the axis, and half the guide's length.

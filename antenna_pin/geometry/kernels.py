@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.base.records import words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.geometry.corner_kernels import CORNER, corner_contact
 from antenna_pin.geometry.guide_kernels import EDGE, edge_contact, rod_contact
 from antenna_pin.geometry.revolute_kernels import REVOLUTE, bore_contact, flange_contact
 from antenna_pin.geometry.round_kernels import ROUND, ball_contact, circle_contact
-from antenna_pin.records import words_of
 
 #: Words of a candidate's record, whatever its primitive.
 CANDIDATE = words_of(REVOLUTE)

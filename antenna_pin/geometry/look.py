@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.readable import GIVEN, readable
+from antenna_pin.base.readable import GIVEN, readable
 
 __all__ = ["Across", "Look", "Picture", "Row", "Sizes", "across_centre", "circle", "length", "radial_words"]
 

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.answers import refused
+from antenna_pin.base.answers import refused
+from antenna_pin.base.records import CONTACT
+from antenna_pin.base.units import shown
 from antenna_pin.errors import FunctionError
 from antenna_pin.geometry.shape import Distances
-from antenna_pin.records import CONTACT
-from antenna_pin.units import shown
 
 __all__ = ["OwnBackend"]
 
 _RULE = "a finite gap and point, and a finite unit normal, of each contact asked for, and change nothing else"
 _UNIT = 1e-6  # that a normal's length may be off by
-# What it fills in: the first numbers of a row (:data:`antenna_pin.records.CONTACT`).
+# What it fills in: the first numbers of a row (:data:`antenna_pin.base.records.CONTACT`).
 _GIVEN = ("gap", *(f"{name} {axis}" for name in ("normal", "point") for axis in "xyz"))
 
 

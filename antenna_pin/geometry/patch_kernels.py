@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.geometry.revolute_kernels import bore_contact
-from antenna_pin.records import layout
 
 #: Of a sector: sin(t_k), and cos(t_k) over the number of sectors.
 NODE = layout(("sine", "f8"), ("share", "f8"))

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
+from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.geometry.look import Across, Array, Look, Sizes, length
-from antenna_pin.readable import GIVEN, readable
 
 __all__ = ["LOOK", "clamped", "guide_words", "mouths", "touches"]
 

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.records import CONTACT
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
 from antenna_pin.geometry.coal_revolute import CoalRevolute
@@ -23,7 +24,6 @@ from antenna_pin.geometry.shape import (
     pose_of,
     require_lengths,
 )
-from antenna_pin.records import CONTACT
 
 __all__ = ["HARDEST", "AxialScenario", "RadialScenario", "RevoluteClearance"]
 

@@ -1,8 +1,9 @@
 """Closed-form distances between a flanged journal and its bearing, compiled.
 
 All vectors are in the bearing frame H: origin at the bearing's centre, z along its axis. A pose
-(:data:`antenna_pin.records.POSE`) gives the journal's centre ``o`` and unit axis ``z``; a candidate contact
-is a row of :data:`antenna_pin.records.CONTACT`. Bore and flange read the joint's dimensions as one record.
+(:data:`antenna_pin.base.records.POSE`) gives the journal's centre ``o`` and unit axis ``z``; a candidate
+contact is a row of :data:`antenna_pin.base.records.CONTACT`. Bore and flange read the joint's dimensions as
+one record.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
-from antenna_pin.records import layout
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import kernel
 
 #: Dimensions of a revolute joint [m], of the end ``side`` (+1 or -1) of the bearing: R_i, L_i / 2, R_io, R_j,
 #: R_f, L_j / 2.

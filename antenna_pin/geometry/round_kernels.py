@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import kernel
-from antenna_pin.records import layout
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import kernel
 
 #: Dimensions of a journal in a bore that keeps its plane, or of a ball in a socket [m].
 ROUND = layout(

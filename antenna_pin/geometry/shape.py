@@ -9,10 +9,10 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.directions import direction
+from antenna_pin.base.directions import direction
+from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
-from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["ClearanceGeometry", "ContactPlace", "ContactPoint", "Distances", "Motion"]
 
@@ -58,8 +58,8 @@ class Distances(Protocol):
         """Fill gap, normal and point of a joint's rows of a contact table.
 
         Args:
-            pose: :data:`antenna_pin.records.POSE` of the journal, (1,).
-            table: :data:`antenna_pin.records.CONTACT`, (rows,).
+            pose: :data:`antenna_pin.base.records.POSE` of the journal, (1,).
+            table: :data:`antenna_pin.base.records.CONTACT`, (rows,).
             row: The joint's first row.
             wanted: Which of its contacts to ask for (nonzero); all if not given. The others' rows need not be
                 valid.

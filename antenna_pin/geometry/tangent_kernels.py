@@ -3,8 +3,8 @@
 Of a primitive that has a closed form of its gap, its gap, normal and point are differentiated as they are
 defined; ends of sliders in guides are not among these (:func:`contact_changes`).
 
-``pose`` and ``row`` are a journal (:data:`antenna_pin.records.POSE`) and a candidate
-(:data:`antenna_pin.records.CONTACT`) as they are; ``way`` and ``change`` are how the journal's centre,
+``pose`` and ``row`` are a journal (:data:`antenna_pin.base.records.POSE`) and a candidate
+(:data:`antenna_pin.base.records.CONTACT`) as they are; ``way`` and ``change`` are how the journal's centre,
 axis and rotation and the shape's dimensions change.
 """
 
@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.geometry.corner_kernels import CORNER
 from antenna_pin.geometry.kernels import (
     BALL,

@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin import records
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base import records
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.integrate.kernels import RATES, STATE, dense_coefficients, finish, stage, store
 from antenna_pin.integrate.manifold_kernels import space_of
 

@@ -21,8 +21,9 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined, kernel
-from antenna_pin._lanes import LANES, lane_of_row, put_lane_of_row, same_lane
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.lanes import LANES, lane_of_row, put_lane_of_row, same_lane
 from antenna_pin.integrate.manifold_kernels import (
     chart_rate,
     factor_of,
@@ -30,7 +31,6 @@ from antenna_pin.integrate.manifold_kernels import (
     retract_factor,
     space_of,
 )
-from antenna_pin.records import PLANE, RIGID, ROTATION, VECTOR
 
 # Rows of the work array behind the stages' rates.
 U = 0  # chart coordinates of the state being evaluated

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import kernel
+from antenna_pin.compiled.decorators import kernel
 
 
 @kernel

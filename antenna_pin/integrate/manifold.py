@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.base.records import CIRCLE, PLANE, RIGID, ROTATION, VECTOR
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import manifold_kernels as kernels
-from antenna_pin.records import CIRCLE, PLANE, RIGID, ROTATION, VECTOR
 
 __all__ = ["KINDS", "Manifold"]
 

@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin import records
-from antenna_pin._compile import inlined, kernel, record
-from antenna_pin.records import PLANE, RIGID, ROTATION, VECTOR
+from antenna_pin.base import records
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR
+from antenna_pin.compiled.decorators import inlined, kernel, record
 
 # Sizes of q, v and x, and how many factors the configurations have; as many ``FACTOR`` follow.
 SPACE = records.layout(("nq", "i8"), ("nv", "i8"), ("nx", "i8"), ("factors", "i8"))

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from antenna_pin import records
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base import records
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.integrate.kernels import START, STATE, TOTAL, U, magnitudes, store
 from antenna_pin.integrate.linear_kernels import decompose, solve
 from antenna_pin.integrate.manifold_kernels import retract, space_of

@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.integrate.explicit_kernels import ASK, FAILED, MADE
 from antenna_pin.integrate.kernels import store
 from antenna_pin.integrate.newton_kernels import (

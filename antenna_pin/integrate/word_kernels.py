@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined
 
 
 @by_address

@@ -13,8 +13,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin._compile import in_python
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.records import CONTACT, MEMORY, POSE
+from antenna_pin.compiled.decorators import in_python
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
 from antenna_pin.contact.kernels import NORMAL_SIZE, takes_mass_of_contact
 from antenna_pin.errors import InvalidParameterError
@@ -27,7 +28,6 @@ from antenna_pin.joints._checks import check_asked, check_friction, check_load
 from antenna_pin.joints.contacts import JointContacts
 from antenna_pin.joints.patch_kernels import patch_energy
 from antenna_pin.joints.python_path import LawInRun, PythonPath, has_code, range_of
-from antenna_pin.records import CONTACT, MEMORY, POSE
 
 __all__ = ["ClearanceJoint"]
 

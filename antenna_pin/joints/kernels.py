@@ -1,8 +1,8 @@
 """The joint with play, compiled: from pose and twist of the journal to the generalized force.
 
 A joint is a block of numbers in a system's program (:mod:`antenna_pin.joints.layout_kernels`), its contacts
-are rows of a table (:data:`antenna_pin.records.CONTACT`) and of the contact memory
-(:data:`antenna_pin.records.MEMORY`). What a contact integrates lies in x from its own start on.
+are rows of a table (:data:`antenna_pin.base.records.CONTACT`) and of the contact memory
+(:data:`antenna_pin.base.records.MEMORY`). What a contact integrates lies in x from its own start on.
 
 A point load at a flange acts at the deepest point of the rim, or nearer to the axis where the whole annulus
 presses (:func:`antenna_pin.joints.row_kernels.lever`); its depth, and so its force and the energy stored,
@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy
 from antenna_pin.geometry.kernels import FLANGE, candidate_contact

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, record
+from antenna_pin.base.records import layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE
 from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.geometry.revolute_kernels import REVOLUTE
-from antenna_pin.records import layout, words_of
 
 #: The kind of block that a joint with play is in a program.
 CLEARANCE = 1

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel, record
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.geometry.kernels import CANDIDATE, FLANGE, candidate_contact
 from antenna_pin.geometry.revolute_kernels import REVOLUTE
 from antenna_pin.geometry.tangent_kernels import (

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import words_of
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force
 from antenna_pin.geometry.patch_kernels import NODE, sector_contacts, strip_contacts
@@ -21,7 +22,6 @@ from antenna_pin.joints.layout_kernels import (
     revolute_of,
 )
 from antenna_pin.joints.row_kernels import add_wrench, friction_power, no_wrench, row_forces, row_rates
-from antenna_pin.records import words_of
 
 NODE_WORDS = words_of(NODE)
 

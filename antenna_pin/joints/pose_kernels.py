@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.mechanism.tree_kernels import unwrapped
 from antenna_pin.mechanism.twist_kernels import twist_angle

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.answers import AskedFunction, told_numbers
+from antenna_pin.base.answers import AskedFunction, told_numbers
+from antenna_pin.base.records import POSE
+from antenna_pin.compiled.given_functions import callable_of
 from antenna_pin.contact import FrictionLaw, NormalLaw
 from antenna_pin.contact.friction_kernels import friction_force
 from antenna_pin.contact.kernels import elastic_energy, elastic_force, normal_force
@@ -18,11 +20,9 @@ from antenna_pin.contact.normal import normal_questions
 from antenna_pin.geometry import Distances
 from antenna_pin.geometry.coal_revolute import CoalRevolute
 from antenna_pin.geometry.patch_kernels import NODE
-from antenna_pin.given_functions import callable_of
 from antenna_pin.joints import kernels
 from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
 from antenna_pin.joints.pose_kernels import place_journal
-from antenna_pin.records import POSE
 
 __all__ = ["LawInRun", "PythonPath", "coefficient_of", "functions_of_law", "has_code", "range_of"]
 
@@ -94,8 +94,8 @@ class PythonPath:
 
     Args:
         block: The joint's numbers.
-        memory: Contact memory of the system, :data:`antenna_pin.records.MEMORY`.
-        table: Contact table of the system, :data:`antenna_pin.records.CONTACT`.
+        memory: Contact memory of the system, :data:`antenna_pin.base.records.MEMORY`.
+        table: Contact table of the system, :data:`antenna_pin.base.records.CONTACT`.
         nq: Size of the configuration: where the velocities start in a state.
         distances: What measures its gaps; None for the compiled closed form.
         laws: Its normal laws, one for each contact, and whose each is, in words.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.bristle_kernels import bristle_force
 from antenna_pin.contact.friction_kernels import friction_force
 from antenna_pin.contact.kernels import damped_force, elastic_force

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin._by_address import by_address
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.by_address import by_address
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.bristle_kernels import bristle_force
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.geometry.kernels import FLANGE
 from antenna_pin.geometry.tangent_kernels import GAP, NORMAL, POINT
 from antenna_pin.integrate.manifold_kernels import space_of

@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._compile import record
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.compiled.decorators import record
 from antenna_pin.contact import (
     DISSIPATIONS,
     CompiledNormalLaw,

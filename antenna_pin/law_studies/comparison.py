@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.contact import (
     NORMAL_LAWS,
     CompiledNormalLaw,

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.contact import Material
 from antenna_pin.law_studies.comparison import elastic_laws_of_joint, force_within
 

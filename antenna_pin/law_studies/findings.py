@@ -6,7 +6,7 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.contact import effective_modulus
 from antenna_pin.law_studies.experiment import (
     LIU_2013,

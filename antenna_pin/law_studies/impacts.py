@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.contact import CompiledNormalLaw, NormalLaw
 from antenna_pin.contact.kernels import normal_force
 from antenna_pin.errors import InvalidParameterError

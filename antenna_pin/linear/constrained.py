@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.differences import gradient
+from antenna_pin.base.differences import gradient
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.linear.forces import Forces
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eig, eigh, null_space
 from scipy.optimize import linear_sum_assignment
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.linear.linearisation import Linearisation
 
 __all__ = ["Eigen", "Kind", "solve"]

@@ -10,13 +10,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.differences import STEPS, gradient
+from antenna_pin.base.differences import STEPS, gradient
+from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.dynamics import Adjustments, System, Workspace
 from antenna_pin.dynamics import kernels as _program
 from antenna_pin.dynamics.mounted import bearings_in
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.pose_kernels import place_journal
-from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["Forces", "ForceDerivatives", "Loads"]
 

@@ -10,8 +10,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from antenna_pin.arguments import takes
-from antenna_pin.brief import brief
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
 from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace, acting_in
 from antenna_pin.elements import Modal

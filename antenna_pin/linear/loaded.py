@@ -8,14 +8,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.differences import gradient
+from antenna_pin.base.differences import gradient
+from antenna_pin.base.readable import number
+from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import MechanismError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.linear.forces import Forces
-from antenna_pin.readable import number
-from antenna_pin.records import CONTACT, POSE
 
 __all__ = ["press"]
 

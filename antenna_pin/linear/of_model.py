@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, check_closed, first_modes
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.linear.play import Play, prepared
@@ -18,7 +19,6 @@ from antenna_pin.linear.result import Modes, modes_at
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.simulation import simulate
 from antenna_pin.simulation.first import check_sizes
-from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory, is_lean
 
 __all__ = ["modes"]

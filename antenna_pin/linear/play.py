@@ -9,14 +9,14 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.arguments import takes
-from antenna_pin.brief import brief
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
+from antenna_pin.base.records import CONTACT, memory_records
 from antenna_pin.dynamics import BASE, System, Workspace, assemble, joints_held
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.linear.loaded import press
 from antenna_pin.mechanism import JointSlot
-from antenna_pin.records import CONTACT, memory_records
 
 __all__ = ["At", "Play", "prepared"]
 

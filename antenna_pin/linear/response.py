@@ -11,8 +11,8 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.analysis import Antenna
-from antenna_pin.arguments import takes
-from antenna_pin.differences import slope
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.differences import slope
 from antenna_pin.dynamics import JointMotion, System, Workspace
 from antenna_pin.elements import ConstantDrive, Motion
 from antenna_pin.errors import InvalidParameterError, UnknownNameError

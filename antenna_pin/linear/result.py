@@ -12,8 +12,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin._views import ModesRecorder, ResponsePlotter, View, as_html
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number
+from antenna_pin.base.views import ModesRecorder, ResponsePlotter, View, as_html
 from antenna_pin.dynamics import BASE, System
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.linear.eigen import Eigen, solve
@@ -21,7 +22,6 @@ from antenna_pin.linear.linearisation import Linearisation, linearise
 from antenna_pin.linear.play import At
 from antenna_pin.linear.shares import bodies_of, kinetic_shares, strain_shares
 from antenna_pin.linear.spinning import rotors
-from antenna_pin.readable import number
 from antenna_pin.scenario import Scenario
 
 __all__ = ["COMPONENTS", "Modes", "modes_at"]

@@ -7,14 +7,14 @@ import pinocchio as pin
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number
 from antenna_pin.dynamics import System, acting_in
 from antenna_pin.elements import Modal
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.linear.play import At
 from antenna_pin.linear.result import Modes
 from antenna_pin.linear.shares import bodies_of
-from antenna_pin.readable import number
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.trajectory import Counts, Outcome, Trajectory
 

@@ -1,5 +1,5 @@
 """A scenario explored live: sliders in a browser, half a second of its run after each change."""
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

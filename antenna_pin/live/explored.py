@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import Line, answer, journal_motion, quantity
+from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.files import check_writable, replacing
 from antenna_pin.live.knobs import Knob, knobs_of, play_names
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
 from antenna_pin.session import start

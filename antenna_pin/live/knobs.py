@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from antenna_pin.arguments import takes
-from antenna_pin.numerals import bare
-from antenna_pin.parameters import parameters_of
-from antenna_pin.readable import GIVEN, readable
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.numerals import bare
+from antenna_pin.base.parameters import parameters_of
+from antenna_pin.base.readable import GIVEN, readable
+from antenna_pin.base.units import quantity
 from antenna_pin.scenario import LawChange, LawSpec, Scenario, TouchingSpec
 from antenna_pin.scenario.laws import declared_parameters, laws, needs_materials, unit_of
-from antenna_pin.units import quantity
 
 __all__ = ["Knob", "knobs_of", "play_names"]
 

@@ -15,13 +15,13 @@ from bokeh.document import Document
 from bokeh.models import Button, Column, Div, Row, Select, Slider, TextInput
 from jinja2 import Environment, Template
 
+from antenna_pin.base.readable import lasting
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.live.explored import Curves, Explored, said_of
 from antenna_pin.live.knobs import Knob
 from antenna_pin.live.looks import darkened, dressed
 from antenna_pin.live.panels import Panels
 from antenna_pin.live.runner import COMPILING, Made, Runner
-from antenna_pin.readable import lasting
 from antenna_pin.scenario import Scenario
 
 __all__ = ["Page"]

@@ -8,9 +8,9 @@ import numpy as np
 from bokeh.models import BasicTickFormatter, Column, ColumnDataSource, Div, HoverTool
 from bokeh.plotting import figure
 
+from antenna_pin.base.readable import prefixed, printed_unit
 from antenna_pin.live.explored import Curve, Curves
 from antenna_pin.live.looks import COLOURS, OUTLINE, REFERENCE, dressed, squared
-from antenna_pin.readable import prefixed, printed_unit
 
 __all__ = ["Panels"]
 

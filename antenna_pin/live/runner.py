@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from antenna_pin._compile_time import CompileClock, compiling_timed
+from antenna_pin.compiled.compile_time import CompileClock, compiling_timed
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import start

@@ -16,8 +16,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from antenna_pin._kernel_cache import told_of_compiling
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.compiled.kernel_cache import told_of_compiling
 from antenna_pin.errors import InvalidParameterError, MissingToolError, OutputError
 from antenna_pin.live.explored import SPAN, Explored
 from antenna_pin.live.runner import COMPILING

@@ -1,9 +1,9 @@
-from antenna_pin.changes import JOINT_VARIANTS as JOINT_VARIANTS
-from antenna_pin.changes import JointChange as JointChange
-from antenna_pin.changes import JointVariant as JointVariant
-from antenna_pin.changes import LinkChange as LinkChange
-from antenna_pin.changes import Rotor as Rotor
-from antenna_pin.changes import ShapeChange as ShapeChange
+from antenna_pin.base.changes import JOINT_VARIANTS as JOINT_VARIANTS
+from antenna_pin.base.changes import JointChange as JointChange
+from antenna_pin.base.changes import JointVariant as JointVariant
+from antenna_pin.base.changes import LinkChange as LinkChange
+from antenna_pin.base.changes import Rotor as Rotor
+from antenna_pin.base.changes import ShapeChange as ShapeChange
 from antenna_pin.mechanism._size import check_size as check_size
 from antenna_pin.mechanism.dynamics import CHANGE as CHANGE
 from antenna_pin.mechanism.dynamics import LANES as LANES

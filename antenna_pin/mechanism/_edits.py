@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from antenna_pin.changes import JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.base.changes import JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism._format import MOMENTS, SHAPES, numbers_in
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z, roll_pitch_yaw

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 from lxml import etree
 
+from antenna_pin.base.numerals import decimal_in
 from antenna_pin.errors import MechanismError, nearest
 from antenna_pin.mechanism._source import tag_of
-from antenna_pin.numerals import decimal_in
 
 __all__ = [
     "FORMAT",

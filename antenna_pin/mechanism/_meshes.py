@@ -8,8 +8,8 @@ import shutil
 from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
 
+from antenna_pin.base.files import replacing
 from antenna_pin.errors import MechanismError, OutputError
-from antenna_pin.files import replacing
 from antenna_pin.mechanism.packages import mesh_file
 
 # What a Wavefront material file calls the images it uses.

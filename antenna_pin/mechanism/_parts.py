@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
+from antenna_pin.base.units import shown
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.flexible import (
     BoxShape,
@@ -24,7 +25,6 @@ from antenna_pin.flexible import (
 from antenna_pin.mechanism._edits import child_of, named, remove, set_numbers, text_of
 from antenna_pin.mechanism._format import MOMENTS, numbers_in
 from antenna_pin.mechanism.frames import roll_pitch_yaw
-from antenna_pin.units import shown
 
 __all__ = ["add_parts", "body_name"]
 

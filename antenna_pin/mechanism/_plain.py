@@ -12,10 +12,10 @@ from typing import Any
 
 from lxml import etree
 
-from antenna_pin.directions import unit
+from antenna_pin.base.directions import unit
+from antenna_pin.base.parameters import LARGEST, NO_BOUND
 from antenna_pin.mechanism._format import FORMAT, MOMENTS, SHAPES, half_unit, numbers_in, text_in
 from antenna_pin.mechanism._source import name_of, tag_of
-from antenna_pin.parameters import LARGEST, NO_BOUND
 
 __all__ = ["Findings", "WITH_AXIS", "clean", "for_pinocchio"]
 

@@ -6,8 +6,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from antenna_pin.base.files import decoded
 from antenna_pin.errors import MechanismError
-from antenna_pin.files import decoded
 from antenna_pin.mechanism import _checks, _plain, _source, _vary, _xml
 from antenna_pin.mechanism._robot import Robot, robot_of
 

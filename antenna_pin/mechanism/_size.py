@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from antenna_pin.arguments import takes
-from antenna_pin.capacity import check_fits
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.capacity import check_fits
 
 __all__ = ["check_size"]
 

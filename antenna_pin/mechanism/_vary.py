@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
-from antenna_pin.directions import unit
+from antenna_pin.base.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange
+from antenna_pin.base.directions import unit
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.mechanism import _edits, _xml
 from antenna_pin.mechanism._plain import WITH_AXIS

@@ -15,10 +15,10 @@ from typing import Any
 
 from lxml import etree
 
+from antenna_pin.base.parameters import LARGEST
 from antenna_pin.errors import MechanismError, nearest
 from antenna_pin.mechanism._format import MOMENTS, check_names, numbers_in, placed
 from antenna_pin.mechanism._source import is_xacro, root_of, tag_of
-from antenna_pin.parameters import LARGEST
 
 JOINT_TYPES = ("continuous", "fixed", "floating", "planar", "prismatic", "revolute")
 

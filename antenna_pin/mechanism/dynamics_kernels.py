@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.room_kernels import (
     carried_acceleration,
     gyroscopic_wrench,
@@ -26,7 +27,6 @@ from antenna_pin.mechanism.take_out_kernels import (
     take_out_plane,
     take_out_rotation,
 )
-from antenna_pin.records import PLANE, RIGID, ROTATION, SLIDE
 
 
 @kernel

@@ -11,8 +11,8 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from antenna_pin.arguments import takes
-from antenna_pin.directions import direction
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.directions import direction
 
 __all__ = [
     "Matrix3",

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.room_kernels import (
     crossed,
     symmetric_times,
@@ -18,7 +19,6 @@ from antenna_pin.mechanism.room_kernels import (
     turned_back,
     turned_symmetric,
 )
-from antenna_pin.records import PLANE, RIGID, ROTATION, SLIDE
 
 
 @kernel

@@ -13,8 +13,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
-from antenna_pin.brief import brief
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism._edits import plane_names
 from antenna_pin.mechanism._inertia import Impossible, RigidGroup, impossible_inertia, rigid_groups

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.room_kernels import crossed, turned, turned_symmetric
 from antenna_pin.mechanism.spatial_kernels import add_six, cross_wrench, set_six, times_inertia
 from antenna_pin.mechanism.tangent_kernels import change_motion

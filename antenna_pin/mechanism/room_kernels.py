@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined
+from antenna_pin.base.records import layout
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.mechanism.tree_kernels import PLACE_FIELDS, relative
-from antenna_pin.records import layout
 
 #: Room for a body, to be written to. Whether it carries any inertia. Its place in the body that it is on; its
 #: velocity; what its joint adds to it; the acceleration that velocities alone add to that of the body it is

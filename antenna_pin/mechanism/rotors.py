@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from antenna_pin.arguments import takes
-from antenna_pin.changes import Rotor
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.changes import Rotor
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import _source
 from antenna_pin.mechanism._edits import named, text_of

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.elements import Shake
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import _source

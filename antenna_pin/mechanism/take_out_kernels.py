@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin._compile import inlined
+from antenna_pin.base.records import SLIDE
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.mechanism.room_kernels import crossed, inertia_at_origin, symmetric_times
-from antenna_pin.records import SLIDE
 
 
 @inlined

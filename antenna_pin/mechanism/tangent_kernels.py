@@ -26,12 +26,12 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined, kernel
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.room_kernels import crossed, turned, turned_back, turned_symmetric
 from antenna_pin.mechanism.spatial_kernels import add_six, cross_motion, cross_wrench, set_six, times_inertia
 from antenna_pin.mechanism.tree_kernels import bias_accelerations, place_bodies
-from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout
 
 #: Of a body, about the point and in world axes: place of its origin [m]; its velocity and acceleration, in
 #: which the ground rises against gravity; what its joint adds to the velocity; its momentum; the wrench that

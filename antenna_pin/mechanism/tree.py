@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE
 from antenna_pin.mechanism import tree_kernels as _bodies
 from antenna_pin.mechanism.model import Mechanism
 from antenna_pin.mechanism.tree_kernels import BODY, PLACE
-from antenna_pin.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE
 
 __all__ = ["BODY", "PLACE", "body_tree", "freedoms_below"]
 

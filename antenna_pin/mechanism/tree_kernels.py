@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin._compile import inlined, kernel
-from antenna_pin.records import CIRCLE, FIXED_AXIS, RIGID, ROTATION, SLIDE, layout
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, RIGID, ROTATION, SLIDE, layout
+from antenna_pin.compiled.decorators import inlined, kernel
 
 # A moving body and the joint that moves it: index of the body that it is on (-1: the world), how the joint
 # moves (``FIXED_AXIS``, ``CIRCLE``, ... of ``records``), starts in q and v, whether the body counts in the

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin._compile import inlined
+from antenna_pin.compiled.decorators import inlined
 
 
 @inlined

@@ -14,12 +14,12 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from antenna_pin.arguments import takes
-from antenna_pin.brief import brief
-from antenna_pin.changes import JointChange, JointVariant, LinkChange
-from antenna_pin.directions import unit
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
+from antenna_pin.base.changes import JointChange, JointVariant, LinkChange
+from antenna_pin.base.directions import unit
+from antenna_pin.base.files import replacing
 from antenna_pin.errors import MechanismError, UnknownNameError
-from antenna_pin.files import replacing
 from antenna_pin.flexible import MassProperties, SplitLink
 from antenna_pin.mechanism import (
     _checks,

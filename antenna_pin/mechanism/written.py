@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from antenna_pin.changes import JointChange, JointVariant, LinkChange
+from antenna_pin.base.changes import JointChange, JointVariant, LinkChange
 from antenna_pin.mechanism import _dynamics_tag, _plain, _xml
 from antenna_pin.mechanism._format import broken_numbers
 from antenna_pin.mechanism._reading import text_of

@@ -7,11 +7,11 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System
 from antenna_pin.mechanism import BODY
 from antenna_pin.nonlinear.near import Near
 from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.settings import RunSettings
 
 __all__ = ["Beside"]
 

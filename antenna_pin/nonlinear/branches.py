@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear.carry import carried
 from antenna_pin.nonlinear.returns import Returns
@@ -15,7 +16,6 @@ from antenna_pin.nonlinear.sections import settled_points
 from antenna_pin.nonlinear.surfaces import Section
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Progress
-from antenna_pin.state import State
 
 __all__ = ["BRANCHES", "Asked", "Branch", "Entry", "make", "watching"]
 

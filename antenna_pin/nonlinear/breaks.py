@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.base.differences import WEIGHTS
 from antenna_pin.integrate import NODES
 
 __all__ = ["BETWEEN", "ENDS", "Break", "SAMPLES", "left_over", "located"]

@@ -9,15 +9,15 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.settings import ErrorScales
+from antenna_pin.base.state import State
 from antenna_pin.constraints import Constraints, directions
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.frames import MEMORIES, Units, frame_at, way_between
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.modes_of_states import NotAlikeError, check_modes_alike, modes_of, take_up_modes
-from antenna_pin.settings import ErrorScales
 from antenna_pin.simulation.first import check_sizes
-from antenna_pin.state import State
 
 __all__ = ["Chart", "NotAlikeError", "OutOfReachError"]
 

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
-from antenna_pin.brief import brief
-from antenna_pin.capacity import check_count
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
+from antenna_pin.base.capacity import check_count
+from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.bifurcations import (
     Bifurcation,
@@ -26,7 +27,6 @@ from antenna_pin.nonlinear.follower import Family, Follower, Node, Point, early
 from antenna_pin.nonlinear.grazes import Ahead, bent, change_ahead
 from antenna_pin.nonlinear.locate import Step
 from antenna_pin.nonlinear.orbits import NoOrbitError, near_enough
-from antenna_pin.state import State
 
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "check_steps", "continued"]
 

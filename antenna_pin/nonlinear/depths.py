@@ -13,11 +13,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.records import CONTACT
 from antenna_pin.engine import Tangents
 from antenna_pin.nonlinear.frames import CLOCK, Frame, Units
 from antenna_pin.nonlinear.near import STEP, Function, Near
-from antenna_pin.records import CONTACT
 
 __all__ = ["Depths"]
 

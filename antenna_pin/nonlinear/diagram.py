@@ -22,9 +22,11 @@ from typing import Any
 
 import xarray as xr
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable
+from antenna_pin.base.state import State
+from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.files import check_writable
 from antenna_pin.nonlinear.branches import BRANCHES, Asked, Branch, Entry, make
 from antenna_pin.nonlinear.diagram_journal import Parts
 from antenna_pin.nonlinear.diagram_table import diagram_table
@@ -32,9 +34,7 @@ from antenna_pin.nonlinear.returns import Returns
 from antenna_pin.nonlinear.sections import check_counts
 from antenna_pin.nonlinear.surfaces import Section, Stroboscope
 from antenna_pin.scenario import Scenario
-from antenna_pin.state import State
 from antenna_pin.trajectory import save_table, table_attributes
-from antenna_pin.units import any_quantity
 
 __all__ = ["Made", "bifurcation"]
 

@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis.transients import RULE
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.units import any_quantity
 from antenna_pin.nonlinear.branches import Asked, Entry
 from antenna_pin.trajectory import open_table, table_attributes
-from antenna_pin.units import any_quantity
 
 __all__ = ["diagram_table", "open_diagram", "open_section"]
 

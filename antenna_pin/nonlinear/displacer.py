@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import memory_records
+from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.nonlinear.frames import parts_of, way_between
 from antenna_pin.nonlinear.kept import Kept
-from antenna_pin.records import memory_records
 from antenna_pin.simulation.samples import Chunk
-from antenna_pin.state import State
 
 __all__ = ["Displacer"]
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
-from antenna_pin.arguments import takes
-from antenna_pin.capacity import check_count
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.capacity import check_count
 from antenna_pin.nonlinear.continuation import Branch, Family
 from antenna_pin.nonlinear.flow import Flow, flow_of
 from antenna_pin.nonlinear.surfaces import drive_period

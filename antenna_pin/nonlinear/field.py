@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.differences import WEIGHTS, roughness
+from antenna_pin.base.differences import WEIGHTS, roughness
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System, works_in_x
 from antenna_pin.engine import Carrying, Slopes, Tangents
 from antenna_pin.nonlinear.depths import Depths
@@ -15,7 +16,6 @@ from antenna_pin.nonlinear.frames import CLOCK, Frame, Lift, Rates, Units, frame
 from antenna_pin.nonlinear.lifts import Lifts
 from antenna_pin.nonlinear.near import STEP, Function, Near
 from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.settings import RunSettings
 
 __all__ = ["Field"]
 

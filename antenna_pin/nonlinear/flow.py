@@ -10,23 +10,23 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.differences import Slope, slope
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.differences import Slope, slope
+from antenna_pin.base.records import memory_records
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.frames import Frame, Lift
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.variational import Carrier
-from antenna_pin.records import memory_records
 from antenna_pin.scenario import Scenario
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.run import settings_of, simulate
-from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome, Trajectory
 
 __all__ = ["Flow", "FlowError", "Tangent", "flow_of"]

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from antenna_pin.differences import slope
+from antenna_pin.base.differences import slope
+from antenna_pin.base.state import State
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, moving, orbit_at, periodic_orbit
-from antenna_pin.state import State
 
 __all__ = ["Family", "Follower", "Node", "Point", "early"]
 

@@ -10,11 +10,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.settings import ErrorScales
 from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.integrate import KINDS
 from antenna_pin.nonlinear.kept import Kept
-from antenna_pin.settings import ErrorScales
 from antenna_pin.simulation.scales import scale_vector
 
 __all__ = [

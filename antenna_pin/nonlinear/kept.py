@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import Modal, kind_of
 from antenna_pin.elements import kernels as of_elements
-from antenna_pin.state import State
 
 __all__ = ["Kept", "Number"]
 

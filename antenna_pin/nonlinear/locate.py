@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
+from antenna_pin.base.roots import root_between
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear.follower import Follower, Node, Point
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit
-from antenna_pin.roots import root_between
 
 __all__ = ["Located", "Step", "Test", "where_crossed", "where_turned", "where_zero"]
 

@@ -12,15 +12,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
-from antenna_pin.brief import brief
-from antenna_pin.capacity import MOST, check_count
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
+from antenna_pin.base.capacity import MOST, check_count
+from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.nonlinear.flow import Flow
 from antenna_pin.nonlinear.neighbours import Ahead, left_of, mechanical
 from antenna_pin.scenario import Scenario
-from antenna_pin.state import State
 from antenna_pin.trajectory import open_table, table_attributes
 
 __all__ = [
@@ -252,7 +252,7 @@ def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Da
         ``time``, when it ends, from the end of the transient on [s]. Over both: ``growth`` [-] and
         ``running`` [1/s], the exponents as they were after each interval. Attributes ``verdict``,
         ``interval`` [s], and ``start`` and ``end``, states to go on from
-        (:meth:`antenna_pin.state.State.from_json`).
+        (:meth:`antenna_pin.base.state.State.from_json`).
     """
     over = ("interval", "exponent")
     rate, none = {"units": "1/s"}, {"units": "1"}

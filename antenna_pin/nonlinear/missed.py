@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import Stepper, method_named
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import way_between
 from antenna_pin.nonlinear.instants import Carried
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.stretches import stepper_of
 
 __all__ = ["Kink", "Missed", "StepAnew"]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from antenna_pin.base.state import State
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in
 from antenna_pin.elements import Modal
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.state import State
 
 __all__ = ["ModeNow", "NotAlikeError", "check_modes_alike", "modes_of", "take_up_modes"]
 

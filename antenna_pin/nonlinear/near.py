@@ -7,14 +7,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.engine import Carrying, SystemSlopes, Tangents, moves_rows
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Units, parts_of
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.numbers import InPlace, Numbers
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.stretches import stepper_of
 

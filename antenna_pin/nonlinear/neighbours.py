@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow
 from antenna_pin.nonlinear.frames import Frame, own_state
 from antenna_pin.nonlinear.kept import Kept
-from antenna_pin.state import State
 
 __all__ = ["Ahead", "left_of", "mechanical"]
 

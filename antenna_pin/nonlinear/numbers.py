@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.differences import few
+from antenna_pin.base.differences import few
 from antenna_pin.dynamics import System, Workspace, acting_in
 from antenna_pin.engine import CompiledStepper
 from antenna_pin.errors import InvalidParameterError

@@ -10,12 +10,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.flow import flow_of
 from antenna_pin.nonlinear.surfaces import Section, Stroboscope
 from antenna_pin.scenario import Scenario
-from antenna_pin.state import State
 
 __all__ = ["orbits_in_section"]
 

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.dynamics import System
 from antenna_pin.nonlinear.continuation import Branch
 from antenna_pin.nonlinear.orbits import Orbit
@@ -107,7 +107,7 @@ def orbit_table(orbit: Orbit, system: System, scenario: Scenario | None = None) 
         ``period`` [s], ``residual`` and ``doubt`` [-], ``neutral``, how many multipliers are 1 for what
         lasting contacts remember and are not among the others, ``stability`` (stable, unstable, neutral),
         ``onsets`` and ``events`` in a period [-], ``start`` [s] and ``state``, to go on from
-        (:meth:`antenna_pin.state.State.from_json`); ``q`` over ``configuration`` and ``v`` over
+        (:meth:`antenna_pin.base.state.State.from_json`); ``q`` over ``configuration`` and ``v`` over
         ``coordinate``, in that state; over ``multiplier``: ``multiplier_real``, ``multiplier_imaginary`` [-]
         and ``exponent`` [1/s]; ``tangent`` [-] over ``to`` and ``from``, names of its coordinates. Attributes
         ``free_period`` (0, 1) and ``iterations``.

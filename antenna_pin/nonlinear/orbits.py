@@ -9,16 +9,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._views import Plotter, Reporter, View, as_html
-from antenna_pin.arguments import takes
-from antenna_pin.brief import brief
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
+from antenna_pin.base.state import State
+from antenna_pin.base.views import Plotter, Reporter, View, as_html
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow, Tangent
 from antenna_pin.nonlinear.frames import own_state
 from antenna_pin.scenario import Scenario
-from antenna_pin.state import State
 
 __all__ = ["NoOrbitError", "Orbit", "moving", "near_enough", "orbit_at", "periodic_orbit"]
 

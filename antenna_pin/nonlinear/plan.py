@@ -10,15 +10,15 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BeforeValidator
 
-from antenna_pin.arguments import takes
-from antenna_pin.capacity import check_count
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.capacity import check_count
+from antenna_pin.base.numerals import bare, whole_in
+from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.branches import Branch
 from antenna_pin.nonlinear.surfaces import Section, section_of
-from antenna_pin.numerals import bare, whole_in
 from antenna_pin.scenario.runs_file import RunsFile
 from antenna_pin.scenario.spec import Count
-from antenna_pin.units import any_quantity
 
 __all__ = ["DiagramPlan", "is_plan", "list_plans", "load_plan", "values_of"]
 

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
 from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Event, Progress, simulate
 from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
 from antenna_pin.simulation.run import settings_of
-from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome, Trajectory
 
 __all__ = ["Points", "Returns"]

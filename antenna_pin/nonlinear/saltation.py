@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import MEMORY
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import Frame, way_between
 from antenna_pin.nonlinear.instants import Carried
 from antenna_pin.nonlinear.near import Function
 from antenna_pin.nonlinear.replay import Replay
-from antenna_pin.records import MEMORY
 from antenna_pin.simulation import Jump, Moment, Set, Time
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.own_actions import Switch

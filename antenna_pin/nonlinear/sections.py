@@ -13,14 +13,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.analysis.transients import LEAST, RULE, Settled, settled
-from antenna_pin.arguments import takes
-from antenna_pin.capacity import check_count
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.capacity import check_count
+from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.returns import Points, Returns
 from antenna_pin.nonlinear.surfaces import Section
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Progress
-from antenna_pin.state import State
 from antenna_pin.trajectory import table_attributes
 
 __all__ = ["SettledPoints", "check_counts", "poincare", "settled_points"]
@@ -127,9 +127,9 @@ def poincare(
         Over ``point``: ``time`` [s] and each quantity. ``settled`` says whether they have settled,
         ``transient`` how many points were cut before them, ``drift`` [-] how far their statistics
         went; attributes ``rule``, ``section``, ``period`` [s], ``outcome``, ``message``,
-        ``scenario`` (JSON) and ``state``, to go on from (:meth:`antenna_pin.state.State.from_json`); it is
-        that to which the run got, behind the last point, and of a surface behind later ones too. A run that
-        ended early has fewer points, and has not settled.
+        ``scenario`` (JSON) and ``state``, to go on from (:meth:`antenna_pin.base.state.State.from_json`); it
+        is that to which the run got, behind the last point, and of a surface behind later ones too. A run
+        that ended early has fewer points, and has not settled.
 
     Raises:
         AntennaPinError: The input is not valid.

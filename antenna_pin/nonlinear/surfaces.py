@@ -8,12 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.numerals import bare
+from antenna_pin.base.units import quantity
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.numerals import bare
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Angle, Force, Gap, Moment, Rate
-from antenna_pin.units import quantity
 
 __all__ = ["Crossing", "Section", "Stroboscope", "drive_period", "section_of"]
 

@@ -8,6 +8,6 @@ repeats. Of contact laws: force over depth, restitution, and the experiment of L
 returns a :class:`matplotlib.figure.Figure` that belongs to no window and shows itself in a notebook.
 """
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

@@ -29,8 +29,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
+from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.readable import printed_unit
 
 Width = Literal["column", "page"]
 Array = npt.NDArray[np.float64]

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import Recurrence, RecurrenceKind, quantity, recurrence
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._style import (
     Array,

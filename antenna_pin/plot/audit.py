@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._kinds import FREE_BASE, none_with
 from antenna_pin.plot._layout import blocks, without_empty
 from antenna_pin.plot._run_figure import RunFigure

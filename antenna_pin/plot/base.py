@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import base_motion, deviation_over_time
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure, with_differences
 from antenna_pin.plot._kinds import FREE_BASE, none_with

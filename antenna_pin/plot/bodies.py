@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import body_deviation, body_motion, moved_body
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import AntennaPinError, UnknownNameError
 from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure, with_differences
 from antenna_pin.plot._kinds import LOOPED, MOVING, choose_joint

@@ -13,7 +13,7 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.analysis import bore_load
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._blows import episodes_of, sharp
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._layout import square_panels

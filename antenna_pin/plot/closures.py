@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import closures_of, couplings_of, drive_power, drives_of, effort_unit
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure
 from antenna_pin.plot._kinds import CLOSED, COUPLED, FORCED, PRESCRIBED, RunKind, none_with
 from antenna_pin.plot._run_figure import RunFigure

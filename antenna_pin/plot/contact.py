@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.contact import NormalLaw
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.law_studies import RestitutionRow, force_within

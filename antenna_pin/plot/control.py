@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import drives_of, effort_unit
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._kinds import CONTROLLED, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, left_out, long_enough, styles, too_short

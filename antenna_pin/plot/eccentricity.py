@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import journal_motion
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._blows import episodes_of, sharp
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._layout import blocks, without_empty

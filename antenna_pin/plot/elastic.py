@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from antenna_pin.analysis import elastic_parts_of, spectrum
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.plot._kinds import FLEXIBLE, none_with
 from antenna_pin.plot._run_figure import RunFigure

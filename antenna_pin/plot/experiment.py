@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.contact import LiuPinJoint, effective_modulus, make_normal_law
 from antenna_pin.law_studies import LIU_2013, LIU_2013_PLAYS, LIU_2013_STEEL, force_within, reproduce_table
 from antenna_pin.plot._style import COLOURS, Width, legend_above, new_figure, panel_title, styled

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._style import Width, few_ticks, footnote, legend_above, new_figure, styled
 
 _NAMED = 6  # exponents that have a colour and an entry of their own

@@ -13,13 +13,13 @@ from typing import Any
 import matplotlib
 from matplotlib.figure import Figure
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import replacing
+from antenna_pin.base.side_by_side import cores_for, side_by_side
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, OutputError, UnknownNameError
-from antenna_pin.files import replacing
 from antenna_pin.plot._runs import Run, labelled
 from antenna_pin.plot._style import MANY, Width, styled
 from antenna_pin.plot.catalogue import CATALOGUE, Allowed, allowed_figures
-from antenna_pin.side_by_side import cores_for, side_by_side
 
 FORMATS = ("png", "pdf", "svg")
 
@@ -57,7 +57,7 @@ def save_figures(
         on_left_out: Told the name of a figure that the data do not allow although the runs are of the kind
             for it, or that was asked for by name, and the reason; nobody is if left out.
         processes: How many draw, at most. More than one are forked from this one
-            (:func:`antenna_pin.side_by_side.side_by_side`), which no other thread may be at work beside.
+            (:func:`antenna_pin.base.side_by_side.side_by_side`), which no other thread may be at work beside.
     """
     check_formats(formats)
     given = list(runs)

@@ -9,7 +9,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import (
     Array,
@@ -23,7 +24,6 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
-from antenna_pin.readable import number
 
 __all__ = ["curves_of_fit", "figure_fit"]
 

@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number
 from antenna_pin.plot._style import (
     COLOURS,
     PEAK,
@@ -25,7 +26,6 @@ from antenna_pin.plot._style import (
     panel_title,
     styled,
 )
-from antenna_pin.readable import number
 
 __all__ = ["figure_experiments", "figure_identifiability"]
 

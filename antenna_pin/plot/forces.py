@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import is_round_off, round_off_scales
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.geometry import LOOKS
 from antenna_pin.plot._blows import draw_blow, episodes_of, sharp, strongest_blow
 from antenna_pin.plot._kinds import TOUCHING, choose_joint

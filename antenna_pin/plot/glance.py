@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._kinds import SLIDING, TOUCHING, TURNING, choose_joint, none_with
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, styles, with_reference
 from antenna_pin.plot._style import (

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._kinds import TRACED, none_with
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, labelled, left_out, long_enough, styles, too_short

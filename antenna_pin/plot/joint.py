@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from matplotlib.figure import Figure
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_figure, with_differences
 from antenna_pin.plot._kinds import GUIDED, PLAYLESS, SLIDING, choose_joint
 from antenna_pin.plot._motion_curves import MotionCurve, curves_of, drawn_columns

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import joint_loads
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._kinds import LOOPED, MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure

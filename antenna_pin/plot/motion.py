@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import is_round_off, round_off_scales
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot._compared import between_spikes
 from antenna_pin.plot._kinds import SLIDING, TURNING, choose_joint

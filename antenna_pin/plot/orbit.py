@@ -16,7 +16,7 @@ from matplotlib.patches import Polygon
 from matplotlib.path import Path
 
 from antenna_pin.analysis import blocks, journal_motion
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._journal_path import JournalPath, farthest
 from antenna_pin.plot._kinds import TOUCHING, choose_joint

@@ -11,7 +11,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import (
     SEQUENTIAL,
@@ -27,7 +28,6 @@ from antenna_pin.plot._style import (
     prefixed,
     styled,
 )
-from antenna_pin.readable import printed_unit
 
 _LINES: dict[str, Any] = {"stable": "-", "unstable": (0, (3.0, 1.6)), "neutral": (0, (0.8, 1.2))}
 _WORDS = {"stable": "stable", "unstable": "unstable", "neutral": "cannot be told"}

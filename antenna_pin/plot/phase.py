@@ -15,7 +15,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 from antenna_pin.analysis import PhasePortrait, Quantity
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot._lines import draw_pieces
 from antenna_pin.plot._style import (

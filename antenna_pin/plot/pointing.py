@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import boresight, pointing_error
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.plot._compared import Curve, Panel, panels_figure
 from antenna_pin.plot._kinds import POINTED

@@ -7,9 +7,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import printed_unit
 from antenna_pin.plot._style import Width, footnote, legend_above, letters, new_figure, panel_title, styled
-from antenna_pin.readable import printed_unit
 
 # Magnitudes this much below the largest are cut off [decades].
 _DECADES = 8

@@ -13,7 +13,7 @@ from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.analysis import scenario_spans
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import (

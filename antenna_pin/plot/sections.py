@@ -12,7 +12,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot._study import is_spaced_by_factors
 from antenna_pin.plot._style import (
@@ -28,7 +29,6 @@ from antenna_pin.plot._style import (
     styled,
 )
 from antenna_pin.plot.periodic import draw_track, track
-from antenna_pin.readable import printed_unit
 
 _COLOURS = {"fresh": "#7F7F7F", "forward": "C0", "backward": "C1"}
 _WORDS = {"fresh": "from the start", "forward": "forward", "backward": "backward"}

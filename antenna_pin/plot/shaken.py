@@ -21,7 +21,8 @@ from antenna_pin.analysis import (
     shock_spectrum,
     swept_response,
 )
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import printed_unit
 from antenna_pin.elements import density_at
 from antenna_pin.plot._kinds import RANDOM, SHAKEN, SWEPT, RunKind, none_with
 from antenna_pin.plot._run_figure import RunFigure
@@ -37,7 +38,6 @@ from antenna_pin.plot._style import (
     panel_title,
     styled,
 )
-from antenna_pin.readable import printed_unit
 
 __all__ = ["FIGURES", "figure_density", "figure_shock", "figure_swept"]
 

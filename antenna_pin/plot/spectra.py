@@ -24,7 +24,8 @@ from antenna_pin.analysis import (
     spectrogram,
     spectrum,
 )
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._kinds import MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
@@ -51,7 +52,6 @@ from antenna_pin.plot._style import (
     styled,
 )
 from antenna_pin.plot._thinned import telling
-from antenna_pin.readable import printed_unit
 
 Signal = Literal["acceleration", "base acceleration", "force"]
 SIGNALS: tuple[Signal, ...] = ("acceleration", "base acceleration", "force")

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.plot._kinds import STOPPED, none_with
 from antenna_pin.plot._pairs import paired_panels
 from antenna_pin.plot._run_figure import RunFigure

@@ -17,7 +17,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number
 from antenna_pin.plot._study import broken, cell_edges, label_axis, left_out, names_of, quantity_of
 from antenna_pin.plot._style import (
     COLOURS,
@@ -31,7 +32,6 @@ from antenna_pin.plot._style import (
     new_figure,
     styled,
 )
-from antenna_pin.readable import number
 
 __all__ = [
     "QUANTILES",

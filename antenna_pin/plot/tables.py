@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from antenna_pin.analysis import portrait_of
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot.exponents import figure_exponents
 from antenna_pin.plot.fit_curves import MOST, curves_of_fit, figure_fit

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import body_poses, elastic_parts_of, mechanism_of
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.trajectory import Trajectory

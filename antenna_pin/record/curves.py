@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import Quantity, QuantityName, quantities, quantity
+from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.readable import printed_unit
 from antenna_pin.record.scene import packed_doubles
 from antenna_pin.trajectory import Trajectory
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import mechanism_of
-from antenna_pin.directions import direction
+from antenna_pin.base.directions import direction
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, Urdf, frame_aligning_z
 from antenna_pin.record._marking import Marking, rgb

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any, NamedTuple
 
-from antenna_pin.arguments import takes
-from antenna_pin.pages import policy, script
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.pages import policy, script
 from antenna_pin.record.scene import viewer_licences, viewer_script
 
 __all__ = ["SharedHead", "embedded", "page", "page_of_several", "shared_head", "viewer_megabytes"]

@@ -13,10 +13,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable, replacing
+from antenna_pin.base.pages import in_frame
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.files import check_writable, replacing
-from antenna_pin.pages import in_frame
 from antenna_pin.record import page
 from antenna_pin.record.curves import curves_of
 from antenna_pin.record.joint_view import joint_view

@@ -6,9 +6,9 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.files import check_writable, replacing
 from antenna_pin.record.page import page_of_several
 from antenna_pin.record.recording import record
 from antenna_pin.trajectory import Trajectory

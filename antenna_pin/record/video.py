@@ -16,15 +16,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable, replacing
+from antenna_pin.base.interruption import interruptible
+from antenna_pin.base.tables import write_csv
 from antenna_pin.errors import InvalidParameterError, OutputError
-from antenna_pin.files import check_writable, replacing
-from antenna_pin.interruption import interruptible
 from antenna_pin.record._browser import find_browser
 from antenna_pin.record._camera import Camera, check_size, open_camera
 from antenna_pin.record._movie import check_writers, palette_of, write_gif, write_mp4
 from antenna_pin.record.recording import Recording
-from antenna_pin.tables import write_csv
 
 __all__ = ["Filmed", "check_film", "film_times", "save_frames", "save_picture", "save_video"]
 

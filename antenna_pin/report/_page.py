@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from antenna_pin.analysis import ROUND_OFF_WORDS, is_round_off
+from antenna_pin.base.readable import number, prefixed, readable
 from antenna_pin.plot import Drawn
-from antenna_pin.readable import number, prefixed, readable
 
 __all__ = [
     "ZERO",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from antenna_pin.readable import number
+from antenna_pin.base.readable import number
 from antenna_pin.report._page import ZERO, Cell, Row, Table
 
 __all__ = ["turned"]

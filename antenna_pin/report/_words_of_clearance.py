@@ -6,8 +6,8 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
+from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.geometry import LOOKS
-from antenna_pin.readable import GIVEN, readable
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import ClearanceSpec, Scenario, TouchingSpec
 

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import closures_of, couplings_of, said_of_coupling
+from antenna_pin.base.readable import number, readable
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.readable import number, readable
 from antenna_pin.report._runs import ReportedRun
 
 __all__ = ["words_of_closures", "words_of_couplings"]

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from antenna_pin.analysis import drives_of
+from antenna_pin.base.readable import readable
 from antenna_pin.elements import FAMILIES, ForceElement, JointFriction
-from antenna_pin.readable import readable
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import Scenario
 

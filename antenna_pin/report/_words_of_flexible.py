@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from antenna_pin.analysis import elastic_parts_of
-from antenna_pin.readable import number, readable
+from antenna_pin.base.readable import number, readable
 from antenna_pin.report._runs import ReportedRun
 
 __all__ = ["words_of_flexible"]

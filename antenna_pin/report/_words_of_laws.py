@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from antenna_pin.readable import GIVEN, number, readable
+from antenna_pin.base.readable import GIVEN, number, readable
 from antenna_pin.report._runs import ReportedRun
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.assumed import words_of_assumed

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis import Settling, impacts, load_statistics, settling
-from antenna_pin.readable import number, readable
+from antenna_pin.base.readable import number, readable
 from antenna_pin.report._page import (
     Details,
     Row,

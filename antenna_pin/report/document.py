@@ -18,10 +18,10 @@ import jinja2
 from markupsafe import Markup
 
 from antenna_pin.analysis import round_off_scales
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable, replacing
+from antenna_pin.base.pages import in_frame, policy, script
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.files import check_writable, replacing
-from antenna_pin.pages import in_frame, policy, script
 from antenna_pin.report import (
     elastic,
     elements,
@@ -123,7 +123,7 @@ def report(
         command: The command line that makes this report, for its provenance; found from the files if left
             out.
         processes: How many draw figures, at most. More than one are forked from this one
-            (:func:`antenna_pin.side_by_side.side_by_side`), which no other thread may be at work beside.
+            (:func:`antenna_pin.base.side_by_side.side_by_side`), which no other thread may be at work beside.
 
     Raises:
         InvalidParameterError: There is nothing to report on, or the window has no length.

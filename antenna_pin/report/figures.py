@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from antenna_pin import plot
+from antenna_pin.base.side_by_side import side_by_side
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.report._packed import packed
 from antenna_pin.report._page import Picture
 from antenna_pin.report._runs import ReportedRun, ideal_of
-from antenna_pin.side_by_side import side_by_side
 
 __all__ = ["DrawnFigure", "drawn", "glance", "picture"]
 

@@ -15,8 +15,8 @@ from antenna_pin.analysis import (
     is_round_off,
     load_statistics,
 )
+from antenna_pin.base.readable import readable
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.readable import readable
 from antenna_pin.report._page import (
     Beside,
     Embedded,

@@ -19,8 +19,8 @@ from antenna_pin.analysis import (
     is_round_off,
     round_off_scales,
 )
+from antenna_pin.base.readable import number, readable
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.readable import number, readable
 from antenna_pin.report._page import Cell, Details, Row, Section, Table, quantity, words
 from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
 

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis import stability_spans, unexplained_changes
+from antenna_pin.base.readable import number, readable
 from antenna_pin.plot import figure_branch, figure_exponents, figure_multipliers
-from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
 from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table
 from antenna_pin.report.figures import picture

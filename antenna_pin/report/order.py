@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis import portrait_of, recurrence
+from antenna_pin.base.readable import number, readable
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.plot import figure_bifurcation, figure_phase, figure_section
-from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
 from antenna_pin.report._page import Cell, Picture, Row, Section, Table, quantities
 from antenna_pin.report.figures import picture

@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis import error_components, pointing_error, pointing_indices
+from antenna_pin.base.readable import number, readable
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.readable import number, readable
 from antenna_pin.report._page import Details, Picture, Row, Section, Table, quantities
 from antenna_pin.report._runs import ReportedRun, ideal_of
 

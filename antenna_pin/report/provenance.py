@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.report._page import Details, Section, Statement, Table, words
 from antenna_pin.report._runs import ReportedRun, labels_of
 from antenna_pin.scenario import Scenario, list_scenarios, scenario_toml

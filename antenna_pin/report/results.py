@@ -12,7 +12,7 @@ from antenna_pin.analysis import (
     said_of_singular,
     said_of_spin,
 )
-from antenna_pin.readable import number, readable
+from antenna_pin.base.readable import number, readable
 from antenna_pin.report._page import Details, Picture, Row, Section, Table, quantities
 from antenna_pin.report._runs import ReportedRun, labels_of
 

@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 
+from antenna_pin.base.readable import number, readable
 from antenna_pin.plot import figure_sensitivity
-from antenna_pin.readable import number, readable
 from antenna_pin.report._findings import Finding, Judged
 from antenna_pin.report._page import Cell, Row, Section, Table
 from antenna_pin.report.figures import picture

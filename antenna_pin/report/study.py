@@ -11,9 +11,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin import plot
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import number, prefixed, readable
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.readable import number, prefixed, readable
 from antenna_pin.report._page import Cell, Details, Picture, Row, Section, Statement, Table
 from antenna_pin.report.document import Report, page
 from antenna_pin.report.figures import picture

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from antenna_pin.analysis import closures_of, elastic_parts_of, mechanism_of
+from antenna_pin.base.readable import GIVEN, number, printed_unit, readable
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Mechanism
-from antenna_pin.readable import GIVEN, number, printed_unit, readable
 from antenna_pin.report._page import Section, Statement
 from antenna_pin.report._runs import ReportedRun, labels_of
 from antenna_pin.report._words_of_clearance import (

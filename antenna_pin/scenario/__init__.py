@@ -7,6 +7,6 @@ The names below are loaded when first used: the classes that check the parts of 
 made, and who only lists what there is needs none of them.
 """
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

@@ -20,13 +20,13 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
-from antenna_pin.arguments import fits
-from antenna_pin.directions import A_DIRECTION
+from antenna_pin.base.arguments import fits
+from antenna_pin.base.directions import A_DIRECTION
+from antenna_pin.base.files import path_as_text, path_of_text
+from antenna_pin.base.parameters import RULES, beyond
+from antenna_pin.base.units import QuantityError, describe_unit, quantity, shown
 from antenna_pin.errors import InvalidParameterError, nearest
-from antenna_pin.files import path_as_text, path_of_text
-from antenna_pin.parameters import RULES, beyond
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
-from antenna_pin.units import QuantityError, describe_unit, quantity, shown
 
 Folder = Annotated[
     Path,
@@ -79,7 +79,7 @@ class Quantity:
 
     Attributes:
         unit: SI unit, or several of which one must fit.
-        rule: One of ``antenna_pin.parameters.RULES``.
+        rule: One of ``antenna_pin.base.parameters.RULES``.
     """
 
     unit: str | tuple[str, ...]
@@ -117,7 +117,7 @@ class Vector:
     Attributes:
         unit: SI unit that its entries are read in.
         sizes: How many there may be; () for any number.
-        rule: What each must be, or all of them, one of ``antenna_pin.parameters.RULES``.
+        rule: What each must be, or all of them, one of ``antenna_pin.base.parameters.RULES``.
     """
 
     unit: str

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
+from antenna_pin.base.units import shown
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
-from antenna_pin.units import shown
 
 __all__ = [
     "Line",

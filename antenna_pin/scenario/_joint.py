@@ -8,8 +8,8 @@ from typing import Any, ClassVar, Literal, get_args
 from pydantic import model_validator
 from pydantic.fields import FieldInfo
 
+from antenna_pin.base.units import matching_unit, shown
 from antenna_pin.scenario._base import Quantity, Spec, refuse
-from antenna_pin.units import matching_unit, shown
 
 Motion = Literal["rotation", "translation"]
 _MOTIONS: tuple[Motion, ...] = get_args(Motion)

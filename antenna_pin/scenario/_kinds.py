@@ -13,8 +13,8 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 
+from antenna_pin.base.units import shown
 from antenna_pin.scenario._base import Spec, refuse
-from antenna_pin.units import shown
 
 __all__ = ["OneOf", "Tables"]
 

@@ -10,8 +10,10 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from antenna_pin.base.files import absence, decoded, marked_encoding
+from antenna_pin.base.tables import BadTableError
+from antenna_pin.base.units import shown
 from antenna_pin.errors import ScenarioError, nearest
-from antenna_pin.files import absence, decoded, marked_encoding
 from antenna_pin.scenario._base import Spec, unknown_key
 from antenna_pin.scenario._explained import Location, Place, dotted, explained
 from antenna_pin.scenario._modal_file import has_modal_file, modal_stand_in
@@ -19,8 +21,6 @@ from antenna_pin.scenario.drives import WITH_FILES, file_columns, file_units
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.table_file import read_table
-from antenna_pin.tables import BadTableError
-from antenna_pin.units import shown
 
 __all__ = [
     "Source",

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, Union
 
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameters_of
 from antenna_pin.scenario._base import Quantity, Spec, Vector, read_quantity, refuse
 
 __all__ = ["MadeSpec", "made_of", "name_of_table", "reads"]
@@ -97,7 +97,7 @@ def reads(
 
     Args:
         cls: A frozen dataclass; units and rules are those that its fields declare
-            (:func:`antenna_pin.parameters.parameter`).
+            (:func:`antenna_pin.base.parameters.parameter`).
         only: The fields that the table has, if not all.
         without: Fields that it does not have.
         renamed: The key of a field that has another name in the table.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from antenna_pin.readable import number, readable
+from antenna_pin.base.readable import number, readable
 from antenna_pin.scenario._clearance import Clearance, Kind
 from antenna_pin.scenario.laws import LawSpec
 

@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
+from antenna_pin.base.units import matching_unit
 from antenna_pin.scenario._base import Quantity, Spec, refuse
 from antenna_pin.scenario._joint import JointTable
-from antenna_pin.units import matching_unit
 
 __all__ = ["AnyCoupling", "CouplingSpec", "DifferentialSpec", "PlanetarySpec"]
 

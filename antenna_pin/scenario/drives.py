@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, create_model, model_validator
 
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.elements import (
     FAMILIES,
     REFERENCES,
@@ -17,7 +18,6 @@ from antenna_pin.elements import (
     ForceElement,
     OnLinks,
 )
-from antenna_pin.parameters import parameters_of
 from antenna_pin.scenario._base import Spec, refuse
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._kinds import OneOf, Tables

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self, get_args
 
 from pydantic import BeforeValidator, model_validator
 
+from antenna_pin.base.units import shown
 from antenna_pin.scenario._base import (
     Quantity,
     Spec,
@@ -17,7 +18,6 @@ from antenna_pin.scenario._base import (
     unknown_key,
 )
 from antenna_pin.scenario._joint import JointTable
-from antenna_pin.units import shown
 
 __all__ = [
     "AngleEvent",

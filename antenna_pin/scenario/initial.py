@@ -7,6 +7,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from antenna_pin.base.units import shown
 from antenna_pin.scenario._base import (
     AngularVelocity,
     Position,
@@ -18,7 +19,6 @@ from antenna_pin.scenario._base import (
     refuse,
 )
 from antenna_pin.scenario._joint import JointTable
-from antenna_pin.units import shown
 
 __all__ = ["InitialBaseSpec", "InitialJointSpec", "InitialSpec"]
 

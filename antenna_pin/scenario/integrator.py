@@ -7,11 +7,11 @@ from typing import Any
 
 from pydantic import ValidationError, model_validator
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.settings import ErrorScales, RunSettings, choice_for
+from antenna_pin.base.units import shown
 from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario._made import MadeSpec, reads
-from antenna_pin.settings import ErrorScales, RunSettings, choice_for
-from antenna_pin.units import shown
 
 __all__ = ["IntegratorSpec", "OutputSpec", "ScalesSpec", "settings_key"]
 

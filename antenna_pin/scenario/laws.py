@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field, model_serializer, model_validator
 
+from antenna_pin.base.units import shown
 from antenna_pin.errors import InvalidParameterError, nearest
 from antenna_pin.scenario._base import Spec, read_quantity, refuse, refuse_key, refuse_name
-from antenna_pin.units import shown
 
 if TYPE_CHECKING:
     from antenna_pin.contact import Parameter

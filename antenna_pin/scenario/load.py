@@ -8,7 +8,8 @@ from typing import Any, NamedTuple, TypeVar
 
 from pydantic import ValidationError
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.units import shown
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, printable
 from antenna_pin.scenario._explained import dotted, explained_line, located_lines
 from antenna_pin.scenario._layers import (
@@ -25,7 +26,6 @@ from antenna_pin.scenario.drives import WITH_FILES, file_columns
 from antenna_pin.scenario.merge import Overrides, merge
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import find_scenario, read_toml
-from antenna_pin.units import shown
 
 __all__ = ["load_scenario", "scenario_named"]
 

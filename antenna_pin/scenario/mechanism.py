@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from antenna_pin.changes import JointChange, JointVariant, LinkChange, ShapeChange
-from antenna_pin.material import Material
+from antenna_pin.base.changes import JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.base.material import Material
 from antenna_pin.scenario._base import Quantity, Spec, Vector, Vector3
 from antenna_pin.scenario._joint import JointTable
 from antenna_pin.scenario._made import MadeSpec, reads

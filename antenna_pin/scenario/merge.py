@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
+from antenna_pin.base.files import is_unicode
+from antenna_pin.base.units import shown
 from antenna_pin.errors import ScenarioError
-from antenna_pin.files import is_unicode
 from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text, unbounded
-from antenna_pin.units import shown
 
 __all__ = ["Overrides", "merge", "read_overrides"]
 

@@ -6,12 +6,12 @@ import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple, get_args
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.scenario._base import Quantity, Vector
 from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario.scenario import Scenario
-from antenna_pin.units import any_quantity, shown
 
 __all__ = ["Number", "number_of", "with_number"]
 

@@ -8,7 +8,8 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from antenna_pin.directions import unit
+from antenna_pin.base.directions import unit
+from antenna_pin.base.units import shown
 from antenna_pin.scenario._base import (
     Direction,
     PositiveLength,
@@ -18,7 +19,6 @@ from antenna_pin.scenario._base import (
     Vector3,
     refuse,
 )
-from antenna_pin.units import shown
 
 __all__ = ["OrbitSpec", "PointingSpec"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from antenna_pin.changes import Rotor
+from antenna_pin.base.changes import Rotor
 from antenna_pin.scenario._made import MadeSpec, reads
 
 __all__ = ["RotorSpec"]

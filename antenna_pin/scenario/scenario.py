@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from antenna_pin._views import as_html
-from antenna_pin.brief import brief
+from antenna_pin.base.brief import brief
+from antenna_pin.base.units import shown
+from antenna_pin.base.views import as_html
 from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
 from antenna_pin.scenario._base import Folder, PositiveTime, Version, refuse, refuse_name
@@ -38,7 +39,6 @@ from antenna_pin.scenario.references import REFERENCE_SPECS, ReferenceSpec, chec
 from antenna_pin.scenario.rotors import RotorSpec
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.stops import with_urdf_limits
-from antenna_pin.units import shown
 
 if TYPE_CHECKING:
     from antenna_pin.contact import Material

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from antenna_pin.base.files import absence
 from antenna_pin.errors import ScenarioError, UnknownNameError, printable
-from antenna_pin.files import absence
 from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text
 
 __all__ = [

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence, Set
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from antenna_pin.arguments import takes
-from antenna_pin.parameters import NO_BOUND
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.parameters import NO_BOUND
 from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.shipped import tables

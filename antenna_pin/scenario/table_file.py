@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from antenna_pin.base.tables import BadTableError, column_of, read_cells
 from antenna_pin.scenario._joint import JOINTS, Motion, motion_of
-from antenna_pin.tables import BadTableError, column_of, read_cells
 
 __all__ = ["read_table"]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.scenario._explained import dotted
 from antenna_pin.scenario.drives import WITH_FILES
 from antenna_pin.scenario.merge import toml_value

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import CONTACT
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import LOSS
 from antenna_pin.nonlinear.field import Field
@@ -21,7 +22,6 @@ from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.nonlinear.saltation import Passed
 from antenna_pin.nonlinear.variational import Carrier
-from antenna_pin.records import CONTACT
 from antenna_pin.sensitivity.deepest import Deepest
 from antenna_pin.sensitivity.happened import Happened, Happenings
 from antenna_pin.sensitivity.parameters import GrazeError

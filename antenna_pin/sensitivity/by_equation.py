@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.differences import few
+from antenna_pin.base.differences import few
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear import Flow
@@ -25,9 +27,7 @@ from antenna_pin.sensitivity.along import Along
 from antenna_pin.sensitivity.of_states import OfStates
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
-from antenna_pin.state import State
 
 __all__ = ["ByEquation"]
 

@@ -11,17 +11,17 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.side_by_side import side_by_side
+from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity.alike import check_alike, in_order_of
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
-from antenna_pin.settings import RunSettings
-from antenna_pin.side_by_side import side_by_side
 from antenna_pin.simulation import simulate
 from antenna_pin.simulation.from_scenario import controllers_of, events_of
-from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome, Trajectory, columns_of
 
 __all__ = ["ByRuns", "Slopes", "numbers_at"]

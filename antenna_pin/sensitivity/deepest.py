@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import CONTACT
+from antenna_pin.base.roots import root_between
 from antenna_pin.nonlinear.within import Within
-from antenna_pin.records import CONTACT
-from antenna_pin.roots import root_between
 from antenna_pin.simulation.tape import Taped
 
 __all__ = ["Deepest"]

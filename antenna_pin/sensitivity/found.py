@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.brief import brief
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.base.brief import brief
+from antenna_pin.base.differences import WEIGHTS
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.sensitivity.growth import Growth, growth_of
 from antenna_pin.sensitivity.parameters import Parameter

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.base.differences import WEIGHTS
 from antenna_pin.dynamics import observed
 from antenna_pin.nonlinear.near import Near
 from antenna_pin.sensitivity.along import Displaced

@@ -10,8 +10,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Flow
 from antenna_pin.scenario import Scenario
@@ -23,9 +25,7 @@ from antenna_pin.sensitivity.named import by_names
 from antenna_pin.sensitivity.parameters import Parameter, SensitivityError, parameters_of
 from antenna_pin.sensitivity.pieces import borders_of, over_pieces
 from antenna_pin.sensitivity.starts import check_start_keys
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.from_scenario import check_without_controllers, events_of, settings_of
-from antenna_pin.state import State
 
 __all__ = ["Method", "sensitivities"]
 

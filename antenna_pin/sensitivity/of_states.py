@@ -9,18 +9,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
 from antenna_pin.nonlinear.beside import Beside
 from antenna_pin.nonlinear.displacer import Displacer
 from antenna_pin.nonlinear.near import Near
 from antenna_pin.sensitivity.along import Displaced
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.motors import MOTORS_SINCE_BEGIN
 from antenna_pin.simulation.record import series_at
 from antenna_pin.simulation.samples import Chunk
-from antenna_pin.state import State
 from antenna_pin.trajectory.schema import VARIABLES
 
 __all__ = ["SIDES", "OfStates", "Row", "beside_one_another"]

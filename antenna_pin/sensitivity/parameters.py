@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from antenna_pin.base.units import quantity
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.scenario import Scenario, number_of
-from antenna_pin.units import quantity
 
 __all__ = ["GrazeError", "Parameter", "SensitivityError", "parameters_of"]
 

@@ -14,11 +14,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Flow
 from antenna_pin.sensitivity.found import Sensitivities
 from antenna_pin.sensitivity.parameters import GrazeError
-from antenna_pin.state import State
 
 __all__ = ["borders_of", "over_pieces"]
 

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.scenario import Scenario
 from antenna_pin.sensitivity.found import Sensitivities
 from antenna_pin.trajectory import open_table, table_attributes

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, MutableMapping
 
+from antenna_pin.base.parameters import holds, parameters_of
+from antenna_pin.base.units import quantity
 from antenna_pin.dynamics import System, acting_in
 from antenna_pin.elements import Element
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.parameters import holds, parameters_of
 from antenna_pin.session.numbers import slides
 from antenna_pin.simulation.loop import Run
-from antenna_pin.units import quantity
 
 __all__ = ["Commands", "in_si"]
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
+from antenna_pin.base.parameters import holds
+from antenna_pin.base.units import quantity
 from antenna_pin.dynamics import check_motions
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.parameters import holds
 from antenna_pin.simulation import Event, Mark, Moment
 from antenna_pin.simulation.first import check_spans
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.run import Ready
-from antenna_pin.units import quantity
 
 __all__ = ["looked_to", "seconds", "sought"]
 

@@ -19,10 +19,10 @@ from typing import Any
 import xarray as xr
 
 from antenna_pin.analysis import Quantity, quantities, quantity
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.dynamics import acting_in
 from antenna_pin.elements import Element
 from antenna_pin.errors import AntennaPinError, UnknownNameError
-from antenna_pin.parameters import parameters_of
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.record import at_present

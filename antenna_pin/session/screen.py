@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from antenna_pin.readable import readable
+from antenna_pin.base.readable import readable
 from antenna_pin.trajectory import Outcome
 
 __all__ = ["on_screen"]

@@ -12,19 +12,20 @@ from typing import Any, Self
 
 from numpy.typing import ArrayLike
 
-from antenna_pin.arguments import is_number, takes
+from antenna_pin.base.arguments import is_number, takes
+from antenna_pin.base.interruption import interruptible
+from antenna_pin.base.readable import readable
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.interruption import interruptible
-from antenna_pin.readable import readable
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.session.commands import Commands, in_si
 from antenna_pin.session.exclusive import Exclusive, InUseError, exclusive
 from antenna_pin.session.goals import looked_to, seconds, sought
 from antenna_pin.session.numbers import Numbers
 from antenna_pin.session.screen import on_screen
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation import Event, Moment, Set, Time
 from antenna_pin.simulation.events import check_events
 from antenna_pin.simulation.finish import finished
@@ -33,7 +34,6 @@ from antenna_pin.simulation.from_scenario import as_run
 from antenna_pin.simulation.marks import RecordMark
 from antenna_pin.simulation.open_run import OpenRun
 from antenna_pin.simulation.run import First, Ready, prepared
-from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome, Trajectory
 
 __all__ = ["EndedError", "InUseError", "Session", "start"]

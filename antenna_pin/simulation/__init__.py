@@ -1,5 +1,5 @@
 """The run: steps, contact memory, events, sampling, stopping rules."""
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

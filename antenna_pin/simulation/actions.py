@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.readable import number
 from antenna_pin.dynamics import Adjustments, NotFollowedError, Workspace, audit, check_restraint
 from antenna_pin.elements import OnLinks
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import Stepper
-from antenna_pin.readable import number
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.due import ZERO
 from antenna_pin.simulation.ending import RefusedError

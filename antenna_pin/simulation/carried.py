@@ -13,14 +13,14 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.files import path_as_text
+from antenna_pin.base.readable import number
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
 from antenna_pin.dynamics import System
 from antenna_pin.elements import BetweenJoints, Element, JointFriction, Modal, Motion, Shake
-from antenna_pin.files import path_as_text
 from antenna_pin.flexible import Takes
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z, quaternion
-from antenna_pin.readable import number
 
 __all__ = ["carried_joints", "mechanism_attributes"]
 

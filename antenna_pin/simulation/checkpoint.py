@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from antenna_pin.brief import of_size
+from antenna_pin.base.brief import of_size
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, FileFormatError, one_line
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Happening
 from antenna_pin.simulation.carried import mechanism_attributes
 from antenna_pin.simulation.events import Event
@@ -39,7 +40,6 @@ from antenna_pin.simulation.parts import (
     write_sealed,
 )
 from antenna_pin.simulation.switches import Changed
-from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome, library_versions
 
 if TYPE_CHECKING:

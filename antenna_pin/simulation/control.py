@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import Workspace
 from antenna_pin.elements import ForceElement
 from antenna_pin.engine import Pace, Sizes
 from antenna_pin.integrate import Method
-from antenna_pin.settings import RunSettings
 from antenna_pin.trajectory import Outcome
 
 __all__ = ["StepControl"]

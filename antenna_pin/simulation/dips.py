@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from antenna_pin.base.roots import least_between
 from antenna_pin.engine.watch_kernels import CHECK_POINT, FIRST_POINT, SECOND_POINT, THIRD_POINT
-from antenna_pin.roots import least_between
 from antenna_pin.simulation.crossing import Looks
 
 __all__ = ["with_dips"]

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import MEMORY, memory_numbers, memory_records
+from antenna_pin.base.state import OpenContact, State
 from antenna_pin.contact.onset import approach_speed_in_contact
 from antenna_pin.dynamics import Workspace, peak_kernels
 from antenna_pin.engine import CompiledStepper
 from antenna_pin.engine import episode_kernels as kernels
 from antenna_pin.joints.layout_kernels import BRISTLES
-from antenna_pin.records import MEMORY, memory_numbers, memory_records
 from antenna_pin.simulation.samples import Samples
-from antenna_pin.state import OpenContact, State
 
 __all__ = ["Episodes", "Kept"]
 

@@ -14,12 +14,12 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.answers import AskedFunction, asked, check_takes
-from antenna_pin.arguments import fits, takes, unknown_type
+from antenna_pin.base.answers import AskedFunction, asked, check_takes
+from antenna_pin.base.arguments import fits, takes, unknown_type
+from antenna_pin.base.parameters import holds
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in
 from antenna_pin.elements import ForceElement, Modal
 from antenna_pin.errors import FunctionError, InvalidParameterError, UnknownNameError
-from antenna_pin.parameters import holds
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.readable import lasting, number
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import Workspace
-from antenna_pin.readable import lasting, number
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
 from antenna_pin.simulation.stretches import Made
 

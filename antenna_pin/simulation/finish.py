@@ -10,9 +10,9 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from antenna_pin._compile_time import CompileClock
+from antenna_pin.base.files import check_writable, replacing
+from antenna_pin.compiled.compile_time import CompileClock
 from antenna_pin.errors import LedgerOpenWarning, OutputError
-from antenna_pin.files import check_writable, replacing
 from antenna_pin.simulation.keeper import Keeper
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.record import Recording, recorded

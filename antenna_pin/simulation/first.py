@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from antenna_pin.base.records import CONTACT, POSE
+from antenna_pin.base.state import State, breach_of_state
 from antenna_pin.dynamics import System, Workspace, acting_in, check_begins, check_restraints, first_modes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints.pose_kernels import place_journal
-from antenna_pin.records import CONTACT, POSE
-from antenna_pin.state import State, breach_of_state
 
 __all__ = ["check_lengths", "check_sizes", "check_spans", "check_start"]
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 from antenna_pin.assemble import reference_for
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.control import Controller
 from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import (
     Action,
     Angle,

@@ -33,7 +33,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.readable import number, readable
+from antenna_pin.base.readable import number, readable
 from antenna_pin.simulation.events import Jump
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.opening import First, Opening, Trail, entries_of, events_between

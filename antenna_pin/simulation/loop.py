@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics.workspace import ON_SURFACE
@@ -24,7 +26,6 @@ from antenna_pin.engine import change_kernels
 from antenna_pin.engine import loop_kernels as kernels
 from antenna_pin.errors import MechanismError
 from antenna_pin.integrate import method_named
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.ending import NeverSettlesError, message_of, no_step, too_deep, undetermined
@@ -41,7 +42,6 @@ from antenna_pin.simulation.stretches import Parts, Stretches, stepper_of
 from antenna_pin.simulation.switches import own_events
 from antenna_pin.simulation.ticks import Ticks
 from antenna_pin.simulation.watch import Crossing, Watch
-from antenna_pin.state import State
 from antenna_pin.trajectory import Counts, Outcome
 
 __all__ = ["Run"]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+from antenna_pin.base.state import State
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.standing import take_up
-from antenna_pin.state import State
 
 __all__ = ["Mark", "RecordMark"]
 

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import PROGRAM, memory_numbers
 from antenna_pin.dynamics import JointMotion, System, Workspace, kernels, reduced_inertia
 from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.records import PROGRAM, memory_numbers
 
 __all__ = ["Moment"]
 

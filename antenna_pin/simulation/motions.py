@@ -17,6 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.parameters import parameters_of
+from antenna_pin.base.readable import number
 from antenna_pin.dynamics import (
     Adjustments,
     System,
@@ -28,8 +30,6 @@ from antenna_pin.dynamics import (
 from antenna_pin.elements import Motion, PrescribedMotion
 from antenna_pin.elements.term_jumps import continued
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.parameters import parameters_of
-from antenna_pin.readable import number
 from antenna_pin.simulation.events import Event, Set, Time
 
 __all__ = ["Motions", "check_sets"]

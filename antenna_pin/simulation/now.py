@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.directions import direction as unit_of
+from antenna_pin.base.directions import direction as unit_of
 from antenna_pin.dynamics import Workspace, acting_on_links
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.simulation.moment import Moment

@@ -16,14 +16,14 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.events import Event, Set, Stop
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.marks import Mark
 from antenna_pin.simulation.watch import Crossing
-from antenna_pin.state import State
 from antenna_pin.trajectory import Outcome
 
 __all__ = ["OpenRun"]

@@ -9,11 +9,11 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin._compile_time import compiling_so_far
+from antenna_pin.base.interruption import FunctionInterrupted
+from antenna_pin.compiled.compile_time import compiling_so_far
 from antenna_pin.dynamics import Workspace
 from antenna_pin.errors import FunctionError, LongRunWarning, StiffRunWarning
 from antenna_pin.integrate import Stepper
-from antenna_pin.interruption import FunctionInterrupted
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.expected import Expected, rough, turning

@@ -19,12 +19,12 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.capacity import check_fits
+from antenna_pin.base.capacity import check_fits
+from antenna_pin.base.files import has_whole_seal, replacing, seal
+from antenna_pin.base.records import MEMORY
+from antenna_pin.base.units import shown
 from antenna_pin.errors import FileFormatError, OutputError
-from antenna_pin.files import has_whole_seal, replacing, seal
-from antenna_pin.records import MEMORY
 from antenna_pin.simulation.samples import Chunk, Late
-from antenna_pin.units import shown
 
 __all__ = [
     "CHECKPOINT",

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from antenna_pin.state import State
+from antenna_pin.base.state import State
 
 __all__ = ["Foreseeing", "Keeping", "Progress", "Reporter"]
 

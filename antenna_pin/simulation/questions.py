@@ -13,7 +13,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.answers import AskedFunction
+from antenna_pin.base.answers import AskedFunction
+from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.contact.normal import normal_questions
 from antenna_pin.dynamics import Workspace, acting_in, kernels
@@ -21,7 +22,6 @@ from antenna_pin.elements import CallableElement, CallableForce, Element
 from antenna_pin.geometry.own_backend import OwnBackend
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.joints.python_path import coefficient_of, functions_of_law, has_code, range_of
-from antenna_pin.records import CONTACT, POSE
 from antenna_pin.simulation.asked_on_links import AskedOnLinks
 from antenna_pin.simulation.events import Event, told_moment
 from antenna_pin.simulation.moment import Moment

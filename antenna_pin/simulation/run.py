@@ -13,9 +13,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from antenna_pin._compile_time import compiling_timed
-from antenna_pin.arguments import takes
 from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable
+from antenna_pin.base.interruption import interruptible
+from antenna_pin.base.parameters import holds
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
+from antenna_pin.base.units import shown
+from antenna_pin.compiled.compile_time import compiling_timed
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import (
     System,
@@ -24,11 +30,7 @@ from antenna_pin.dynamics import (
 )
 from antenna_pin.engine import check_compiled
 from antenna_pin.errors import InvalidParameterError, ScenarioError
-from antenna_pin.files import check_writable
-from antenna_pin.interruption import interruptible
-from antenna_pin.parameters import holds
 from antenna_pin.scenario import Scenario, scenario_named, settings_key
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.check_controllers import check_controllers
 from antenna_pin.simulation.checkpoint import Checkpoint, about_run, check_same
 from antenna_pin.simulation.events import Event, check_events
@@ -40,9 +42,7 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.motions import check_sets
 from antenna_pin.simulation.progress import Progress
 from antenna_pin.simulation.samples import check_room
-from antenna_pin.state import State
 from antenna_pin.trajectory import Trajectory
-from antenna_pin.units import shown
 
 __all__ = ["check_scenario", "settings_of", "simulate"]
 

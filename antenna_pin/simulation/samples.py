@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.capacity import check_fits
+from antenna_pin.base.capacity import check_fits
+from antenna_pin.base.records import MEMORY
 from antenna_pin.dynamics import System, Workspace
-from antenna_pin.records import MEMORY
 
 __all__ = ["Chunk", "Kept", "Late", "Samples", "check_room"]
 

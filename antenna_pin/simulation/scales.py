@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.settings import ErrorScales
 from antenna_pin.dynamics import System
-from antenna_pin.settings import ErrorScales
 
 __all__ = ["BEARING_LEVER", "BEARING_PLAY", "scale_vector"]
 

@@ -8,9 +8,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.roots import least_between
 from antenna_pin.constraints import least_row
 from antenna_pin.dynamics import Workspace
-from antenna_pin.roots import least_between
 
 __all__ = ["Singular", "Singularities"]
 

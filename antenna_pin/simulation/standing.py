@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.records import memory_numbers
-from antenna_pin.state import State
+from antenna_pin.base.records import memory_numbers
+from antenna_pin.base.state import State
 
 __all__ = ["state_of", "take_up"]
 

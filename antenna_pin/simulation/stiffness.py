@@ -15,13 +15,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.readable import readable
+from antenna_pin.base.records import PROGRAM, words_of
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System, Workspace, acting_in, kernels
 from antenna_pin.dynamics.blocks import InPython
 from antenna_pin.elements import Motion
 from antenna_pin.integrate import Method
-from antenna_pin.readable import readable
-from antenna_pin.records import PROGRAM, words_of
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.scales import scale_vector
 
 __all__ = ["Stiffness"]

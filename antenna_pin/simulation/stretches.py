@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import MEMORY
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import Workspace, works_in_x
 from antenna_pin.engine import Compiled, CompiledStepper, loop_kernels
 from antenna_pin.engine import stretch_kernels as kernels
 from antenna_pin.integrate import Method
-from antenna_pin.records import MEMORY
-from antenna_pin.settings import RunSettings
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.episodes import Episodes
 from antenna_pin.simulation.samples import Samples

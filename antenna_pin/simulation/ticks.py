@@ -17,14 +17,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.answers import asked, number_in
-from antenna_pin.arguments import unknown_type
+from antenna_pin.base.answers import asked, number_in
+from antenna_pin.base.arguments import unknown_type
+from antenna_pin.base.state import ControllerMemory
 from antenna_pin.control import Controller, Instants, kept, remembered
 from antenna_pin.dynamics import System, actuators_of, settled
 from antenna_pin.errors import AntennaPinError, FunctionError
 from antenna_pin.simulation.actions import Actions
 from antenna_pin.simulation.now import Sight
-from antenna_pin.state import ControllerMemory
 
 __all__ = ["Ticked", "Ticks"]
 

@@ -8,16 +8,16 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.roots import root_between
+from antenna_pin.base.state import EventMemory
 from antenna_pin.dynamics import Workspace
 from antenna_pin.elements import ForceElement
 from antenna_pin.integrate import Stepper
-from antenna_pin.roots import root_between
 from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
 from antenna_pin.simulation.dips import with_dips
 from antenna_pin.simulation.events import ElementChange, Event, Time
 from antenna_pin.simulation.moment import Moment
 from antenna_pin.simulation.own_actions import GRAZE, STILL, Switch
-from antenna_pin.state import EventMemory
 
 __all__ = ["Crossing", "Watch"]
 

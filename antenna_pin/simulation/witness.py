@@ -16,11 +16,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.answers import AskedFunction
+from antenna_pin.base.answers import AskedFunction
+from antenna_pin.base.interruption import FunctionInterrupted
+from antenna_pin.compiled.given_functions import address_of, is_compiled
 from antenna_pin.errors import FunctionError
-from antenna_pin.given_functions import address_of, is_compiled
 from antenna_pin.integrate import Stepper
-from antenna_pin.interruption import FunctionInterrupted
 
 __all__ = ["Called", "failure_in"]
 

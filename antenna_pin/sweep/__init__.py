@@ -1,5 +1,5 @@
 """Parameter studies: many runs of a scenario, on the cores at hand or a cluster, kept in one store."""
 
-from antenna_pin._lazy import exported
+from antenna_pin.base.lazy import exported
 
 exported(__name__)

@@ -16,9 +16,9 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
-from antenna_pin._lazy import take_back
+from antenna_pin.base.interruption import held_back
+from antenna_pin.base.lazy import take_back
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError
-from antenna_pin.interruption import held_back
 from antenna_pin.sweep.here import Lost
 from antenna_pin.sweep.processes import ends_of_processes, said_of_start
 from antenna_pin.sweep.reach import (

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.arguments import takes
-from antenna_pin.capacity import MOST
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.capacity import MOST
+from antenna_pin.base.units import shown
 from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario import Scenario
 from antenna_pin.sweep.parameters import Settings
 from antenna_pin.sweep.study import SamplingSpec, Study
-from antenna_pin.units import shown
 
 __all__ = ["Column", "Design", "design_of", "put_value"]
 

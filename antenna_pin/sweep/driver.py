@@ -13,7 +13,7 @@ from typing import Any
 
 import xarray as xr
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import OutputError, ScenarioError
 from antenna_pin.sweep.here import Executor, Here, Lost
 from antenna_pin.sweep.prepared import Prepared, prepare, trial

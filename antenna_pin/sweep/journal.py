@@ -16,8 +16,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from antenna_pin.base.files import is_there, replacing
 from antenna_pin.errors import OutputError
-from antenna_pin.files import is_there, replacing
 
 __all__ = ["Journal", "ReadJournal", "begun", "deleted", "read_journal"]
 

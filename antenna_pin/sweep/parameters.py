@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
+from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.merge import toml_value
 from antenna_pin.scenario.spec import Count, Spec, refuse, refuse_name
-from antenna_pin.units import any_quantity, shown
 
 __all__ = ["ParameterSpec", "Settings", "ToleranceSpec", "Value"]
 

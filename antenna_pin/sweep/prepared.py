@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate

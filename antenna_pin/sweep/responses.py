@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, model_validator
 
-from antenna_pin.answers import check_takes, number_in
-from antenna_pin.arguments import unknown_type
+from antenna_pin.base.answers import check_takes, number_in
+from antenna_pin.base.arguments import unknown_type
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.scenario.spec import PositiveTime, Quantity, Spec, refuse, refuse_name
 from antenna_pin.sweep.measures import MEASURES

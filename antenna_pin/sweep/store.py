@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable, has_whole_seal, replacing, seal
 from antenna_pin.errors import FileFormatError, OutputError
-from antenna_pin.files import check_writable, has_whole_seal, replacing, seal
 from antenna_pin.sweep.design import Design
 from antenna_pin.sweep.journal import Journal, ReadJournal, deleted, read_journal
 from antenna_pin.sweep.study import Study

@@ -9,9 +9,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from antenna_pin._views import StudyFigures, StudyReporter, View, as_html
-from antenna_pin.arguments import takes
-from antenna_pin.brief import brief
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
+from antenna_pin.base.views import StudyFigures, StudyReporter, View, as_html
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import RunsFile, nested

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
+from antenna_pin.base.units import shown
 from antenna_pin.trajectory.json_attributes import JSON_ATTRIBUTES, problem_of_json
 from antenna_pin.trajectory.numbers import problems_of_numbers
 from antenna_pin.trajectory.read import is_lean, json_in, names_along
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
-from antenna_pin.units import shown
 
 if TYPE_CHECKING:
     import xarray as xr

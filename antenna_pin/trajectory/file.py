@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
+from antenna_pin.base.files import PatientFile, absence, escaped, has_whole_seal, seal
+from antenna_pin.base.interruption import held_back
 from antenna_pin.errors import FileFormatError
-from antenna_pin.files import PatientFile, absence, escaped, has_whole_seal, seal
-from antenna_pin.interruption import held_back
 from antenna_pin.trajectory.hdf5 import open_hdf5
 from antenna_pin.trajectory.labelled import Column, Content
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES

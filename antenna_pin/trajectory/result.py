@@ -11,11 +11,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 
-from antenna_pin._views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text, item_of
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable, replacing
+from antenna_pin.base.state import State
+from antenna_pin.base.views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text, item_of
 from antenna_pin.errors import FileFormatError
-from antenna_pin.files import check_writable, replacing
-from antenna_pin.state import State
 from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
 from antenna_pin.trajectory.labelled import Content, Unlabelled

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import xarray as xr
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import absence, has_whole_seal, replacing
 from antenna_pin.errors import FileFormatError
-from antenna_pin.files import absence, has_whole_seal, replacing
 from antenna_pin.trajectory.file import write
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 from antenna_pin.trajectory.result import library_versions

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from antenna_pin.base.units import shown
 from antenna_pin.trajectory.columns import ANY, Rule
 from antenna_pin.trajectory.outcome import Outcome
 from antenna_pin.trajectory.read import json_in
-from antenna_pin.units import shown
 
 __all__ = ["ATTRIBUTES", "TABLES", "Attribute", "Column", "problem_of_table"]
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from antenna_pin.readable import readable
+from antenna_pin.base.readable import readable
 
 __all__ = ["Card", "Fact", "Fold", "measured", "table"]
 

@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from antenna_pin.analysis import answer
-from antenna_pin.readable import number, readable
+from antenna_pin.base.readable import number, readable
 from antenna_pin.scenario import scenario_toml
 from antenna_pin.views._card import Card, Fact, Fold, measured, table
 from antenna_pin.views._sketch import motion_sketch

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.readable import readable
+from antenna_pin.base.readable import readable
 
 __all__ = ["motion_sketch"]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from numpy.typing import ArrayLike
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.linear import Modes, first_source, frequency_response, swing
 from antenna_pin.plot import figure_response

@@ -20,7 +20,7 @@ from antenna_pin.analysis import (
     spectrogram,
     spectrum,
 )
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.trajectory import Trajectory
 

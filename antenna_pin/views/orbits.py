@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import xarray as xr
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.files import check_writable
 from antenna_pin.nonlinear import Orbit, orbit_table
 from antenna_pin.plot import figure_multipliers
 from antenna_pin.report import Report, report

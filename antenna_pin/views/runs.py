@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import xarray as xr
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
-from antenna_pin.files import check_writable
 from antenna_pin.plot import CATALOGUE, RunFigure, allowed_figures, run_figure
 from antenna_pin.record import Recording, check_film, record, save_picture, save_video
 from antenna_pin.report import Report, report

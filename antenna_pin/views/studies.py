@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import xarray as xr
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.files import check_writable
 from antenna_pin.errors import OutputError, UnknownNameError
-from antenna_pin.files import check_writable
 from antenna_pin.plot import study_figures, study_sensitivities
 from antenna_pin.report import Report, study_report
 from antenna_pin.sweep import Study, open_study, sensitivities

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from antenna_pin.readable import readable
+from antenna_pin.base.readable import readable
 from antenna_pin.views._card import Card, Fact, Fold, table
 
 if TYPE_CHECKING:

@@ -32,7 +32,7 @@ from antenna_pin.analysis import (
     time_rms,
     uniform,
 )
-from antenna_pin.files import replacing
+from antenna_pin.base.files import replacing
 
 JOINT = "elevation"
 OFF_CENTRE = 10e-6  # [m], a twentieth of the clearance

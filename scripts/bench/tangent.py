@@ -25,7 +25,8 @@ from bench_tools import Report
 from sensitivity import KEYS
 
 from antenna_pin import RunSettings, build_system, load_scenario
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.records import memory_records
 from antenna_pin.dynamics import Workspace
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.integrate import method_named
@@ -33,7 +34,6 @@ from antenna_pin.nonlinear import flow_of
 from antenna_pin.nonlinear.frames import Units
 from antenna_pin.nonlinear.near import Near
 from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.records import memory_records
 from antenna_pin.scenario import with_number
 from antenna_pin.sensitivity.parameters import parameters_of
 from antenna_pin.simulation.scales import scale_vector

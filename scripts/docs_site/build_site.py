@@ -17,7 +17,7 @@ import sys
 import time
 from pathlib import Path
 
-from antenna_pin.interruption import ended_by, ending_by_signals
+from antenna_pin.base.interruption import ended_by, ending_by_signals
 
 ROOT = Path(__file__).parents[2]
 BUILT = ROOT / "build" / "docs"

@@ -21,8 +21,8 @@ import numpy as np
 
 import antenna_pin
 from antenna_pin import Trajectory, Urdf, build_system, load_scenario, load_study
-from antenna_pin.parameters import parameters_of
-from antenna_pin.units import shown as shown_value
+from antenna_pin.base.parameters import parameters_of
+from antenna_pin.base.units import shown as shown_value
 from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import made
 from fuzzing.odd import Raw, odd_number, odd_value

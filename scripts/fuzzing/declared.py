@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
+from antenna_pin.base.parameters import attribute_docs
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, law_parameters
-from antenna_pin.parameters import attribute_docs
 from antenna_pin.scenario._base import Count, Quantity, Spec, Vector
 from antenna_pin.scenario._kinds import OneOf
 from antenna_pin.scenario.laws import LawChange, LawSpec

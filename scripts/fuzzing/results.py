@@ -13,8 +13,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from antenna_pin.files import seal
-from antenna_pin.units import shown
+from antenna_pin.base.files import seal
+from antenna_pin.base.units import shown
 from fuzzing.documents import SHORT
 from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import FAST, MADE, made

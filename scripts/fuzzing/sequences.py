@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from antenna_pin import AntennaPinError, load_scenario, start
+from antenna_pin.base.units import shown
 from antenna_pin.fmu.packed import Packed
 from antenna_pin.live.explored import Explored
-from antenna_pin.units import shown
 from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import made
 from fuzzing.odd import ODD_TEXTS, Raw, odd_number, odd_value

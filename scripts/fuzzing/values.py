@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from random import Random
 from typing import Any
 
-from antenna_pin.parameters import RULES
-from antenna_pin.units import QuantityError, quantity
+from antenna_pin.base.parameters import RULES
+from antenna_pin.base.units import QuantityError, quantity
 from fuzzing.declared import (
     Choice,
     Declared,

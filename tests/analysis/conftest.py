@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numba import njit
 
+from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.geometry.revolute_kernels import scenario_in
-from antenna_pin.records import CONTACT, POSE
 
 
 @pytest.fixture

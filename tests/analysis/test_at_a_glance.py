@@ -7,7 +7,7 @@ import pytest
 
 from antenna_pin import list_scenarios, load_scenario, simulate
 from antenna_pin.analysis import answer
-from antenna_pin.readable import readable
+from antenna_pin.base.readable import readable
 from antenna_pin.trajectory import Trajectory
 
 

@@ -7,10 +7,10 @@ from branches import closed
 from observed_once import observed_once
 
 from antenna_pin import simulate
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.constraints import CLOSURES
 from antenna_pin.dynamics import Workspace, mobility_of
 from antenna_pin.elements import CallableMotion, PrescribedMotion
-from antenna_pin.settings import RunSettings
 
 
 def accelerations(system, y, t=0.3):

@@ -10,7 +10,7 @@ from coupled import Coupled, tree_text
 from observed_once import observed_once
 
 from antenna_pin import Coupling, System, Urdf, build_mechanism
-from antenna_pin.changes import JointChange
+from antenna_pin.base.changes import JointChange
 from antenna_pin.dynamics import ConstantDrive, JointSpring, Workspace, constraint_counts
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from antenna_pin._compile import record
+from antenna_pin.compiled.decorators import record
 from antenna_pin.contact import (
     NORMAL_LAWS,
     Hertz,

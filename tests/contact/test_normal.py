@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from antenna_pin._compile import record
+from antenna_pin.compiled.decorators import record
 from antenna_pin.contact import (
     CustomNormal,
     DampedContact,

@@ -10,11 +10,11 @@ import pytest
 from controlled_wheel import KINDS, PERIOD, PLAIN, WHEEL, rig, run_of
 
 from antenna_pin import Outcome, RunSettings, System, Trajectory, simulate
+from antenna_pin.base.state import State
 from antenna_pin.control import Controller, Instants, kept, remembered
 from antenna_pin.elements import ConstantDrive
 from antenna_pin.errors import AntennaPinError, FileFormatError
 from antenna_pin.simulation import Event, Set, Time
-from antenna_pin.state import State
 
 
 @dataclass

@@ -3,8 +3,8 @@
 import pytest
 
 from antenna_pin import System, build_system, load_scenario, simulate
+from antenna_pin.base.records import MEMORY
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.records import MEMORY
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from antenna_pin import System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin.base.settings import RunSettings
 from antenna_pin.elements import (
     REFERENCES,
     Chirp,
@@ -24,7 +25,6 @@ from antenna_pin.elements import (
     Trapezoid,
 )
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, ScenarioError
-from antenna_pin.settings import RunSettings
 
 SLEWS = {
     "trapezoid": Trapezoid(end=2.0, rate=0.5, acceleration=0.3),

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from planar_joint import record
 
+from antenna_pin.base.state import State
 from antenna_pin.contact.onset import NO_APPROACH
 from antenna_pin.fit import Problem, load_fit
 from antenna_pin.fit.jacobian import by_differences
 from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.runs import bench_of
-from antenna_pin.state import State
 
 from .joint import FIT, TIMES, TRUTH, write_record
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from antenna_pin import AntennaPinError, Scenario, build_system, capacity, load_scenario
+from antenna_pin import AntennaPinError, Scenario, build_system, load_scenario
+from antenna_pin.base import capacity
 from antenna_pin.errors import TooLargeError
 from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
 

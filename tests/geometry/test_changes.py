@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.differences import WEIGHTS
+from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.geometry import (
     PlanarClearance,
     PrismaticClearance,
@@ -13,7 +14,6 @@ from antenna_pin.geometry import (
     pose_of,
 )
 from antenna_pin.geometry.tangent_kernels import CHANGED, GAP, NORMAL, POINT, contact_changes
-from antenna_pin.records import CONTACT, POSE
 
 from .conftest import WIDE, antenna
 

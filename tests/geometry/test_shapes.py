@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import antenna_pin.geometry
+from antenna_pin.base.records import CONTACT
 from antenna_pin.geometry import (
     ClearanceGeometry,
     ContactPoint,
@@ -15,7 +16,6 @@ from antenna_pin.geometry import (
     pose_of,
 )
 from antenna_pin.geometry.revolute_kernels import bore_contact, flange_contact, nearest_on_ellipse
-from antenna_pin.records import CONTACT
 
 from .conftest import Coal
 

@@ -7,9 +7,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from antenna_pin.base.records import RIGID, ROTATION, VECTOR
 from antenna_pin.integrate import Manifold
 from antenna_pin.integrate.manifold import KINDS
-from antenna_pin.records import RIGID, ROTATION, VECTOR
 
 MODELS = {
     "vector": pin.JointModelPX,

@@ -118,7 +118,7 @@ def test_until_the_first_run_is_there_the_page_has_its_stage(local_page, monkeyp
 
     Who started it is told of compiling and of the end in a line each.
     """
-    from antenna_pin._compile_time import CompileClock
+    from antenna_pin.compiled.compile_time import CompileClock
     from antenna_pin.live import runner
 
     release, compiling, told = threading.Event(), threading.Event(), []
@@ -152,7 +152,7 @@ def test_until_the_first_run_is_there_the_page_has_its_stage(local_page, monkeyp
 
 def test_what_is_done_before_the_page_is_served_is_told(monkeypatch, capsys):
     """On the error stream, kernels that are compiled once; or to nobody."""
-    from antenna_pin import _kernel_cache
+    from antenna_pin.compiled import kernel_cache as _kernel_cache
     from antenna_pin.live import runner, server
 
     class Compiled(server.Explored):

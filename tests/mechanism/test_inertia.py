@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 from scipy.special import ellipj, ellipk
 
 from antenna_pin import RunSettings, System, simulate
-from antenna_pin.changes import JointChange, LinkChange
+from antenna_pin.base.changes import JointChange, LinkChange
 from antenna_pin.elements import ConstantDrive
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import TreeDynamics, Urdf, build_mechanism

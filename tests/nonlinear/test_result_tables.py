@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.analysis import stability_spans, unexplained_changes
+from antenna_pin.base.state import State
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.nonlinear import (
     amplitudes,
@@ -25,7 +26,6 @@ from antenna_pin.nonlinear import (
     periodic_orbit,
     save_table,
 )
-from antenna_pin.state import State
 from antenna_pin.trajectory import FORMATS, library_versions
 from antenna_pin.trajectory.table_columns import TABLES, problem_of_table
 

@@ -10,10 +10,10 @@ from scipy.special import ellipj, ellipk
 
 from antenna_pin import simulate
 from antenna_pin.analysis import RecurrenceKind, recurrence
+from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear import Crossing, Stroboscope, drive_period, poincare, section_of
 from antenna_pin.simulation import Angle, Event, Rate
-from antenna_pin.state import State
 
 DRIVEN = """
 [springs.way]

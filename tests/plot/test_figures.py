@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError, UnknownNameError
 from antenna_pin.plot import (
     CATALOGUE,
@@ -21,7 +22,6 @@ from antenna_pin.plot import (
     save_figures,
 )
 from antenna_pin.plot._style import prefixed
-from antenna_pin.readable import printed_unit
 
 
 @pytest.fixture(scope="module")

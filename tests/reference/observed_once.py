@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from antenna_pin.base.records import MEMORY
 from antenna_pin.dynamics import observed
-from antenna_pin.records import MEMORY
 
 
 def observed_once(system, t, y):

@@ -10,7 +10,7 @@ import pytest
 
 from antenna_pin import RunSettings, System, build_mechanism, build_system, load_scenario
 from antenna_pin.assemble import initial_state
-from antenna_pin.changes import JointChange, LinkChange
+from antenna_pin.base.changes import JointChange, LinkChange
 from antenna_pin.constraints import CLOSURES, Closure
 from antenna_pin.elements import CallableDrive, CallableForce, Motor
 from antenna_pin.geometry import CylindricalClearance

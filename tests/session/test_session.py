@@ -11,10 +11,10 @@ import pytest
 from sessions import antenna, differences
 
 from antenna_pin import Outcome, RunSettings, load_scenario, simulate, start
+from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.session import EndedError, InUseError
 from antenna_pin.simulation import Angle, Event, Force, Mark, Rate, Set, Stop, Time
-from antenna_pin.state import State
 
 
 @pytest.fixture(scope="module")

@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.analysis import body_poses
+from antenna_pin.base.records import POSE, words_of
 from antenna_pin.contact import GonthierBristle, Hertz, KelvinVoigt, Tanh
 from antenna_pin.dynamics import JointMotion, Workspace, audit
 from antenna_pin.elements import JointSpring, PDController, SineDrive
@@ -27,7 +28,6 @@ from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.record import record
-from antenna_pin.records import POSE, words_of
 
 AXIS = np.array([1.0, 2.0, -2.0]) / 3.0
 OFFSET = 0.017  # [m]

@@ -16,8 +16,8 @@ from interruptions import in_pieces, same
 
 from antenna_pin import Outcome, RunSettings, Trajectory, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
+from antenna_pin.base.files import seal
 from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError
-from antenna_pin.files import seal
 from antenna_pin.simulation import (
     Checkpoint,
     CheckpointsWaitedWarning,

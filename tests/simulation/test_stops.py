@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, simulate
+from antenna_pin.base.state import State
 from antenna_pin.contact import delivered_restitution
 from antenna_pin.dynamics import System
 from antenna_pin.elements import EndStop, RigidStop
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.simulation import Event, Set, Time
-from antenna_pin.state import State
 
 G = 9.81
 TIGHT = RunSettings(rtol=1e-11, max_step=0.05, output_rate=50.0)

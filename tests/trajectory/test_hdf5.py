@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from antenna_pin import Trajectory, load_scenario, simulate
+from antenna_pin.base.files import seal
 from antenna_pin.errors import FileFormatError
-from antenna_pin.files import seal
 from antenna_pin.trajectory import format_of, open_table
 from antenna_pin.trajectory.on_disk import StoredFile
 

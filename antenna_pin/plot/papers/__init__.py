@@ -5,7 +5,7 @@ Nothing is simulated here: give the runs of the cases, or let ``antenna-pin figu
 
 from __future__ import annotations
 
-from antenna_pin.arguments import takes
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot.papers import bai2020, chen2021, you2010
 from antenna_pin.plot.papers._attractor_figures import AttractorFigure, Diagram, DiagramFigure

@@ -1,0 +1,355 @@
+"""What public functions and classes take: arguments of a wrong kind are refused in one line, by their types.
+
+:func:`takes` above a function, or above a class, checks each argument against its annotation before anything
+is done with it, and reads text with a unit where a number with a unit is asked for::
+
+    @takes(duration="s")
+    def simulate(model: Scenario | System, *, duration: float | str | None = None) -> Trajectory: ...
+
+An annotation is the one place that says what is taken; what it cannot say, that a number is positive for
+instance, is the business of the function or class itself.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import os
+import types
+import typing
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from numbers import Integral
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.base.units import QuantityError, quantity, shown
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["fits", "is_number", "rule_of", "takes", "unknown_type"]
+
+_T = TypeVar("_T", bound=Callable[..., Any])
+_UNIONS = (Union, types.UnionType)
+_ARRAYS = (np.ndarray, NDArray)  # to NumPy 2.4 one is the other's name, from 2.5 on an alias of its own
+_EITHER, _NAMED = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
+
+
+def takes(**units: str | tuple[str, ...]) -> Callable[[_T], _T]:
+    """Return a decorator of a function, or of a class, that refuses arguments of a wrong kind.
+
+    Args:
+        **units: SI unit of each parameter that may be given as text with a unit, or several; a mapping's
+            values, or the entries of a sequence, each.
+    """
+
+    def decorated(one: _T) -> _T:
+        if inspect.isclass(one):
+            # In place: whoever has the class already has it checked.
+            setattr(one, "__init__", _checked(one.__init__, one.__name__, units, one))  # noqa: B010
+            return one
+        return cast("_T", _checked(one, one.__name__, units, None))
+
+    return decorated
+
+
+def _checked(
+    function: Any, place: str, units: Mapping[str, str | tuple[str, ...]], owner: type[Any] | None
+) -> Any:
+    def checked(name: str, value: Any, hint: Any) -> Any:
+        read = _read(place, name, value, hint, units.get(name))
+        if owner is None:  # a class has its own words for what its functions are asked
+            _check_count(place, name, read, hint)
+        return read
+
+    @functools.cache
+    def asked() -> tuple[inspect.Signature, dict[str, Any]]:
+        return inspect.signature(function), _hints(function, owner)
+
+    @functools.cache
+    def by_name() -> tuple[tuple[str, ...], dict[str, Any], frozenset[str]]:
+        """Return the names that may come by place, types of all that may be given, and those that must be."""
+        signature, hints = asked()
+        kinds = {name: one.kind for name, one in signature.parameters.items()}
+        plain = not set(kinds.values()) - {_EITHER, _NAMED}
+        needed = (name for name, one in signature.parameters.items() if one.default is one.empty)
+        places = tuple(name for name, kind in kinds.items() if kind is _EITHER) if plain else ()
+        return places, {name: hints.get(name, Any) for name in kinds if plain}, frozenset(needed)
+
+    @functools.wraps(function)
+    def wrapped(*arguments: Any, **named: Any) -> Any:
+        places, known, needed = by_name()
+        # Nearly all calls: what Python itself would bind, for a fraction of what it takes to do it by hand.
+        given = dict(zip(places, arguments, strict=False))
+        if len(given) == len(arguments) and known.keys() >= named.keys() and not given.keys() & named.keys():
+            given.update(named)
+            if given.keys() >= needed:
+                return function(**{k: checked(k, given[k], hint) for k, hint in known.items() if k in given})
+        signature, hints = asked()
+        bound = signature.bind(*arguments, **named)
+        for name, value in bound.arguments.items():
+            kind = signature.parameters[name].kind
+            hint = hints.get(name, Any)
+            if kind is inspect.Parameter.VAR_POSITIONAL:
+                read = tuple(_read(place, name, one, hint, units.get(name)) for one in value)
+            elif kind is inspect.Parameter.VAR_KEYWORD:
+                continue
+            else:
+                read = checked(name, value, hint)
+            bound.arguments[name] = read
+        return function(*bound.args, **bound.kwargs)
+
+    return wrapped
+
+
+def _read(place: str, name: str, value: Any, hint: Any, unit: str | tuple[str, ...] | None) -> Any:
+    """Return an argument, text with a unit as a number, or refuse it."""
+    if unit is not None:
+        value = _in_si(f"{place}: {name}", value, unit)
+    if not fits(value, hint):
+        rule = rule_of(hint) + ("" if unit is None else f", in {_either(unit)} or with a unit")
+        raise InvalidParameterError(place, name, rule, said=unknown_type(value))
+    if get_origin(hint) is Iterable and isinstance(value, Iterator):
+        return _each(place, name, value, hint)
+    return value
+
+
+def _each(place: str, name: str, values: Iterator[Any], hint: Any) -> Iterator[Any]:
+    """Yield what an iterator gives, each looked at when it comes."""
+    (kind,) = get_args(hint) or (Any,)
+    for value in values:
+        if not fits(value, kind):
+            raise InvalidParameterError(place, name, rule_of(hint), said=f"one of {unknown_type(value)}")
+        yield value
+
+
+def _check_count(place: str, name: str, value: Any, hint: Any) -> None:
+    """Refuse a function that cannot be called with as many arguments as its annotation has."""
+    kinds = (hint, *(get_args(hint) if get_origin(hint) in _UNIONS else ()))
+    known = [get_args(kind)[0] for kind in kinds if get_origin(kind) is Callable and get_args(kind)]
+    if not callable(value) or len(known) != 1 or known[0] is ...:
+        return
+    try:
+        signature = inspect.signature(value)
+    except (TypeError, ValueError):  # some of those in C do not say
+        return
+    try:
+        signature.bind(*known[0])
+    except TypeError:
+        count = len(known[0])
+        rule = f"a function of {count} argument{'s' if count > 1 else ''}"
+        raise InvalidParameterError(place, name, rule, said=f"one of {signature}") from None
+
+
+def _either(unit: str | tuple[str, ...]) -> str:
+    return unit if isinstance(unit, str) else " or ".join(unit)
+
+
+def _in_si(place: str, value: Any, unit: str | tuple[str, ...]) -> Any:
+    if isinstance(value, str):
+        try:
+            return quantity(value, unit, place)
+        except QuantityError as error:
+            at, _, parameter = place.partition(": ")
+            rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
+            raise InvalidParameterError(at, parameter, rule, said=said) from None
+    if isinstance(value, Mapping):
+        return {key: _in_si(f"{place}[{key!r}]", one, unit) for key, one in value.items()}
+    if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
+        return type(value)(_in_si(f"{place}[{k}]", one, unit) for k, one in enumerate(value))
+    return value
+
+
+def _hints(function: Any, owner: type[Any] | None) -> dict[str, Any]:
+    """Return the types of a function's parameters; of one whose type is not there at run time, none."""
+    names = dict(getattr(inspect.unwrap(function), "__globals__", {}))
+    if owner is not None:
+        names = {**vars(inspect.getmodule(owner)), **names}
+    found = {}
+    for name, hint in inspect.get_annotations(inspect.unwrap(function)).items():
+        try:
+            found[name] = eval(hint, names) if isinstance(hint, str) else hint  # noqa: S307 - our own source
+        except (NameError, AttributeError, TypeError):  # a type known to the checker only
+            continue
+    return found
+
+
+def unknown_type(value: object) -> str:
+    """Return a value for the message that refuses it: what tells numbers and text, else its type as well."""
+    if value is None or isinstance(value, str | int | float):
+        return shown(value)
+    return f"{shown(value)} ({type(value).__name__})"
+
+
+# --- does a value fit a type? ---
+
+
+def fits(value: Any, hint: Any) -> bool:
+    """Return whether a value is of an annotation's type; True for types that cannot be told at run time.
+
+    NumPy's numbers are numbers, arrays are sequences of what they hold; true and false are no numbers, and
+    text is no sequence.
+    """
+    if type(value) is hint and hint is not np.ndarray:  # nearly all
+        return True
+    if hint is Any or isinstance(hint, TypeVar | str):
+        return True
+    if hint is None or hint is type(None):
+        return value is None
+    if hint == ArrayLike or get_origin(hint) in _ARRAYS or hint is np.ndarray:
+        return _is_array(value, "c" if hint != ArrayLike and "complex" in str(hint) else "")
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in _UNIONS:
+        arrays, others = _without_arrays(inner)
+        return (arrays and _is_array(value, "")) or any(fits(value, one) for one in others)
+    if origin is Literal:
+        return any(type(one) is type(value) for one in inner)  # which of them is the function's own to say
+    if origin is typing.Annotated:
+        return fits(value, inner[0])
+    if origin is not None:
+        return _fits_parts(value, origin, inner)
+    if hint is float:
+        return is_number(value)
+    if hint is int:
+        return isinstance(value, Integral) and not isinstance(value, bool)
+    if hint is bool:
+        return isinstance(value, bool | np.bool_)
+    if getattr(hint, "_is_protocol", False):
+        return not inspect.isclass(value) and all(hasattr(value, name) for name in _members(hint))
+    return isinstance(value, hint) if isinstance(hint, type) else True
+
+
+def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
+    """Return whether a value is a container of a kind, and holds what it should."""
+    if origin is type:
+        return isinstance(value, type)
+    if origin is os.PathLike:
+        return isinstance(value, os.PathLike)
+    if origin is Callable:
+        return callable(value)
+    if origin is Iterator:
+        return isinstance(value, origin)
+    if isinstance(value, str | bytes):
+        return False
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        if not isinstance(value, Mapping):
+            return False
+        return len(inner) != 2 or all(fits(k, inner[0]) and fits(v, inner[1]) for k, v in value.items())
+    if isinstance(value, Mapping):
+        return origin in (Iterable, Collection) and all(fits(one, inner[0]) for one in value)
+    if isinstance(value, np.ndarray):
+        return value.ndim > 0 and (not inner or len(value) == 0 or fits(value[0], inner[0]))
+    if origin is tuple:
+        if not isinstance(value, list | tuple):
+            return False
+        if len(inner) == 2 and inner[1] is ...:
+            return all(fits(one, inner[0]) for one in value)
+        return len(value) == len(inner) and all(map(fits, value, inner))
+    if origin in (list, Sequence):
+        return isinstance(value, Sequence) and all(fits(one, inner[0]) for one in value)
+    if not isinstance(value, origin):
+        return False
+    again = isinstance(value, Collection) and len(inner) == 1
+    return not again or all(fits(one, inner[0]) for one in value)
+
+
+@functools.cache
+def _without_arrays(kinds: tuple[Any, ...]) -> tuple[bool, list[Any]]:
+    """Return whether ``ArrayLike`` is one of a union's kinds, by its name or its parts, and the others."""
+    parts = get_args(ArrayLike) or (ArrayLike,)
+    if not set(map(str, parts)) <= set(map(str, kinds)):
+        return False, list(kinds)
+    return True, [kind for kind in kinds if str(kind) not in set(map(str, parts))]
+
+
+def is_number(value: Any) -> bool:
+    """Return whether a value is a number: neither true, false, text nor several of them."""
+    if isinstance(value, np.ndarray | np.generic) and (value.ndim or value.dtype.kind not in "iuf"):
+        return False
+    if isinstance(value, bool | str | bytes) or not hasattr(value, "__float__"):
+        return isinstance(value, Integral) and not isinstance(value, bool)
+    # Of these NumPy makes numbers as well, with a warning.
+    if isinstance(value, np.complexfloating) or (isinstance(value, np.ndarray) and value.ndim):
+        return False
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return False
+    except OverflowError:  # whose rule refuses it, as not finite
+        return True
+    return True
+
+
+def _is_array(value: Any, more: str) -> bool:
+    """Return whether a value is an array of numbers, of NumPy's ``more`` kinds too, or of times."""
+    if value is None or isinstance(value, str | bytes | Mapping):
+        return False
+    try:
+        return np.asarray(value).dtype.kind in "biufVMm" + more or np.asarray(value).size == 0
+    except (TypeError, ValueError):
+        return False
+
+
+def _members(protocol: Any) -> set[str]:
+    found: set[str] = set()
+    for base in protocol.__mro__:
+        if getattr(base, "_is_protocol", False) and base.__name__ != "Protocol":
+            found |= {name for name in {*vars(base), *getattr(base, "__annotations__", {})}}
+    return {name for name in found if not name.startswith("_") or name == "__call__"}
+
+
+# --- what a type asks for, in words ---
+
+_WORDS: Mapping[Any, str] = {
+    float: "a number",
+    int: "a whole number",
+    bool: "true or false",
+    str: "text",
+    None: "None",
+    type(None): "None",
+    os.PathLike: "a path",
+}
+
+
+def rule_of(hint: Any) -> str:
+    """Return what an annotation asks for, as it reads after "must be"."""
+    try:
+        if hint in _WORDS:
+            return _WORDS[hint]
+    except TypeError:
+        pass
+    if hint == ArrayLike or get_origin(hint) in _ARRAYS:
+        return "an array of numbers"
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in _UNIONS:
+        arrays, others = _without_arrays(inner)
+        said = ["an array of numbers"] * arrays
+        said += [rule_of(one) for one in others if one not in (None, type(None))]
+        *first, last = dict.fromkeys(said)
+        return f"{', '.join(first)} or {last}" if first else last
+    if origin is Literal:
+        *first, last = (shown(one) for one in inner)
+        return f"{', '.join(first)} or {last}" if first else last
+    if origin is typing.Annotated:
+        return rule_of(inner[0])
+    if origin is type:
+        return "a class"
+    if origin is os.PathLike:
+        return "a path"
+    if origin is Callable:
+        return "a function"
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return f"a mapping of names to {_many(inner[1])}" if len(inner) == 2 else "a mapping"
+    if origin is tuple and inner and inner[-1] is not ...:
+        return f"{len(inner)} of {_many(inner[0])}"
+    if origin is not None and inner:
+        return f"a sequence of {_many(inner[0])}"
+    name = getattr(hint, "__name__", str(hint))
+    return f"{'an' if name[:1] in 'AEIOU' else 'a'} {name}"
+
+
+def _many(hint: Any) -> str:
+    said = rule_of(hint)
+    return {"a number": "numbers", "a whole number": "whole numbers", "text": "texts"}.get(
+        said, said.partition(" ")[2] if said.startswith(("a ", "an ")) and " or " not in said else said
+    )

@@ -1,0 +1,44 @@
+"""Directions as people give them: three numbers of which only the ratio counts, made a unit vector."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.base.units import shown
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["A_DIRECTION", "direction", "unit"]
+
+#: What a direction must be, as it reads after "must be".
+A_DIRECTION = "three finite numbers, not all zero"
+
+
+def unit(vector: ArrayLike) -> NDArray[np.float64]:
+    """Return the vector of length 1 along one that is finite and not zero, (n,) [-].
+
+    It is divided by its largest entry first, so that no square overflows or underflows.
+    """
+    given = np.asarray(vector, dtype=np.float64)
+    given = given / np.abs(given).max()
+    return np.asarray(given / np.linalg.norm(given))
+
+
+def direction(given: ArrayLike, place: object, name: str) -> NDArray[np.float64]:
+    """Return the unit vector along a direction, (3,) [-], or refuse what is none.
+
+    Args:
+        given: Of any length [-].
+        place: Whose it is, an object or the name of a place, for the message.
+        name: What it is called there.
+
+    Raises:
+        InvalidParameterError: It is zero, or not finite, or not three numbers.
+    """
+    try:
+        vector = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        vector = np.zeros(0)
+    if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
+        raise InvalidParameterError(place, name, A_DIRECTION, said=shown(given))
+    return unit(vector)

@@ -1,0 +1,335 @@
+"""Parameters declared once: unit, rule, default and meaning of each field of a frozen dataclass.
+
+A class that people set the numbers of says of each field what it is, by :func:`parameter`, and checks itself
+by :func:`check`. Whatever reads it from elsewhere, a scenario's table, a list of laws, a page of
+documentation, takes all of that from the class (:func:`parameters_of`)::
+
+    @dataclass(frozen=True, slots=True, kw_only=True)
+    class Spring:
+        stiffness: float = parameter("N*m/rad", rule="zero or more", default=0.0)
+
+        def __post_init__(self) -> None:
+            check(self)
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field
+from functools import cache
+from types import MappingProxyType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from antenna_pin.base.arguments import fits, is_number, rule_of, takes, unknown_type
+from antenna_pin.base.directions import A_DIRECTION, direction
+from antenna_pin.base.numerals import decimal_in
+from antenna_pin.base.units import QuantityError, matching_unit, quantity
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = [
+    "FARTHEST",
+    "LARGEST",
+    "NO_BOUND",
+    "LEAST",
+    "RULES",
+    "SWINGS",
+    "Parameter",
+    "attribute_docs",
+    "beyond",
+    "check",
+    "choices_of",
+    "holds",
+    "parameter",
+    "parameters_of",
+]
+
+#: What a damping ratio must be of what swings.
+SWINGS = "zero or more and below 1"
+
+RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
+    {
+        "": lambda _: True,
+        A_DIRECTION: lambda _: True,
+        "positive": lambda number: number > 0.0,
+        "zero or more": lambda number: number >= 0.0,
+        SWINGS: lambda number: 0.0 <= number < 1.0,
+        "1 or more": lambda number: number >= 1.0,
+        "between 0 and 1": lambda number: 0.0 < number < 1.0,
+        "above -1 and at most 0.5": lambda number: -1.0 < number <= 0.5,
+    }
+)
+"""What a finite number must be, as it reads after "must be"."""
+
+#: Sizes beyond which a number is refused, lest what is made of it (k = m w^2) be no number any more.
+LARGEST, LEAST = 1e100, 1e-100
+
+#: Bound of a joint beyond which it is none [rad], [m]: programs write 1e16, or the largest number they have.
+NO_BOUND = 1e9
+
+#: Size beyond which a double does not tell places and angles apart to a millionth [m], [rad].
+FARTHEST = 2.0**33
+
+_FINITE = {"": "finite", "positive": "positive and finite", "zero or more": "zero or more, and finite"}
+
+
+@takes()
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One parameter of a class.
+
+    Attributes:
+        unit: Its SI unit, "1" for a pure number; ``N/m**exponent`` depends on another parameter, of the name.
+        required: Whether the class has no default for it.
+        default: The default; None if there is none, or if leaving it out has a meaning of its own.
+        doc: What it is.
+        from_joint: Whether a scenario may leave it out, as it follows from the joint: its dimensions and
+            materials, or the mass at each contact.
+        sliding: Its unit where the joint that it belongs to slides, if that is another.
+        rule: One of ``RULES``.
+        sizes: How many numbers it may have; none for a single number.
+    """
+
+    unit: str
+    required: bool
+    default: Any
+    doc: str
+    from_joint: bool = False
+    sliding: str = ""
+    rule: str = ""
+    sizes: tuple[int, ...] = ()
+
+    @property
+    def units(self) -> str | tuple[str, ...]:
+        """The unit, or both where that of a sliding joint is another."""
+        return (self.unit, self.sliding) if self.sliding else self.unit
+
+
+def parameter(
+    unit: str = "1",
+    *,
+    sliding: str = "",
+    rule: str = "",
+    sizes: tuple[int, ...] = (),
+    default: Any = MISSING,
+    repr: bool = True,
+) -> Any:
+    """Return a dataclass field that holds a number, or several, with a unit.
+
+    Its meaning is what the class's docstring says of it under ``Attributes``. A field whose type allows None
+    may be left out.
+
+    Args:
+        unit: SI unit, "1" for a pure number.
+        sliding: SI unit where the joint that it belongs to slides, if that is another.
+        rule: One of ``RULES``.
+        sizes: How many numbers, of a tuple; ``(0,)`` for any number of them.
+        default: The default; required if not given.
+        repr: Whether the field is shown.
+    """
+    metadata = {"unit": unit, "sliding": sliding, "rule": rule, "sizes": sizes}
+    return field(default=default, metadata=metadata, repr=repr)
+
+
+def parameters_of(cls: type[Any]) -> dict[str, Parameter]:
+    """Return the parameters of a class by name: the fields that declare a unit, in their order."""
+    if cls not in _PARAMETERS:
+        _PARAMETERS[cls] = _parameters_of(cls)
+    return dict(_PARAMETERS[cls])
+
+
+_PARAMETERS: dict[type[Any], dict[str, Parameter]] = {}
+
+
+def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
+    docs = attribute_docs(cls)
+    found = {}
+    for item in dataclasses.fields(cls):
+        if "unit" not in item.metadata:
+            continue
+        required = item.default is MISSING
+        found[item.name] = Parameter(
+            required=required,
+            default=None if required else item.default,
+            **{"doc": docs.get(item.name, ""), **item.metadata},
+        )
+    return found
+
+
+def attribute_docs(cls: type[Any]) -> dict[str, str]:
+    """Return what the docstrings of a class and of its bases say of its attributes, by name."""
+    found: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        _, _, section = (base.__doc__ or "").partition("Attributes:\n")
+        for entry in re.split(r"\n {4,8}(?=\w+: )", "\n" + section):
+            name, _, text = entry.strip().partition(": ")
+            if name.isidentifier():
+                found[name] = " ".join(text.split("\n\n")[0].split())
+    return found
+
+
+def choices_of(hint: Any) -> tuple[str, ...]:
+    """Return the texts that an annotation, such as ``Literal["a", "b"] | None``, allows; () for any."""
+    if get_origin(hint) is Literal:
+        return tuple(choice for choice in get_args(hint) if isinstance(choice, str))
+    return tuple(choice for part in get_args(hint) for choice in choices_of(part))
+
+
+def check(owner: Any) -> None:
+    """Check the fields of a frozen dataclass by what they declare; tuples of numbers become floats.
+
+    Text with a unit becomes the number in SI units. A field whose unit depends on the joint takes either; all
+    fields of an object must be for one motion.
+
+    Raises:
+        InvalidParameterError: The first that breaks its rule.
+    """
+    cls: Any = type(owner)
+    motions: dict[str, str] = {}
+    for name, optional, whole, hint, choices, declared in _declared(cls):
+        value = getattr(owner, name)
+        if value is None and optional:
+            continue
+        if "unit" in declared:
+            if declared["sliding"]:
+                _check_motion(owner, name, value, declared, motions)
+            if declared.get("sizes"):
+                value = _in_si(owner, name, value, declared)
+                numbers = _numbers(owner, name, value, declared)
+                object.__setattr__(owner, name, numbers)
+            else:
+                if isinstance(value, str):
+                    value = _in_si(owner, name, value, declared)
+                    object.__setattr__(owner, name, value)
+                _number(owner, name, value, declared)
+                if whole and value != int(value):
+                    raise InvalidParameterError(owner, name, "a whole number", value)
+        elif not choices and not fits(value, hint):
+            raise InvalidParameterError(owner, name, rule_of(hint), said=unknown_type(value))
+        elif choices and (not isinstance(value, str) or value not in choices):
+            *first, last = choices
+            rule = f"{', '.join(first)} or {last}" if first else last
+            raise InvalidParameterError(owner, name, rule, value)
+
+
+_Declared = tuple[str, bool, bool, Any, tuple[str, ...], Mapping[Any, Any]]
+
+
+@cache
+def _declared(cls: type[Any]) -> tuple[_Declared, ...]:
+    """Return of each field: name, whether it may be None, is whole, type, texts, what it declares."""
+    hints, found = get_type_hints(cls), []
+    for item in dataclasses.fields(cls):
+        hint = hints[item.name]
+        parts = get_args(hint)
+        optional, whole = type(None) in parts, int in (hint, *parts)
+        found.append((item.name, optional, whole, hint, choices_of(hint), item.metadata))
+    return tuple(found)
+
+
+def holds(value: object, rule: str) -> bool:
+    """Return whether a value is a finite number that obeys one of ``RULES``."""
+    if not is_number(value):
+        return False
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except OverflowError:
+        return False
+    return math.isfinite(number) and RULES[rule](number)
+
+
+def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> Any:
+    """Return a value, or several, with text that carries a unit read in SI units."""
+    if isinstance(value, list | tuple):
+        if _are_floats(value):
+            return value
+        return type(value)(_in_si(owner, f"{name}[{k}]", one, declared) for k, one in enumerate(value))
+    if not isinstance(value, str):
+        return value
+    unit = declared["unit"]
+    for other, _ in re.findall(r"(?<=\*\*)(([a-z]\w*))", unit):
+        unit = unit.replace(f"**{other}", f"**{getattr(owner, other)!r}")
+    try:
+        return quantity(value, (unit, declared["sliding"]) if declared["sliding"] else unit, name)
+    except QuantityError as error:
+        rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
+        raise InvalidParameterError(owner, name, rule, said=said) from None
+
+
+def _check_motion(
+    owner: object, name: str, value: Any, declared: Mapping[Any, Any], motions: dict[str, str]
+) -> None:
+    """Refuse text with a unit for a sliding joint beside another for a turning joint, or vice versa."""
+    units = _units(declared)
+    for one in value if isinstance(value, list | tuple) else (value,):
+        unit = matching_unit(one, units)
+        if unit is None or decimal_in(one) is not None:
+            continue
+        own = ("turning", "sliding")[units.index(unit)]
+        first = next(iter(motions), name)
+        if motions.setdefault(first, own) != own:
+            rule = f"for a {motions[first]} joint, as {first} is"
+            raise InvalidParameterError(owner, name, rule, said=f"{one!r} ({own})")
+
+
+def beyond(numbers: Iterable[float], units: str | tuple[str, ...], rule: str = "") -> str:
+    """Return what the size of numbers must be, as it reads after "must be", where it is not; else nothing.
+
+    Args:
+        numbers: Finite ones.
+        units: SI unit of them, or several of which one is.
+        rule: One of ``RULES``.
+    """
+    if rule == A_DIRECTION:
+        return ""
+    sizes = [abs(float(number)) for number in numbers]
+    unit = units if isinstance(units, str) else next((one for one in units if one in ("m", "rad")), "")
+    # A place or an angle; what must be positive is a length or a scale, which does no harm.
+    if unit in ("m", "rad") and not rule and max(sizes, default=0.0) > FARTHEST:
+        return f"at most {FARTHEST:.2g} {unit} in size, up to where a double holds it to a millionth"
+    if max(sizes, default=0.0) > LARGEST:
+        return f"at most {LARGEST:g} in size"
+    return f"{LEAST:g} or more" if rule == "positive" and min(sizes, default=1.0) < LEAST else ""
+
+
+def _number(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> None:
+    rule = declared["rule"]
+    said = beyond([value], _units(declared), rule) if holds(value, rule) else _FINITE.get(rule, rule)
+    if said:
+        raise InvalidParameterError(owner, name, said, value)
+
+
+def _units(declared: Mapping[Any, Any]) -> tuple[str, ...]:
+    return declared["unit"], declared["sliding"]
+
+
+def _numbers(owner: object, name: str, value: object, declared: Mapping[Any, Any]) -> tuple[float, ...]:
+    sizes, rule = declared["sizes"], declared["rule"]
+    if rule == A_DIRECTION:
+        direction(value, owner, name)  # type: ignore[arg-type]
+    count = "" if sizes == (0,) else f"{' or '.join(str(size) for size in sizes)} "
+    said = f"{count}{rule or 'finite'} numbers"
+    try:
+        entries: tuple[Any, ...] = tuple(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise InvalidParameterError(owner, name, said, value) from None
+    ends = _ends(entries)
+    if (sizes != (0,) and len(entries) not in sizes) or not all(holds(entry, rule) for entry in ends):
+        raise InvalidParameterError(owner, name, said, value)
+    too_far = beyond(ends, _units(declared), rule)
+    if too_far:
+        raise InvalidParameterError(owner, name, f"{count}numbers {too_far}", value)
+    return tuple(float(entry) for entry in entries)
+
+
+def _are_floats(values: Sequence[Any]) -> bool:
+    return set(map(type, values)) == {float}
+
+
+def _ends(values: tuple[Any, ...]) -> Sequence[Any]:
+    """Return the least and the largest of floats, NaN if one is: as each rule is an interval, they decide."""
+    return [float(np.min(values)), float(np.max(values))] if _are_floats(values) else values

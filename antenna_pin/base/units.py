@@ -1,0 +1,393 @@
+"""Quantities as people write them: a bare number is SI, a string carries its unit.
+
+``quantity("0.2 mm", "m", place)`` is 0.0002. The dimension is checked, and so are angles: a frequency [Hz]
+and an angular rate [rad/s] have the same dimension but differ by 2 pi, so neither is taken for the other.
+Decimal text is converted exactly and rounded once: "9.8 mm" is the float 0.0098. Units may be spelled as data
+sheets spell them (:mod:`antenna_pin.base.unit_spelling`): mNm, gcm², in-lb. What is a mass elsewhere is a
+weight where a force or a torque is asked for: pounds and ounces; and g is standard gravity in what holds no
+mass.
+"""
+
+from __future__ import annotations
+
+import decimal
+import math
+import re
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from functools import lru_cache
+from numbers import Real
+from typing import Any
+
+from antenna_pin.base.common_units import LARGEST_POWER, Unit, common_unit
+from antenna_pin.base.lazy import take_back
+from antenna_pin.base.numerals import DECIMAL
+from antenna_pin.base.unit_spelling import with_point, with_signs, with_weights, without_weights
+from antenna_pin.errors import ScenarioError
+
+__all__ = [
+    "QuantityError",
+    "any_quantity",
+    "describe_unit",
+    "matching_unit",
+    "quantity",
+    "shown",
+    "unit_factor",
+]
+
+# Unit, and what a quantity of it is called; the first that fits names a quantity seen.
+_KINDS = {
+    "1": "a pure number",
+    "rad": "an angle",
+    "m": "a length",
+    "m**2": "an area",
+    "m**3": "a volume",
+    "s": "a time",
+    "kg": "a mass",
+    "m/s": "a speed",
+    "m/s**2": "an acceleration",
+    "m**2/s**3": "a spectral density of acceleration",
+    "rad**2/s**3": "a spectral density of angular acceleration",
+    "Hz": "a frequency",
+    "rad/s": "an angular rate",
+    "rad/s**2": "an angular acceleration",
+    "N": "a force",
+    "N*m": "a torque",
+    "N*m/rad": "a torsional stiffness",
+    "N*m*s/rad": "a torsional damping",
+    "N/m": "a stiffness",
+    "N*s/m": "a damping",
+    "W": "a power",
+    "Pa": "a pressure",
+    "kg/m**3": "a density",
+    "kg*m**2": "a moment of inertia",
+}
+_PURE = ("1", "-", "")
+# Spellings that a message offers beside an unknown unit.
+_EXAMPLES = {
+    "rad": ("rad", "deg", "arcmin"),
+    "m": ("m", "mm", "um", "in"),
+    "s": ("s", "ms", "min"),
+    "kg": ("kg", "g", "lb"),
+    "m/s": ("m/s", "mm/s"),
+    "m/s**2": ("m/s^2", "g"),
+    "m**2/s**3": ("g^2/Hz", "(m/s^2)^2/Hz"),
+    "Hz": ("Hz", "kHz"),
+    "rad/s": ("rad/s", "deg/s", "rpm"),
+    "N": ("N", "kN", "lbf", "kgf"),
+    "N*m": ("N*m", "mN*m", "lbf*in", "kgf*cm"),
+    "N*m/rad": ("N*m/rad", "N*m/deg", "N*m/arcmin"),
+    "N*m*s/rad": ("N*m*s/rad",),
+    "N/m": ("N/m", "N/mm", "lbf/in"),
+    "N*s/m": ("N*s/m",),
+    "Pa": ("Pa", "MPa", "psi"),
+    "kg/m**3": ("kg/m^3", "g/cm^3"),
+    "kg*m**2": ("kg*m^2", "g*cm^2", "lb*in^2"),
+}
+
+_QUANTITY = re.compile(rf"({DECIMAL})\s*(.*)", re.DOTALL)
+_THOUSANDS = re.compile(r"([+-]?[1-9][0-9]{0,2}),([0-9]{3})(?![0-9,.])")
+_NOT_FINITE = re.compile(r"[+-]?(?:nan|inf|infinity)\b.*", re.IGNORECASE | re.DOTALL)
+_UNIT_CHARACTERS = re.compile(r"[\w\s*/^().+\-°]*|%")
+_LONGEST = 100  # letters of a quantity
+_LONGEST_INTEGER = 8192  # bits; Python refuses to print much longer ones
+# An exponent is one number, or a fraction; a power of a power could grow for ever.
+_EXPONENT = r"[+-]?(?:[0-9]{1,2}\.[0-9]*|[0-9]{1,2}(?:/[1-9][0-9]?)?)"
+_POWER = re.compile(rf"\s*(?:\*\*|\^)\s*(?:({_EXPONENT})|\(({_EXPONENT})\))(?!\s*(?:\*\*|\^|[\w.]))")
+# What is a gram elsewhere is standard gravity in what holds no mass, an acceleration or its spectral density.
+_GRAVITY = re.compile(r"(?<![\w.])g(?!\w)")
+# Nor is a unit a number, but for the 1 of "1/s".
+_BARE_NUMBER = re.compile(r"(?<![\w.])(?!1(?![\w.]))[0-9.]")
+
+
+class QuantityError(ScenarioError):
+    """A value that is not a quantity of the unit asked for.
+
+    Attributes:
+        reason: The message without the place: rule, value seen, way out.
+    """
+
+    def __init__(self, place: str, reason: str) -> None:
+        """Compose the one-line message."""
+        super().__init__(f"{place} {reason}")
+        self.reason = reason
+
+
+def quantity(value: object, unit: str | tuple[str, ...], place: str) -> float:
+    """Return a quantity as a float in SI units.
+
+    Args:
+        value: A number, taken to be SI, or text with a unit such as ``"0.2 mm"``. NaN, infinities, booleans,
+            unknown units and units of another dimension are refused.
+        unit: The SI unit asked for, such as ``"N*m"``, ``"N/m**1.5"``, or ``"1"`` for a pure number; a tuple
+            if any of several will do.
+        place: Where the value stands, for the message.
+
+    Raises:
+        QuantityError: With one line such as
+            ``my.toml: clearance.hinge.radial_clearance must be a length [m], got '0.2 N' (force)``.
+    """
+    units = (unit,) if isinstance(unit, str) else unit
+    try:
+        return _quantity(value, units)
+    except _Refused as refusal:
+        raise QuantityError(place, f"must be {describe_unit(unit)}, got {shown(value)}{refusal}") from None
+
+
+def any_quantity(value: object) -> tuple[float, str] | None:
+    """Return a number in SI units and the SI unit that its text names; None for what is no quantity.
+
+    For values whose meaning is known elsewhere: whoever uses the number checks its dimension, by the unit.
+
+    Args:
+        value: A number, of no unit said (""), or text such as ``"0.2 mm"``, which is 0.0002 and "m".
+    """
+    if isinstance(value, bool) or not isinstance(value, Real | str):
+        return None
+    if not isinstance(value, str):
+        try:
+            number = float(value)
+        except OverflowError:  # a whole number of hundreds of digits
+            return None
+        return (number, "") if math.isfinite(number) else None
+    match = _QUANTITY.fullmatch(_pointed(value)) if len(value) <= _LONGEST else None
+    seen = None if match is None else _parse_unit(match.group(2))
+    if match is None or seen is None:
+        return None
+    digits, name = match.groups()
+    kind = "1" if name in _PURE else _kind_of(seen)
+    if not kind:
+        named = ((_kind_of(one), one) for one in _as_weights(name))
+        kind, seen = next(((found, one) for found, one in named if found), ("", seen))
+    number = scaled(digits, seen.factor)
+    if not math.isfinite(number):
+        return None
+    if kind:
+        return number, kind
+    text = _base_units(name)
+    known_text = _parse_unit(text)
+    return (number, text) if known_text is not None and known_text.factor == 1.0 else None
+
+
+def _kind_of(seen: Unit) -> str:
+    """Return the SI unit of the kind that a unit is of; nothing if it is of none with a name."""
+    for unit in _KINDS:
+        known = _known_unit(unit)
+        is_counted_alike = seen.cycles == known.cycles or len(seen.dimension) > 1  # Hz alone is no rad/s
+        if (known.dimension, known.radian) == (seen.dimension, seen.radian) and is_counted_alike:
+            return unit
+    return ""
+
+
+def matching_unit(value: object, units: tuple[str, ...]) -> str | None:
+    """Return the one of ``units`` that a text's unit fits; None for a bare number or if none fits."""
+    for unit in units if isinstance(value, str) else ():
+        try:
+            _quantity(value, (unit,))
+        except _Refused:
+            continue
+        return unit
+    return None
+
+
+def unit_factor(name: str, unit: str | tuple[str, ...], place: str) -> float:
+    """Return what one of a unit is in SI units.
+
+    Args:
+        name: Of the unit, as a file has it; "1", "-" and nothing are pure numbers.
+        unit: SI unit of what it must be, as :func:`quantity` takes it.
+        place: For messages.
+
+    Raises:
+        QuantityError: It is the unit of something else, or of nothing.
+    """
+    units = (unit,) if isinstance(unit, str) else unit
+    units = tuple(one.replace("^", "**").replace(" ", "*") for one in units)
+    try:
+        return quantity("1" if name.strip() in _PURE else f"1 {name}", units, place)
+    except QuantityError as error:
+        rule, _, hint = error.reason.partition(", got ")
+        hint = hint.partition("; ")[2]
+        hint = hint if "(" in hint else hint.rstrip(")")
+        said = f"{rule.replace('must be', 'must be that of')}, got {name!r}"
+        raise QuantityError(place, f"{said}{'; ' if hint else ''}{hint}") from None
+
+
+def describe_unit(unit: str | tuple[str, ...]) -> str:
+    """Return what a quantity of an SI unit is, as it reads after "must be": ``a length [m]``."""
+    units = (unit,) if isinstance(unit, str) else unit
+    return " or ".join(_describe(one) for one in units)
+
+
+def shown(value: object) -> str:
+    """Return a value on one short line, as its author would recognise it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Mapping):
+        return "a table"
+    if isinstance(value, int) and value.bit_length() > _LONGEST_INTEGER:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        text = repr(list(value)) if isinstance(value, tuple) else repr(value)
+    except (ValueError, RecursionError):  # an integer as long in it, or a depth without end
+        return f"a {type(value).__name__} too long to print"
+    if len(text) > 60 or "\n" in text:
+        kind = "an array" if isinstance(value, list | tuple) else f"{type(value).__name__} "
+        return kind if kind == "an array" else f"{' '.join(text.split())[:57]}..."
+    return text
+
+
+class _Refused(Exception):  # noqa: N818 - never leaves this module
+    """Why a value is not a quantity, as it reads after the value."""
+
+
+def _quantity(value: object, units: tuple[str, ...]) -> float:
+    if isinstance(value, bool) or not isinstance(value, Real | str):
+        raise _Refused("")
+    if isinstance(value, str):
+        return _from_text(value, units)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise _Refused(" (not finite)") from None
+    if not math.isfinite(number):
+        raise _Refused(" (not finite)")
+    return number
+
+
+def _pointed(text: str) -> str:
+    """Return the text of a quantity with the signs that Python's numbers have."""
+    text = text.strip().replace("\N{MINUS SIGN}", "-")
+    return (with_point(text) or text) if "," in text else text
+
+
+def _from_text(given: str, units: tuple[str, ...]) -> float:
+    if len(given.strip()) > _LONGEST:
+        raise _Refused(f" ({len(given.strip())} letters; a quantity has at most {_LONGEST})")
+    text = _pointed(given)
+    if _NOT_FINITE.fullmatch(text):
+        raise _Refused(" (not finite)")
+    if thousands := _THOUSANDS.match(text):
+        whole, behind = thousands.groups()
+        raise _Refused(f" (a comma of decimals or of thousands); write {whole}.{behind} or {whole}{behind}")
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise _Refused("; write a number" + ("" if units[0] in _PURE else f" and its unit: '1 {units[0]}'"))
+    digits, name = match.groups()
+    seen = _parse_unit(name)
+    if seen is None:
+        raise _Refused(f" (unit {name!r} is unknown{_examples(units)})")
+    if not _is_any(seen, units):
+        seen = next((one for one in _as_weights(name) if _is_any(one, units)), seen)
+    if not _is_any(seen, units):
+        if name == "":
+            raise _Refused(f" (no unit); write '{digits} {units[0]}'")
+        weight = without_weights(with_signs(name))
+        heavy = _parse_unit(weight) if weight != with_signs(name) else None
+        hint = f"; a weight is '{weight}'" if heavy is not None and _is_any(heavy, units) else ""
+        raise _Refused(f" ({_name_of(name, seen)}){hint}")
+    number = scaled(digits, seen.factor)
+    if not math.isfinite(number):
+        raise _Refused(" (not finite)")
+    return number
+
+
+def _is_any(seen: Unit, units: tuple[str, ...]) -> bool:
+    return any(seen.fits(_known_unit(unit)) for unit in units)
+
+
+def _examples(units: tuple[str, ...]) -> str:
+    known = [one for unit in units for one in _EXAMPLES.get(unit, ())]
+    return f"; known are {', '.join(known)} and others" if known else ""
+
+
+def _as_weights(name: str) -> Iterator[Unit]:
+    """Yield what a unit is with g as standard gravity, where no mass is left, and with pounds as forces."""
+    name = with_signs(name)
+    for other in (_GRAVITY.sub("g_0", name), with_weights(name)):
+        found = _parse_unit(other) if other != name else None
+        massless = found is not None and all(base != "[mass]" for base, _ in found.dimension)
+        if found is not None and (massless or "g_0" not in other):
+            yield found
+
+
+def scaled(digits: str, factor: float) -> float:
+    """Return a number in decimal digits times a factor, rounded once."""
+    number = float(digits)
+    if number == 0.0 or not math.isfinite(number) or factor == 1.0:
+        return number
+    # In decimal, so that the one rounding is the last step: 9.8 * 0.001 is not 0.0098 in floats.
+    with decimal.localcontext() as context:
+        context.prec = 60
+        return float(decimal.Decimal(digits) * decimal.Decimal(repr(factor)))
+
+
+def _describe(unit: str) -> str:
+    if unit in _PURE:
+        return _KINDS["1"]
+    if unit in _KINDS:
+        return f"{_KINDS[unit]} [{unit}]"
+    return f"a stiffness [{unit}]" if unit.startswith("N/m**") else f"a quantity [{unit}]"
+
+
+def _name_of(name: str, seen: Unit) -> str:
+    for unit, kind in _KINDS.items():
+        known = _known_unit(unit)
+        if (known.dimension, known.radian) == (seen.dimension, seen.radian):
+            return kind.split(" ", 1)[1]
+    return _base_units(name)
+
+
+def _base_units(name: str) -> str:
+    return f"{_registry().get_base_units(with_signs(name))[1]:~C}"
+
+
+def _known_unit(name: str) -> Unit:
+    unit = _parse_unit("" if name in _PURE else name)
+    if unit is None:
+        raise ValueError(f"{name!r} is not a unit")
+    return unit
+
+
+@lru_cache(maxsize=1024)
+def _parse_unit(name: str) -> Unit | None:
+    """Return a unit by name, or None for one that is unknown or not a plain multiple (dB, degC)."""
+    return common_unit(name) or common_unit(with_signs(name)) or _parsed(with_signs(name))
+
+
+def _parsed(name: str) -> Unit | None:
+    base = _POWER.sub("", name)
+    if not _UNIT_CHARACTERS.fullmatch(name) or "**" in base or "^" in base or _BARE_NUMBER.search(base):
+        return None
+    sizes = (max(1.0, float(abs(Fraction(a or b)))) for a, b in _POWER.findall(name))
+    if math.prod(sizes) > LARGEST_POWER:
+        return None
+    registry = _registry()
+    try:
+        root = registry.get_base_units(registry.Unit(name))[1]
+        origin, one = (registry.Quantity(at, name).to(root).magnitude for at in (0.0, 1.0))
+        powers = {str(base): float(power) for base, power in registry.Quantity(1.0, root).unit_items()}
+    except Exception:  # pint raises assertion, token, type and attribute errors on text that is no unit
+        return None
+    if origin != 0.0 or not 0.0 < one < math.inf:
+        return None
+    return Unit(
+        factor=_short(float(one)),
+        dimension=frozenset((base, round(float(n), 12)) for base, n in root.dimensionality.items()),
+        radian=powers.get("radian", 0.0),
+        cycles="hertz" in str(registry.Unit(name)),
+    )
+
+
+def _short(factor: float) -> float:
+    """Return a factor without the round-off of its making, where a short decimal is within that."""
+    decimals = float(f"{factor:.12g}")
+    return decimals if abs(decimals - factor) <= 1e-15 * factor else factor
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    take_back("pint")  # the command goes without it
+    import pint
+
+    return pint.UnitRegistry()

@@ -1,0 +1,160 @@
+"""The decorators of the compiled kernels, which wait: Numba is loaded when the first of them is needed.
+
+A module of kernels is imported by many who call none of them, as a command that only tells of a scenario.
+What stands in for a kernel becomes Numba's when it is called, and when Numba meets it in a caller.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import os
+import sys
+import threading
+import types
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from antenna_pin.compiled.record import record
+
+__all__ = ["composed", "composed_later", "in_python", "inlined", "kernel", "record", "released"]
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def kernel(function: _Function) -> _Function:
+    """Compile a function at its first call and keep the machine code, which stands alone.
+
+    Division by zero gives infinity there, not an exception. Nothing may be allocated: references to arrays
+    are not counted, which would take as long as all the arithmetic.
+    """
+    # Left unsaid, Numba takes over what the caller says for which it is compiled.
+    return _later(function, kept=True, alone=True, forceinline=False)
+
+
+def released(function: _Function) -> _Function:
+    """Compile as a kernel a function that lets other threads run while it does."""
+    return _later(function, kept=True, forceinline=False, nogil=True)
+
+
+def inlined(function: _Function) -> _Function:
+    """Compile a small function that is always put into its callers: a call would cost more than it."""
+    return _later(function, kept=True, forceinline=True)
+
+
+def composed(function: _Function) -> _Function:
+    """Compile a function that is made from kernels when a module is imported; it is put into its callers.
+
+    Nothing of it is kept: its callers' machine code holds it; what it is made from stands under the stamp.
+    """
+    return _later(function, kept=False, forceinline=True)
+
+
+def composed_later(make: Callable[[], Any]) -> Any:
+    """Return what ``make`` composes, which it does once it is called or met by Numba in a caller.
+
+    A process that finds its callers compiled never does, and loads nothing of what it is made from.
+    """
+    if _plain():
+        made = functools.cache(make)
+        return lambda *arguments: made()(*arguments)
+    return _Composed(make)
+
+
+def in_python(function: _Function) -> _Function:
+    """Return a compiled function as it is written: whole numbers are the same, without loading Numba."""
+    return getattr(function, "__wrapped__", function)
+
+
+def _later(function: _Function, **options: bool) -> _Function:
+    if _plain():
+        plain = _as_compiled()
+        if "math" in function.__globals__:
+            function.__globals__["math"] = plain
+        return function
+    return _Later(function, options)  # type: ignore[return-value]
+
+
+def _plain() -> bool:
+    """Whether nothing is compiled."""
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+
+
+@functools.cache
+def _as_compiled() -> types.SimpleNamespace:
+    """Return what ``math`` is to compiled code, which does not raise: there is NaN, or infinity.
+
+    Nor does it warn, and from here on NumPy does not either.
+    """
+    import numpy as np
+
+    np.seterr(divide="ignore", over="ignore", invalid="ignore")
+
+    def same(function: Callable[..., float]) -> Callable[..., float]:
+        @functools.wraps(function)
+        def answer(*numbers: float) -> float:
+            try:
+                return function(*numbers)
+            except ValueError:
+                return math.nan
+            except OverflowError:
+                return math.inf
+
+        return answer
+
+    return types.SimpleNamespace(
+        **{name: same(one) if callable(one) else one for name, one in vars(math).items() if name[0] != "_"}
+    )
+
+
+# Numba types what a kernel calls within the typing of its caller, some forty frames each: a loop that asks
+# all kinds of elements goes deeper than the thousand that Python allows.
+_DEEP = 10_000
+#: Of threads that come to the same kernel one makes it: there is one of each.
+_MAKING = threading.RLock()
+
+
+class _Later:
+    """A function that Numba has not seen yet: called, or looked at, it is what Numba makes of it."""
+
+    __wrapped__: Callable[..., Any]
+    _made: Any  # Numba's, once it is needed
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, bool]) -> None:
+        functools.update_wrapper(self, function)
+        self._options = options
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self._made(*arguments)
+
+    def __getattr__(self, name: str) -> Any:
+        # What looks at any object asks for such names; of Numba's begins one with a single underscore.
+        if name.startswith("__"):
+            raise AttributeError(name)
+        if name != "_made":
+            return getattr(self._made, name)
+        with _MAKING:
+            if "_made" not in vars(self):
+                from antenna_pin.compiled.jit import dispatcher
+
+                sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
+                self._made = dispatcher(self.__wrapped__, **self._options)
+        return self._made
+
+    def __reduce__(self) -> str:
+        return self.__wrapped__.__qualname__  # pickled by its name, as a function
+
+
+class _Composed(_Later):
+    """One that is itself made only then."""
+
+    def __init__(self, make: Callable[[], _Later]) -> None:
+        self._make = make
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "_made":
+            with _MAKING:
+                if "_made" not in vars(self):
+                    self._made = self._make()._made
+            return self._made
+        return super().__getattr__(name)

@@ -1,0 +1,112 @@
+"""Functions of a user's that Numba has compiled: what they must be, and where they stand.
+
+Kernels call them by their addresses (``calls.py``).
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["address_of", "callable_of", "is_compiled"]
+
+
+def is_compiled(*functions: object) -> bool:
+    """Whether functions are compiled ones: by ``numba.njit`` or ``numba.cfunc``."""
+    if "numba" not in sys.modules:  # so that nobody has compiled any
+        return not functions
+    from numba.core.ccallback import CFunc
+    from numba.core.dispatcher import Dispatcher
+
+    return all(isinstance(function, Dispatcher | CFunc) for function in functions)
+
+
+def callable_of(function: Callable[..., float], arguments: int) -> Callable[..., float]:
+    """Return a function of so many floats as Python can call it: a compiled one as kernels call it."""
+    if not is_compiled(function):
+        return function
+    of_user = _dispatched(function)
+    called = _compiled(function, arguments).ctypes
+
+    def call(*question: float) -> float:
+        answer = float(called(*question))
+        if math.isnan(answer):
+            of_user(*question)  # which says why, if it raises
+        return answer
+
+    return call
+
+
+def address_of(place: str, name: str, function: Any, arguments: int) -> float:
+    """Return where a compiled function of so many floats stands, which gives a float.
+
+    Args:
+        place: Whose it is, for the refusal.
+        name: Which one, for the refusal.
+        function: Compiled by ``numba.njit`` or ``numba.cfunc``.
+        arguments: How many floats it takes.
+
+    Raises:
+        InvalidParameterError: It does not take them, or gives something else.
+    """
+    from numba.core.errors import NumbaError
+
+    count = "1 float" if arguments == 1 else f"{arguments} floats"
+    rule = f"a compiled function of {count} that returns a float"
+    given = getattr(function, "_sig", _signature(arguments))  # of one by cfunc
+    if given != _signature(arguments):
+        raise InvalidParameterError(place, name, rule, f"one of {given}")
+    try:
+        return float(_compiled(function, arguments).address)
+    except NumbaError as error:
+        first = next(line for line in str(error).splitlines() if line.strip())
+        raise InvalidParameterError(place, name, rule, f"one of which Numba says: {first.strip()}") from None
+
+
+def _signature(arguments: int) -> Any:
+    from numba import float64
+
+    return float64(*[float64] * arguments)
+
+
+@cache
+def _dispatched(function: Any) -> Any:
+    """Return a compiled function that other compiled ones can call."""
+    from numba import njit
+    from numba.core.ccallback import CFunc
+
+    return njit(function.__wrapped__) if isinstance(function, CFunc) else function
+
+
+@cache
+def _compiled(function: Any, arguments: int) -> Any:
+    """Return a function as kernels call it, which gives NaN where it raises: of itself it would give zero."""
+    from numba import cfunc
+
+    given = _dispatched(function)
+
+    def one(a: float) -> float:
+        try:
+            return given(a)  # type: ignore[no-any-return]
+        except Exception:
+            return math.nan
+
+    def three(a: float, b: float, c: float) -> float:
+        try:
+            return given(a, b, c)  # type: ignore[no-any-return]
+        except Exception:
+            return math.nan
+
+    wrapped: Callable[..., float] = one if arguments == 1 else three
+    compiled: Any = cfunc(_signature(arguments), error_model="numpy")(wrapped)
+    _KEPT.append(compiled)
+    return compiled
+
+
+#: Compiled functions, kept for as long as their addresses are in use anywhere.
+_KEPT: list[Any] = []

@@ -1,0 +1,201 @@
+"""What compiled code does in the place of a few functions: a record, a lane, a call by an address.
+
+Loaded with the first kernel that is needed, for Numba; the functions themselves stand where no Numba is.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.extending import lower_builtin, models, register_model, type_callable
+
+from antenna_pin.compiled.calls import call_1, call_3, call_back
+from antenna_pin.compiled.lanes import (
+    LANES,
+    lane,
+    lane_of_row,
+    put_lane,
+    put_lane_of_row,
+    same_lane,
+    sum_of_lane,
+)
+from antenna_pin.compiled.record import record
+
+__all__: list[str] = []
+
+
+@type_callable(record)
+def _type_of_record(context: Any) -> Any:
+    return lambda numbers, layout: layout.dtype
+
+
+@lower_builtin(record, types.Array, types.DType)
+def _lowered_record(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    array = context.make_array(signature.args[0])(context, builder, arguments[0])
+    return builder.bitcast(array.data, context.get_value_type(signature.return_type))
+
+
+@type_callable(call_1)
+def _type_of_call_1(context: Any) -> Any:
+    return lambda address, a: types.float64
+
+
+@type_callable(call_3)
+def _type_of_call_3(context: Any) -> Any:
+    return lambda address, a, b, c: types.float64
+
+
+@lower_builtin(call_1, *[types.Float] * 2)
+@lower_builtin(call_3, *[types.Float] * 4)
+def _lowered_call(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    double = ir.DoubleType()
+    function = ir.FunctionType(double, [double] * len(values[1:])).as_pointer()
+    place = builder.fptoui(values[0], ir.IntType(64))
+    return builder.call(builder.inttoptr(place, function), values[1:])
+
+
+@type_callable(call_back)
+def _type_of_call_back(context: Any) -> Any:
+    return lambda address, t: types.int64
+
+
+@lower_builtin(call_back, types.Integer, types.Float)
+def _lowered_call_back(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    function = ir.FunctionType(ir.IntType(64), [ir.DoubleType()]).as_pointer()
+    return builder.call(builder.inttoptr(values[0], function), [values[1]])
+
+
+_VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+# Numbers stand anywhere in their arrays.
+_ALIGNMENT = 8
+
+
+class _Lane(types.Type):  # type: ignore[misc]
+    """Numba's type of a lane."""
+
+
+_LANE = _Lane("lane")
+
+
+@register_model(_Lane)
+class _LaneModel(models.PrimitiveModel):  # type: ignore[misc]
+    """A lane is one of the processor's registers, or several."""
+
+    def __init__(self, manager: Any, own_type: Any) -> None:
+        """Say what it is to LLVM."""
+        super().__init__(manager, own_type, _VECTOR)
+
+
+@type_callable(lane)
+def _type_of_lane(context: Any) -> Any:
+    return lambda numbers, at: _LANE
+
+
+@type_callable(put_lane)
+def _type_of_put_lane(context: Any) -> Any:
+    return lambda numbers, at, value: types.none
+
+
+@type_callable(lane_of_row)
+def _type_of_lane_of_row(context: Any) -> Any:
+    return lambda rows, r, k: _LANE
+
+
+@type_callable(put_lane_of_row)
+def _type_of_put_lane_of_row(context: Any) -> Any:
+    return lambda rows, r, k, value: types.none
+
+
+@type_callable(same_lane)
+def _type_of_same_lane(context: Any) -> Any:
+    return lambda number: _LANE
+
+
+@type_callable(sum_of_lane)
+def _type_of_sum(context: Any) -> Any:
+    return lambda value: types.float64
+
+
+def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Return the address of a lane in an array."""
+    array = context.make_array(signature.args[0])(context, builder, arguments[0])
+    return builder.bitcast(builder.gep(array.data, [arguments[1]]), _VECTOR.as_pointer())
+
+
+@lower_builtin(lane, types.Array, types.Integer)
+def _lowered_lane(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return builder.load(_place(context, builder, signature, arguments), align=_ALIGNMENT)
+
+
+@lower_builtin(put_lane, types.Array, types.Integer, _Lane)
+def _lowered_put_lane(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    builder.store(arguments[2], _place(context, builder, signature, arguments), align=_ALIGNMENT)
+    return context.get_dummy_value()
+
+
+def _place_in_row(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Return the address of a lane in a row of an array."""
+    rows = context.make_array(signature.args[0])(context, builder, arguments[0])
+    width = builder.extract_value(rows.shape, 1)
+    at = builder.add(builder.mul(arguments[1], width), arguments[2])
+    return builder.bitcast(builder.gep(rows.data, [at]), _VECTOR.as_pointer())
+
+
+@lower_builtin(lane_of_row, types.Array, types.Integer, types.Integer)
+def _lowered_lane_of_row(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return builder.load(_place_in_row(context, builder, signature, arguments), align=_ALIGNMENT)
+
+
+@lower_builtin(put_lane_of_row, types.Array, types.Integer, types.Integer, _Lane)
+def _lowered_put_lane_of_row(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    builder.store(arguments[3], _place_in_row(context, builder, signature, arguments), align=_ALIGNMENT)
+    return context.get_dummy_value()
+
+
+def _spread(builder: Any, number: Any) -> Any:
+    value = ir.Constant(_VECTOR, ir.Undefined)
+    for k in range(LANES):
+        value = builder.insert_element(value, number, ir.Constant(ir.IntType(32), k))
+    return value
+
+
+@lower_builtin(same_lane, types.Float)
+def _lowered_same_lane(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return _spread(builder, arguments[0])
+
+
+@lower_builtin(sum_of_lane, _Lane)
+def _lowered_sum(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    a, b, c, d = (builder.extract_element(arguments[0], ir.Constant(ir.IntType(32), k)) for k in range(LANES))
+    return builder.fadd(builder.fadd(a, b), builder.fadd(c, d))
+
+
+def _arithmetic(function: Callable[..., Any], instruction: str) -> None:
+    """Let an operator take lanes, and a lane and a number."""
+
+    @type_callable(function)
+    def type_of_result(context: Any) -> Any:
+        def typed(one: Any, other: Any) -> Any:
+            kinds = {one, other}
+            return _LANE if kinds == {_LANE} or kinds == {_LANE, types.float64} else None
+
+        return typed
+
+    def lowered(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        values = [
+            value if kind == _LANE else _spread(builder, value)
+            for value, kind in zip(arguments, signature.args, strict=True)
+        ]
+        return getattr(builder, instruction)(*values)
+
+    for kinds in ((_Lane, _Lane), (_Lane, types.Float), (types.Float, _Lane)):
+        lower_builtin(function, *kinds)(lowered)
+
+
+_arithmetic(operator.add, "fadd")
+_arithmetic(operator.sub, "fsub")
+_arithmetic(operator.mul, "fmul")

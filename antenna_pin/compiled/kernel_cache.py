@@ -1,0 +1,329 @@
+"""Machine code of kernels kept in files: checked when it is read, and done without where it cannot be kept.
+
+Numba trusts its files: one that was cut off ends in an error of pickle, one with a flipped bit is called.
+Here every file starts with the digest of the rest and names what it was compiled for; one that does not hold
+counts as not there, so that it is compiled and written anew. They are pickles, which run code as they are
+read: a folder that somebody else may write (:mod:`antenna_pin.compiled.ownership`) is neither read nor
+written.
+
+What is called from Python needs a hundred kernels that stand alone (:mod:`antenna_pin.compiled.stand_alone`).
+They are read one by one when it is loaded for the first time, and packed into one file beside its own for
+the next process, which links them without making them callable by anything but machine code.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import os
+import pickle
+import threading
+import warnings
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from antenna_pin.compiled.machine_code import Kept, Part, called, kept_of, link
+from antenna_pin.compiled.ownership import open_to, stranger_of
+from antenna_pin.compiled.stale_files import pack_of, sweep
+from antenna_pin.compiled.stand_alone import (
+    all_needs,
+    kernel_named,
+    needs_of,
+    noted,
+    parts_of,
+    symbols_of,
+)
+from antenna_pin.compiled.turns import Turn
+
+try:
+    from numba.core.caching import FunctionCache, IndexDataCacheFile, InTreeCacheLocator, NullCache
+except ImportError:  # none of it is promised by Numba
+    FunctionCache = IndexDataCacheFile = NullCache = object
+
+__all__ = ["FORMAT", "KernelCacheWarning", "keep", "told_of_compiling"]
+
+FORMAT = 3  # of what is kept
+
+_DIGEST = hashlib.sha256().digest_size
+
+
+class KernelCacheWarning(RuntimeWarning):
+    """Compiled kernels cannot be kept, so that every process compiles them anew."""
+
+
+def keep(dispatcher: Any, stamp: str) -> None:
+    """Let a compiled function be kept in the first folder that can be written, tied to a stamp.
+
+    These are NUMBA_CACHE_DIR, the sources' ``__pycache__`` and the user's cache, in this order. If there is
+    none, a :class:`KernelCacheWarning` says so once, when something has been compiled.
+    """
+    function = getattr(dispatcher, "py_func", None)
+    if function is None:  # NUMBA_DISABLE_JIT=1
+        return
+    cache = dispatcher._cache = _Later(function, stamp)
+    compile_or_load = dispatcher.compile
+
+    def compiled(signature: Any) -> Any:
+        _nested.depth += 1
+        try:
+            entry = compile_or_load(signature)
+        finally:
+            _nested.depth -= 1
+            cache.turn.end()
+        if _nested.depth == 0:
+            cache.pack()
+        return entry
+
+    dispatcher.compile = compiled
+
+
+class _Nested(threading.local):
+    """How many kernels are being loaded or compiled, one for the other."""
+
+    depth = 0
+
+
+_nested = _Nested()
+
+
+class _Later:
+    """What is kept of a function, looked for when it is first called: of many a process calls none."""
+
+    def __init__(self, function: Any, stamp: str) -> None:
+        self._given = function, stamp
+        self.turn = Turn(f"{function.__module__}:{function.__qualname__}")
+
+    @functools.cached_property
+    def _found(self) -> Any:
+        try:
+            return _KernelCache(*self._given, self.turn)
+        except RuntimeError:
+            return _NoCache("neither the sources' folder nor the user's cache can be written")
+        except (OSError, AttributeError, TypeError) as error:
+            return _NoCache(str(error))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._found, name)
+
+
+_listeners: list[Callable[[], None]] = []
+
+
+@contextlib.contextmanager
+def told_of_compiling(listener: Callable[[], None]) -> Iterator[None]:
+    """Call a function whenever a kernel is about to be compiled, because no file holds it."""
+    _listeners.append(listener)
+    try:
+        yield
+    finally:
+        _listeners.remove(listener)
+
+
+def _to_be_compiled() -> None:
+    for listener in _listeners:
+        listener()
+
+
+@functools.lru_cache
+def _closed(folder: str, owner: int) -> bool:
+    """Whether only those who are trusted may write to a folder; says so, once, where others may."""
+    found = stranger_of(folder, owner)
+    if found:
+        _tell(f"{folder} is not safe, for {found}", "keep others from writing there")
+    return not found
+
+
+class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
+    """An index and its entries, each behind its digest, in a folder that is nobody else's."""
+
+    def __init__(self, cache_path: str, filename_base: str, stamp: str, owner: int) -> None:
+        super().__init__(cache_path, filename_base, stamp)
+        self._folder, self._owner = cache_path, owner
+
+    @property
+    def closed(self) -> bool:
+        """Whether nobody else may write there."""
+        return _closed(self._folder, self._owner)
+
+    def save(self, key: Any, data: Any) -> None:
+        super().save(key, (key, data))
+
+    def load(self, key: Any) -> Any:
+        """Return an entry, or None if there is none that holds.
+
+        Two processes that compile at once may give two entries one name; the key in it tells them apart.
+        """
+        try:
+            found = super().load(key)
+            return found[1] if found is not None and found[0] == key else None
+        except Exception:  # pickle promises no certain ones
+            return None
+
+    def _load_index(self) -> Any:
+        try:
+            version, stamp, names = self._read(self._index_path)
+        except Exception:
+            return {}
+        return names if (version, stamp) == (self._version, self._source_stamp) else {}
+
+    def _save_index(self, overloads: Any) -> None:
+        self._write(self._index_path, (self._version, self._source_stamp, overloads))
+
+    def _load_data(self, name: str) -> Any:
+        return self._read(self._data_path(name))
+
+    def _save_data(self, name: str, data: Any) -> None:
+        self._write(self._data_path(name), data)
+
+    def read_pack(self, key: Any) -> Any:
+        """Return what is kept of all that an entry needs.
+
+        Raises:
+            Exception: There is nothing that holds.
+        """
+        return self._read(self._pack_path(key))
+
+    def write_pack(self, key: Any, content: Any) -> None:
+        """Keep what an entry needs; OSError where it cannot be."""
+        self._write(self._pack_path(key), content)
+
+    def sweep(self) -> None:
+        """Delete what is kept beside it under other stamps: nobody reads that any more."""
+        if self.closed:
+            sweep(self._index_path, self._read, (self._version, self._source_stamp))
+
+    def _pack_path(self, key: Any) -> str:
+        return pack_of(self._index_path, key)
+
+    def _read(self, path: str) -> Any:
+        with open(path, "rb") as file:
+            if not self.closed or open_to(os.fstat(file.fileno()), self._owner):
+                raise ValueError(f"{path}: may be somebody else's")
+            raw = file.read()
+        content = raw[_DIGEST:]
+        if hashlib.sha256(content).digest() != raw[:_DIGEST]:
+            raise ValueError(f"{path}: does not hold what was written")
+        return pickle.loads(content)  # noqa: S301 - as Numba does
+
+    def _write(self, path: str, content: Any) -> None:
+        dumped = self._dump(content)
+        with self._open_for_write(path) as file:
+            file.write(hashlib.sha256(dumped).digest() + dumped)
+
+
+class _KernelCache(FunctionCache):  # type: ignore[misc]
+    """What is kept of one function."""
+
+    def __init__(self, function: Any, stamp: str, turn: Turn) -> None:
+        super().__init__(function)
+        self._turn = turn
+        base, source = self._impl.filename_base, function.__code__.co_filename
+        owner = os.stat(source).st_uid  # who is trusted with the sources is with what they are compiled to
+        # Beside the sources may stand what who installed them has compiled, for others to read.
+        beside = InTreeCacheLocator(function, source).get_cache_path()
+        folders = [self._cache_path, *([beside] if beside != self._cache_path else [])]
+        self._all_files = [_SealedFiles(folder, base, stamp, owner) for folder in folders]
+        self._cache_file = self._all_files[0]
+        self._stamp = stamp
+        self._unpacked: Any = None
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what is kept of a function for arguments of certain types, None if nothing is."""
+        key = self._index_key(sig, target_context.codegen())
+        self._unpacked = None
+        kept = self._kept(key)
+        if kept is None:
+            self._turn.begin(self._cache_path)
+            kept = self._kept(key)  # another process may have made it by now
+        if kept is not None:
+            return self._loaded(key, kept, target_context)
+        _to_be_compiled()
+        target_context.refresh()
+        return None
+
+    def _kept(self, key: Any) -> Any:
+        for files in self._all_files:
+            kept = files.load(key)
+            if kept is not None:
+                return kept
+        return None
+
+    def _loaded(self, key: Any, kept: Any, target_context: Any) -> Any:
+        parts = self._pack(key) if kept.needs and _nested.depth == 1 else ()
+        for part in parts:
+            link(target_context, part)
+        if not parts:
+            for name, arguments in kept.needs:
+                kernel_named(name).compile(arguments)
+            self._note(key, kept)
+        result = called(target_context, kept)
+        needs_of(result.library).update(kept.needs)
+        return result
+
+    def _note(self, key: Any, kept: Kept) -> None:
+        """Remember what a pack is made of: that of this function, or one to which it belongs."""
+        noted(self._turn.kernel, kept)
+        self._unpacked = key, symbols_of(kept)
+
+    def _pack(self, key: Any) -> tuple[Part, ...]:
+        """Return all that a function needs, each part after those it needs; nothing if it is not packed."""
+        for files in self._all_files:
+            with contextlib.suppress(Exception):  # pickle promises no certain ones
+                whose, parts = files.read_pack(key)
+                if whose == (self._stamp, str(key)):
+                    return tuple(parts)
+        return ()
+
+    def pack(self) -> None:
+        """Pack what a function needs that has been read from many files, or compiled, into one."""
+        (key, needs), self._unpacked = self._unpacked or (None, ()), None
+        parts = parts_of(needs)
+        if parts and self._cache_file.closed:
+            with contextlib.suppress(OSError):  # what is not packed is read one by one
+                self._cache_file.write_pack(key, ((self._stamp, str(key)), parts))
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            if self._impl.check_cachable(data):
+                self._impl.locator.ensure_cache_path()
+                kept = kept_of(all_needs(data.library), self._impl.reduce(data))
+                if self._cache_file.closed and kept is not None:
+                    key = self._index_key(sig, data.codegen)
+                    self._cache_file.save(key, kept)
+                    self._cache_file.sweep()
+                    self._note(key, kept)
+        except OSError as error:  # full, or no longer to be written
+            _tell(f"{self._cache_path}: {error.strerror or error}")
+
+
+class _NoCache(NullCache):  # type: ignore[misc]
+    """Keeps nothing, and says so when there would be something to keep."""
+
+    def __init__(self, reason: str) -> None:
+        self._reason = reason
+
+    def load_overload(self, sig: Any, target_context: Any) -> None:
+        _to_be_compiled()
+
+    def save_overload(self, sig: Any, cres: Any) -> None:
+        _tell(self._reason)
+
+    def pack(self) -> None:
+        """Keep nothing."""
+
+
+_told: list[str] = []
+
+
+def _tell(reason: str, way_out: str = "") -> None:
+    """Warn, once in a process."""
+    if not _told:
+        _told.append(reason)
+        warnings.warn(
+            f"compiled kernels cannot be kept ({reason}), so that each process compiles them anew, for a "
+            f"minute or two; {way_out and f'{way_out}, or '}set NUMBA_CACHE_DIR to a folder of your own "
+            "that can be written",
+            KernelCacheWarning,
+            stacklevel=2,
+        )

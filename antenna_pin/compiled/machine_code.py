@@ -1,0 +1,174 @@
+"""Machine code of a kernel as it is kept, made callable again without waking Numba's compiler.
+
+Numba reads a kept function as if it were to be compiled against: it loads its whole compiler, half a second
+of it, parses the function's LLVM code and looks through its symbols. To be called, a function needs none of
+that: its object file is given to LLVM's linker as it is. Its LLVM code, which callers that are compiled anew
+may want, is kept beside it and parsed for them only.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache, cached_property
+from typing import Any, NamedTuple
+
+from llvmlite.binding import ObjectFileRef, add_symbol, parse_bitcode
+
+try:
+    from numba import _dynfunc
+    from numba.core.compiler import compile_result
+    from numba.core.runtime import _nrt_python
+except ImportError:  # neither is promised by Numba
+    _dynfunc = _nrt_python = compile_result = None
+
+__all__ = ["Code", "Kept", "Part", "called", "kept_of", "link", "named"]
+
+
+class Kept(NamedTuple):
+    """What is kept of a compiled function.
+
+    Attributes:
+        needs: Kernels that it calls by name, each with the types of its arguments.
+        object: Its object file.
+        bitcode: Its LLVM code, for callers into which it is put.
+        description: Numba's.
+        environments: What it needs of Python, its own first.
+        signature: Types of its arguments and of what it returns.
+    """
+
+    needs: set[Any]
+    object: bytes
+    bitcode: bytes
+    description: Any
+    environments: tuple[Any, ...]
+    signature: Any
+
+
+class Part(NamedTuple):
+    """What callers that are loaded need of a kernel that they call by name.
+
+    Attributes:
+        symbol: The name.
+        function: What its object file calls it.
+        needs: Symbols of kernels that it calls.
+        object: Its object file.
+        environments: What it needs of Python.
+    """
+
+    symbol: str
+    function: str
+    needs: tuple[str, ...]
+    object: bytes
+    environments: tuple[Any, ...]
+
+
+class Code:
+    """Machine code that is loaded, in the place of Numba's library: for who calls it, or is to hold it."""
+
+    def __init__(self, engine: Any, kept: Kept) -> None:
+        """Take what it is loaded by, and what is kept of it."""
+        self._engine, self._kept = engine, kept
+        self._linking_libraries: tuple[Any, ...] = ()
+        self._reload_init: frozenset[Any] = frozenset()
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return the address of a function."""
+        return int(self._engine.get_function_address(name))
+
+    def _ensure_finalized(self) -> None:
+        pass
+
+    def _get_module_for_linking(self) -> Any:
+        return self._module
+
+    @cached_property
+    def _module(self) -> Any:
+        return parse_bitcode(self._kept.bitcode)
+
+
+def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
+    """Return what is to be kept of a result as Numba reduces it; None if it is of a form that is not known.
+
+    Args:
+        needs: Kernels that it calls by name, each with the types of its arguments.
+        reduced: What Numba would keep.
+    """
+    (_, form, code), description, environment, signature, objectmode, _, _, reload_init, others = reduced
+    if form != "object" or objectmode or reload_init:
+        return None
+    machine_code, bitcode = code
+    return Kept(needs, machine_code, bitcode, description, (environment, *others), signature)
+
+
+def called(context: Any, kept: Kept) -> Any:
+    """Return a kept function, linked, as a result of Numba's; what it calls by name must have its name.
+
+    Raises:
+        AttributeError: Numba or llvmlite has changed inside.
+    """
+    description, environment = kept.description, kept.environments[0]
+    engine = context.codegen()._engine._ee
+    _name_memory()
+    if description.llvm_func_name not in _linked or _linked[description.llvm_func_name] != hash(kept.object):
+        engine.add_object_file(ObjectFileRef.from_data(kept.object))
+    code = Code(engine, kept)
+    entry = _dynfunc.make_function(
+        description.lookup_module(),
+        description.qualname.split(".")[-1],
+        f"compiled wrapper for {description.qualname!r}",
+        code.get_pointer_to_function(description.llvm_cpython_wrapper_name),
+        environment,
+        (code,),
+    )
+    _place(engine, kept.environments)
+    return compile_result(
+        target_context=context,
+        typing_context=context.typing_context,
+        library=code,
+        environment=environment,
+        entry_point=entry,
+        fndesc=description,
+        signature=kept.signature,
+        objectmode=False,
+        referenced_envs=kept.environments,
+    )
+
+
+#: Addresses of kernels by the names that hold in every process; digests of object files that were loaded
+#: for callers only, by their functions; and environments whose place code knows.
+_symbols: dict[str, int] = {}
+_linked: dict[str, int] = {}
+_placed: dict[str, Any] = {}
+
+
+def named(symbol: str, address: int) -> None:
+    """Let loaded code call a function by a name."""
+    _symbols[symbol] = address
+    add_symbol(symbol, address)
+
+
+def link(context: Any, part: Part) -> None:
+    """Load a kernel for those only that call it by name, as the kernels that it calls already are."""
+    if part.symbol not in _symbols:
+        engine = context.codegen()._engine._ee
+        _name_memory()
+        engine.add_object_file(ObjectFileRef.from_data(part.object))
+        _linked[part.function] = hash(part.object)
+        named(part.symbol, engine.get_function_address(part.function))
+        _place(engine, part.environments)
+
+
+def _place(engine: Any, environments: tuple[Any, ...]) -> None:
+    """Tell code where its environments are, which stay; all object files share the place of one."""
+    for one in environments:
+        if _placed.get(one.env_name) is not one:
+            _placed[one.env_name] = one
+            if place := engine.get_global_value_address(one.env_name):
+                ctypes.c_void_p.from_address(place).value = id(one)
+
+
+@cache
+def _name_memory() -> None:
+    """Give what Numba's code calls for memory its names, as its compiler would when it wakes."""
+    for name, address in _nrt_python.c_helpers.items():
+        add_symbol(name if name.startswith("_") else f"NRT_{name}", address)

@@ -1,0 +1,126 @@
+"""Kernels that stand alone: their callers know a name that holds in every process, and nothing else of them.
+
+Numba puts all that a function calls into it and optimises it there once more, so that what is called from
+ten places is compiled ten times over. What stands alone is compiled once; its callers find it when they are
+loaded.
+"""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import importlib
+import itertools
+from typing import Any
+
+from antenna_pin.compiled.machine_code import Kept, Part, named
+
+try:
+    from numba.core.base import OverloadSelector
+    from numba.core.imputils import user_function
+except ImportError:  # neither is promised by Numba
+    OverloadSelector = user_function = None
+
+__all__ = ["all_needs", "kernel_named", "needs_of", "noted", "parts_of", "stand_alone", "symbols_of"]
+
+
+def stand_alone(dispatcher: Any) -> None:
+    """Let callers of a compiled function call it by name instead of holding its code.
+
+    What they need is kept with their machine code, and loaded or compiled before that is. Where Numba has
+    changed inside, they hold it, as Numba has it.
+    """
+    if getattr(dispatcher, "py_func", None) is None:  # NUMBA_DISABLE_JIT=1
+        return
+    function = dispatcher.py_func
+    name = f"{function.__module__}:{function.__qualname__}"
+    add_overload = dispatcher.add_overload
+
+    def added(result: Any) -> None:
+        add_overload(result)
+        try:
+            _publish(name, dispatcher.targetctx, result)
+        except AttributeError:
+            return
+
+    dispatcher.add_overload = added
+
+
+def kernel_named(name: str) -> Any:
+    """Return a kernel that stands alone, by its module and name."""
+    module, _, own = name.partition(":")
+    return getattr(importlib.import_module(module), own)
+
+
+def _symbol(name: str, arguments: Any) -> str:
+    return f"{name}:{hashlib.sha256(str(tuple(arguments)).encode()).hexdigest()}"
+
+
+def _publish(name: str, context: Any, result: Any) -> None:
+    """Give a compiled function a name that holds in every process, and let it be called by that."""
+    arguments = tuple(result.signature.args)
+    symbol = _symbol(name, arguments)
+    named(symbol, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+    alias = copy.copy(result.fndesc)
+    alias.mangled_name = symbol
+    call = user_function(alias, ())
+
+    def call_noted(context: Any, *rest: Any, **more: Any) -> Any:
+        needs_of(context.active_code_library).add((name, arguments))
+        return call(context, *rest, **more)
+
+    vars(call_noted).update(vars(call))
+    overloads = OverloadSelector()
+    overloads.append(call_noted, call.signature)
+    context._defns[result.entry_point] = overloads
+
+
+def needs_of(library: Any) -> set[Any]:
+    """Return the set of what machine code calls by name: kernels, each with the types of its arguments."""
+    if "needs" not in vars(library):
+        library.needs = set()
+    needs: set[Any] = library.needs
+    return needs
+
+
+def all_needs(library: Any) -> set[Any]:
+    """Return what machine code and all that was put into it call by name."""
+    needs, seen, left = set(), set(), [library]
+    while left:
+        one = left.pop()
+        if id(one) not in seen:
+            seen.add(id(one))
+            needs |= needs_of(one)
+            left += getattr(one, "_linking_libraries", [])
+    return needs
+
+
+#: What this process has read or compiled, by the names by which it is called.
+_parts: dict[str, Part] = {}
+
+
+def symbols_of(kept: Kept) -> tuple[str, ...]:
+    """Return the names by which a function calls others."""
+    return tuple(sorted(itertools.starmap(_symbol, kept.needs)))
+
+
+def noted(name: str, kept: Kept) -> None:
+    """Remember what callers of a kernel need of it."""
+    symbol, function = _symbol(name, kept.signature.args), kept.description.llvm_func_name
+    _parts[symbol] = Part(symbol, function, symbols_of(kept), kept.object, kept.environments)
+
+
+def parts_of(symbols: tuple[str, ...]) -> tuple[Part, ...]:
+    """Return kernels and all they need, each after those it needs; nothing if one of them is not noted."""
+    found: dict[str, Part] = {}
+    return tuple(found.values()) if _gather(symbols, found) else ()
+
+
+def _gather(needs: tuple[str, ...], found: dict[str, Part]) -> bool:
+    for symbol in needs:
+        if symbol not in found:
+            part = _parts.get(symbol)
+            if part is None or not _gather(part.needs, found):
+                return False
+            found[symbol] = part
+    return True

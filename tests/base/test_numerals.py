@@ -1,0 +1,62 @@
+"""What is a number in text is the same everywhere: files, tables, quantities, options."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from antenna_pin.base.numerals import bare, decimal_in, whole_in
+from antenna_pin.base.tables import BadTableError
+from antenna_pin.base.units import QuantityError, quantity
+from antenna_pin.cli import app
+from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
+from antenna_pin.scenario.table_file import read_table
+
+CSV = "frequency,tx,ty,tz,rx,ry,rz\n{},1,0,0,0,0,0\n"
+NONE = (
+    "1_0",
+    "\u0661\u0668",
+    "\uff11",
+    "infinity",
+    "-inf",
+    "nan",
+    "2,000",
+    "0x10",
+    "0x1p3",
+    "1e",
+    "1e400",
+    "",
+    "1 2",
+)
+
+
+@pytest.mark.parametrize("text", NONE)
+def test_what_is_no_number_is_none_anywhere(text, tmp_path: Path):
+    assert decimal_in(text) is None
+    assert whole_in(text) is None
+    assert bare(text) == text
+    with pytest.raises(QuantityError):
+        quantity(text or "x", "s", "place")
+    with pytest.raises(BadTableError, match="line 3: time must be a finite number"):
+        read_table(f'time,torque\n0,1\n"{text}",1\n', ("time", "torque"), ("s", "N*m"))
+    with pytest.raises(BadModalTableError, match="line 2: frequency must be a finite number"):
+        read_modal_table(CSV.format(f'"{text}"'))
+    for arguments in (
+        ("lyapunov", "pendulum", "--count", text or "x"),
+        ("pointing", "no.nc", "--body", "b", "--confidence", text or "x"),
+        ("contact", "scenarios", "--penetration", f"{text or 'x'}"),
+    ):
+        ended = CliRunner().invoke(app, [arguments[0], *(one for one in arguments[1:])])
+        assert ended.exit_code == 2
+        assert f"{text}" in ended.stderr
+        assert len(ended.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("text", ["1", " +1. ", "-.5", "1e3", "1E-400"])
+def test_what_is_a_number_is_the_one_of_python(text):
+    assert decimal_in(text) == bare(text) == float(text)
+
+
+def test_ends_of_a_range_may_be_infinite_in_a_urdf_only():
+    assert decimal_in("-Infinity", infinite=True) == -float("inf")
+    assert decimal_in("nan", infinite=True) is None

@@ -1,0 +1,301 @@
+"""Machine code that is kept: read as it was written, or compiled anew."""
+
+import errno
+import importlib.util
+import os
+import pickle
+import subprocess
+import sys
+import warnings
+
+import numba
+import pytest
+
+from antenna_pin import load_scenario, simulate
+from antenna_pin.compiled import kernel_cache as _kernel_cache
+from antenna_pin.compiled import stale_files as _sweep
+from antenna_pin.compiled.kernel_cache import KernelCacheWarning, keep
+from antenna_pin.compiled.stand_alone import kernel_named, needs_of
+
+pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+
+_SOURCE = "def twice(x):\n    return 2 * x\n"
+
+
+@pytest.fixture
+def source(tmp_path, monkeypatch):
+    monkeypatch.setattr(_kernel_cache, "_told", [])
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")  # beside the source, wherever else tests keep theirs
+    path = tmp_path / "kernels.py"
+    path.write_text(_SOURCE)
+    return path
+
+
+def compiled(source, stamp="stamp"):
+    """Return the function of a file as another process would have it."""
+    spec = importlib.util.spec_from_file_location("kernels", source)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["kernels"] = module
+    spec.loader.exec_module(module)
+    function = numba.njit(module.twice)
+    keep(function, stamp)
+    return function
+
+
+def hits(function):
+    return sum(function.stats.cache_hits.values())
+
+
+def files(source, suffix):
+    return sorted((source.parent / "__pycache__").glob(f"*{suffix}"))
+
+
+def test_machine_code_is_kept_for_the_next_process_and_for_the_same_stamp(source):
+    first = compiled(source)
+    assert (first(2), hits(first)) == (4, 0)
+    again = compiled(source)
+    assert (again(2), hits(again)) == (4, 1)
+    other = compiled(source, "another stamp")
+    assert (other(2), hits(other)) == (4, 0)
+
+
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda content: b"",
+        lambda content: content[: len(content) // 2],
+        lambda content: content[:-1],
+        lambda content: bytes([*content[:40], content[40] ^ 1, *content[41:]]),
+        lambda content: pickle.dumps("another version"),
+        lambda content: os.urandom(len(content)),
+    ],
+    ids=["empty", "half", "cut", "flipped", "other", "random"],
+)
+def test_what_is_damaged_is_compiled_and_kept_anew(source, suffix, damage):
+    compiled(source)(2)
+    (path,) = files(source, suffix)
+    path.write_bytes(damage(path.read_bytes()))
+    anew = compiled(source)
+    assert (anew(2), hits(anew)) == (4, 0)
+    again = compiled(source)
+    assert (again(2), hits(again)) == (4, 1)
+
+
+def test_an_entry_of_other_arguments_is_not_taken(source):
+    """Two processes that compile at once may give one name to two entries."""
+    both = compiled(source)
+    assert both(2) == 4
+    assert both(2.5) == 5.0
+    one, other = files(source, ".nbc")
+    one.write_bytes(other.read_bytes())
+    again = compiled(source)
+    assert (again(2), again(2.5), hits(again)) == (4, 5.0, 1)
+
+
+def test_where_nothing_can_be_kept_it_works_and_is_said_once(source, monkeypatch):
+    """Neither folder can be written: as for a user without a home of a package that is not hers."""
+    monkeypatch.setattr(_kernel_cache.FunctionCache._impl_class, "_locator_classes", [], raising=True)
+    with pytest.warns(KernelCacheWarning, match="cannot be kept .* set NUMBA_CACHE_DIR") as told:
+        assert compiled(source)(2) == 4
+        assert compiled(source)(2.5) == 5.0
+    assert len(told) == 1
+
+
+def test_a_disk_that_fills_up_while_kernels_are_kept_costs_nothing_but_time(source, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(_kernel_cache._SealedFiles, "_write", full)
+    with pytest.warns(KernelCacheWarning, match="No space left on device"):
+        assert compiled(source)(2) == 4
+
+
+def test_what_stands_beside_the_sources_is_read_by_those_who_cannot_write_there(
+    source, tmp_path, monkeypatch
+):
+    compiled(source)(2)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "own"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        shared = compiled(source)
+        assert (shared(2), hits(shared)) == (4, 1)
+    assert not [path for path in (tmp_path / "own").rglob("*.nb?")]
+
+
+@pytest.mark.parametrize("whose", ["folder", "file", "way", "sticky folder", "other owner"])
+def test_what_a_stranger_may_have_written_is_not_read(source, monkeypatch, whose):
+    """A pickle runs code: it is read from where nobody else can have put it, also under NUMBA_CACHE_DIR."""
+    if whose == "other owner" and os.geteuid() != 0:
+        pytest.skip("only root can give a folder away")
+    kept = source.parent / "on the way" / "kept"
+    kept.mkdir(parents=True, mode=0o755)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(kept))
+    first = compiled(source)
+    first(2)
+    (index,) = kept.rglob("*.nbi")
+    again = compiled(source)
+    assert (again(2), hits(again)) == (4, 1)
+    opened = {"file": index, "way": kept.parent}.get(whose, index.parent)
+    if whose == "other owner":
+        os.chown(opened, 12345, -1)
+    else:
+        opened.chmod(0o1777 if whose == "sticky folder" else 0o777)
+    _kernel_cache._closed.cache_clear()
+    said = pytest.warns(
+        KernelCacheWarning, match=r"is not safe, for .* keep others from writing there, or set"
+    )
+    with warnings.catch_warnings() if whose == "file" else said:
+        now = compiled(source)
+        assert (now(2), hits(now)) == (4, 0)
+    if whose == "way":
+        opened.chmod(0o1777)  # as /tmp: nobody moves what is another's
+        _kernel_cache._closed.cache_clear()
+        now = compiled(source)
+        assert (now(2), hits(now)) == (4, 1)
+
+
+def test_who_waits_is_told_of_what_is_compiled(source):
+    """Of a kernel that no file holds, once; and of nothing where it is read."""
+    heard = []
+    with _kernel_cache.told_of_compiling(lambda: heard.append(1)):
+        first = compiled(source)
+        assert first(1) == first(2) - 2 == 2
+        assert heard == [1]
+        assert compiled(source)(1) == 2
+        assert heard == [1]
+    assert first(1.0) == 2.0
+    assert heard == [1]
+
+
+_PAIR = """\
+import numba
+from antenna_pin.compiled.kernel_cache import keep
+from antenna_pin.compiled.stand_alone import stand_alone
+def own(x):
+    return 2 * x
+own = numba.njit(own)
+keep(own, "stamp")
+stand_alone(own)
+def caller(x):
+    return own(x) + 1
+caller = numba.njit(caller)
+keep(caller, "stamp")
+"""
+
+_ASKED = """\
+import sys
+sys.path.insert(0, sys.argv[1])
+from kernels import caller, own
+print(caller(3), sum(caller.stats.cache_hits.values()), sum(own.stats.cache_hits.values()))
+"""
+
+
+@pytest.mark.parametrize(
+    ("damaged", "own_is_read"),
+    [((), 0), ((".own-",), 0), ((".nbp",), 1), ((".own-", ".nbp"), 0)],
+    ids=["nothing", "own", "pack", "both"],
+)
+def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(
+    source, damaged, own_is_read, monkeypatch
+):
+    """In another process: in the caller's pack, in its own file, or compiled anew if both are damaged."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    source.write_text(_PAIR)
+
+    def answer():
+        command = [sys.executable, "-c", _ASKED, str(source.parent)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+        return done.stdout.split()
+
+    assert answer() == ["7", "0", "0"]
+    for part in damaged:
+        (path,) = (
+            path
+            for path in (source.parent / "__pycache__").iterdir()
+            if part in path.name and ".nbi" not in path.name
+        )
+        path.write_bytes(path.read_bytes()[:-40])
+    assert answer() == ["7", "1", str(own_is_read)]
+    assert answer()[:2] == ["7", "1"]
+
+
+def test_a_kernel_that_was_linked_for_its_callers_can_be_called_itself(source, monkeypatch):
+    """After them it is made callable from its own file; its code is in the process once."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    source.write_text(_PAIR)
+    asked = _ASKED + "print(own(5), own(1.5), caller(1.5), sum(own.stats.cache_hits.values()))\n"
+
+    def answer():
+        command = [sys.executable, "-c", asked, str(source.parent)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+        return done.stdout.split()
+
+    assert answer() == ["7", "0", "0", "10", "3.0", "4.0", "0"]
+    assert answer() == ["7", "1", "0", "10", "3.0", "4.0", "2"]
+
+
+def test_a_pack_of_another_stamp_is_not_linked(source, monkeypatch):
+    """What a caller of other sources calls by the same name is other code."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+
+    def answer(text):
+        source.write_text(text)
+        command = [sys.executable, "-c", _ASKED, str(source.parent)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+        return done.stdout.split()
+
+    assert answer(_PAIR)[0] == "7"
+    other = _PAIR.replace('"stamp"', '"other"').replace("2 * x", "4 * x")
+    assert [answer(other)[0], answer(other)[0]] == ["13", "13"]
+
+
+def test_what_is_kept_under_other_stamps_goes_when_something_is_kept(source, monkeypatch):
+    """Of other functions too, but for what cannot be read, and for other versions of Python."""
+    monkeypatch.setattr(_sweep, "_swept", set())
+    compiled(source, "old")(2)
+    folder = source.parent / "__pycache__"
+    (index,) = files(source, ".nbi")
+    old = [*files(source, ".nbi"), *files(source, ".nbc")]
+    for path in old:  # as of a function that has moved to another line, and of another Python
+        path.with_name(path.name.replace("twice-1.", "twice-9.")).write_bytes(path.read_bytes())
+        other = path.name.replace("twice-1.", "twice-9.").replace(".py3", ".py2")
+        path.with_name(other).write_bytes(path.read_bytes())
+    (folder / index.name.replace("twice-1.", "twice-8.").replace(".nbi", ".0123.nbp")).write_bytes(b"left")
+    strange = [folder / index.name.replace("twice-1.", "strange-1.")]
+    strange.append(strange[0].with_name(strange[0].name.replace(".nbi", ".1.nbc")))
+    for path in strange:
+        path.write_bytes(b"somebody else's")
+    monkeypatch.setattr(_sweep, "_swept", set())  # another process
+    assert compiled(source, "new")(2) == 4
+    left = {path.name for path in [*files(source, ".nbi"), *files(source, ".nbc"), *files(source, ".nbp")]}
+    mine = {path.name for path in old}
+    elsewhere = {name.replace("twice-1.", "twice-9.").replace(".py3", ".py2") for name in mine}
+    assert left == mine | elsewhere | {path.name for path in strange}
+    again = compiled(source, "new")
+    assert (again(2), hits(again)) == (4, 1)
+
+
+def test_callers_hold_nothing_of_a_kernel_that_stands_alone():
+    """Else its machine code would be made once more for each of them, at ten times the time in all."""
+    evaluate = importlib.import_module("antenna_pin.dynamics.kernels").evaluate
+    attempt = importlib.import_module("antenna_pin.engine.step_kernels").attempt
+    scenario = load_scenario(
+        "bai2020",
+        case="case3",
+        overrides=["clearance.elevation.geometry=closed-form", "integrator.engine=compiled"],
+    )
+    simulate(scenario, duration=1e-3)
+    go_on = importlib.import_module("antenna_pin.engine.loop_kernels").go_on
+    left, seen = list(go_on.overloads.values()), set()
+    while left:  # what is linked for its callers has no bitcode here before it is asked for
+        for name, arguments in needs_of(left.pop().library) - seen:
+            seen.add((name, arguments))
+            kernel_named(name).compile(arguments)
+            left.append(kernel_named(name).overloads[arguments])
+    assert attempt.overloads and evaluate.overloads
+    for result in attempt.overloads.values():
+        text = result.library._get_module_for_linking().as_bitcode()
+        for called in evaluate.overloads.values():
+            assert called.fndesc.mangled_name.encode() not in text
+            assert b"antenna_pin.dynamics.kernels:evaluate:" in text
