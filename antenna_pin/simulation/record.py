@@ -142,7 +142,7 @@ class Recording:
         self._audit = Audit(run)
         motions = np.array([isinstance(drive, Motion) for drive in run.system.drives.values()], dtype=bool)
         # States that are not the run's own are no samples that follow one another.
-        self._tops = Tops(run, motions) if motions.any() and samples is None else None
+        self._tops = Tops(run, motions, between=samples is None) if motions.any() else None
 
     def blocks(self) -> Iterator[tuple[int, Values]]:
         """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""

@@ -79,11 +79,12 @@ class Tops:
     Args:
         run: The run.
         motions: Of its drives, which are motions, (drives,).
+        between: Whether its samples follow one another, so that there is something between them.
     """
 
-    def __init__(self, run: Run, motions: NDArray[np.bool_]) -> None:
+    def __init__(self, run: Run, motions: NDArray[np.bool_], *, between: bool) -> None:
         """Begin before the first sample."""
-        self._run, self._motions = run, motions
+        self._run, self._motions, self._between = run, motions, between
         count = int(np.count_nonzero(motions))
         self._largest, self._times = np.full(count, -np.inf), np.full(count, np.nan)
         self._places: list[list[_Place]] = [[] for _ in range(count)]
@@ -103,6 +104,8 @@ class Tops:
             top = int(np.argmax(size))
             if size[top] > self._largest[m]:
                 self._largest[m], self._times[m] = size[top], chunk.times[top]
+            if not self._between:
+                continue
             most, when = _vertices(chunk.times, size)
             here = np.argsort(-most, kind="stable")[:_MOST].tolist()
             coarse = most - np.minimum(size[:-2], size[2:]) > _COARSE * most
