@@ -14,7 +14,7 @@ import antenna_pin
 
 PACKAGE = Path(antenna_pin.__file__).parent
 
-LONGEST = 400
+LONGEST = 600
 """Lines of a file at which it holds a second concept."""
 
 

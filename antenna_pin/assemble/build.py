@@ -2,28 +2,270 @@
 
 from __future__ import annotations
 
+import math
 import warnings
+from collections.abc import Collection
+from typing import Any, NamedTuple
 
-from antenna_pin.assemble.closures import closures_of
-from antenna_pin.assemble.couplings import couplings_of
-from antenna_pin.assemble.elements import elements_of
+from antenna_pin.assemble.closures import closures_of, link_of
 from antenna_pin.assemble.flexible import by_name
-from antenna_pin.assemble.friction import frictions_of
 from antenna_pin.assemble.laws import clearance_joint
-from antenna_pin.assemble.places import check_known, check_motion
+from antenna_pin.assemble.places import check_known, check_motion, slides, where
+from antenna_pin.assemble.references import reference_for
 from antenna_pin.assemble.rotors import armature_of
 from antenna_pin.assemble.shaken import among_others
 from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import readable
+from antenna_pin.constraints import Coupling
 from antenna_pin.control import measures_of
 from antenna_pin.dynamics import HeldKind, System, settled
-from antenna_pin.errors import AssumedWarning, MechanismError, NotSimulatedWarning
-from antenna_pin.mechanism import Mechanism, WrittenUrdf, build_mechanism
-from antenna_pin.scenario import AngleEvent, ForceEvent, GapEvent, RateEvent, Scenario
+from antenna_pin.elements import JointFriction, StickingFriction
+from antenna_pin.errors import (
+    AssumedWarning,
+    InvalidParameterError,
+    MechanismError,
+    NotSimulatedWarning,
+    ScenarioError,
+)
+from antenna_pin.mechanism import JointSlot, Mechanism, WrittenUrdf, build_mechanism
+from antenna_pin.scenario import (
+    AllLinksSpec,
+    AngleEvent,
+    AtPointSpec,
+    CouplingSpec,
+    DifferentialSpec,
+    ForceEvent,
+    GapEvent,
+    JointsSpec,
+    PlanetarySpec,
+    PointsSpec,
+    RateEvent,
+    Scenario,
+    moved_joints,
+)
 from antenna_pin.scenario.assumed import said_of_assumed
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = ["build_system"]
+
+
+# Of its limit: the load by which the creep of a friction that is rounded off is described.
+_LOAD = 0.5
+
+
+class Frictions(NamedTuple):
+    """Friction of joints themselves.
+
+    Attributes:
+        smooth: That which is rounded off at rest, by name.
+        sticking: That which sticks, by name.
+        left_out: Lines on what is not simulated.
+        assumed: Lines on what is rounded off though nothing says so.
+    """
+
+    smooth: dict[str, JointFriction]
+    sticking: dict[str, StickingFriction]
+    left_out: tuple[str, ...]
+    assumed: tuple[str, ...]
+
+
+def frictions_of(scenario: Scenario, mechanism: Mechanism, others: Collection[str]) -> Frictions:
+    """Return the friction of each joint that has some, as ``JOINT.dynamics``.
+
+    That of a joint with play acts about its axis, beside the friction of its contacts.
+
+    Args:
+        scenario: Its ``mechanism.joints`` go before the URDF.
+        mechanism: The mechanism, with the freedoms that joints have in this case.
+        others: Names of springs and frictions, which these must differ from.
+
+    Raises:
+        ScenarioError: Units of another motion, a speed without friction, or a spring of that name.
+    """
+    urdf = as_written(scenario)
+    types = {name: joint.type for name, joint in urdf.joints.items()}
+    numbers = {name: dict(given) for name, given in urdf.joint_friction.items()}
+    for name, change in scenario.mechanism.joints.items():
+        for key in ("damping", "friction"):
+            if (value := getattr(change, key)) is not None:
+                numbers.setdefault(name, {})[key] = value
+        place = where(scenario, "mechanism", "joints", name)
+        for key in ("regularisation_speed", "sticks"):
+            if getattr(change, key) is not None and not numbers.get(name, {}).get("friction"):
+                raise ScenarioError(
+                    f"{place}.{key}: must be left out of a joint without friction; give it friction, here or "
+                    "in the URDF"
+                )
+        if change.regularisation_speed is not None:
+            if change.sticks:
+                raise ScenarioError(
+                    f"{place}.regularisation_speed: must be left out of a joint whose friction sticks, for "
+                    "that is not rounded off; leave out one of the two"
+                )
+            numbers[name]["regularisation_speed"] = change.regularisation_speed
+    # Those have an axis though they are free.
+    with_axis = {*scenario.clearance, *(one.joint for one in scenario.families.get("bearings", {}).values())}
+    moved = moved_joints(scenario.model_dump(include={"drives", "couplings"}, exclude_none=True))
+    found: dict[str, JointFriction] = {}
+    sticking: dict[str, StickingFriction] = {}
+    assumed: list[str] = []
+    left_out = list(urdf.not_simulated)
+    for name, given in numbers.items():
+        if name not in mechanism.joints or not (given.get("damping") or given.get("friction")):
+            continue
+        slot = mechanism.joint(name)
+        if name in scenario.mechanism.joints:
+            check_motion(scenario, slot, scenario.mechanism.joints[name].motion, "mechanism", "joints", name)
+        if slot.kind in ("floating", "planar") and name not in with_axis:
+            left_out.append(
+                f"{urdf.where}: joint {name!r}: its damping and friction are not simulated, for it is made "
+                f"{slot.kind} from {types[name]} and has no axis"
+            )
+            continue
+        own = f"{name}.dynamics"
+        if own in others:
+            family = "springs" if own in scenario.springs else "frictions"
+            raise ScenarioError(
+                f"{where(scenario, family, own)}: must have another name, which that of the joint's own "
+                "friction bears"
+            )
+        dry, wet = given.get("friction", 0.0), given.get("damping", 0.0)
+        spec = scenario.mechanism.joints.get(name)
+        sticks = None if spec is None else spec.sticks
+        can_stick = slot.kind not in ("floating", "planar") and name not in moved
+        if sticks or (sticks is None and can_stick and dry > 0.0 and "regularisation_speed" not in given):
+            sticking[own] = StickingFriction(joint=name, coulomb=dry, viscous=wet)
+            continue
+        found[own] = JointFriction(joint=name, **given)  # type: ignore[arg-type]  # of numbers only
+        if dry > 0.0 and name not in moved:
+            assumed.append(_said_of_creep(found[own], slides(scenario, slot), can_stick))
+    return Frictions(found, sticking, tuple(left_out), tuple(assumed))
+
+
+def _said_of_creep(friction: JointFriction, slid: bool, can_stick: bool) -> str:
+    """Return by how much a joint creeps under a load that its friction should hold."""
+    rate = friction.regularisation_speed * _LOAD / math.sqrt(1.0 - _LOAD**2)
+    units = ("N", "m/s") if slid else ("N m", "rad/s")
+    limit, creep = readable(friction.friction, units[0], 3), readable(rate, units[1], 3)
+    way_out = (
+        f"mechanism.joints.{friction.joint}.sticks = true holds it"
+        if can_stick
+        else "only a joint without play can stick; a lower regularisation_speed creeps less"
+    )
+    return (
+        f"{friction.joint}: its friction of {limit} is rounded off at rest and does not stick: under half "
+        f"that load it creeps at {creep}; {way_out}"
+    )
+
+
+def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[str, Any]:
+    """Return the elements of one family of a scenario by name.
+
+    Raises:
+        AntennaPinError: A joint, link or frame that there is not, or units of another motion.
+    """
+    found: dict[str, Any] = {}
+    for name, spec in scenario.families.get(family, {}).items():
+        if isinstance(spec, PointsSpec):
+            ends = {}
+            for side in ("first", "second"):
+                end = getattr(spec, side)
+                link, _ = link_of(scenario, mechanism, end, family, name, side)
+                ends[side] = link, end.point or (0.0, 0.0, 0.0)
+            found[name] = spec.build(**ends)
+        elif isinstance(spec, AtPointSpec):
+            link, _ = link_of(scenario, mechanism, spec.at, family, name, "at")
+            found[name] = spec.build(
+                at=(link, spec.at.point or (0.0, 0.0, 0.0)), **_followed(scenario, spec, None)
+            )
+        elif isinstance(spec, AllLinksSpec):
+            found[name] = spec.build()
+        elif isinstance(spec, JointsSpec):
+            for side in ("input", "output"):
+                joint = getattr(spec, side)
+                check_known(scenario, [joint], "moving joint", mechanism.joints, family, name, side)
+            found[name] = spec.build()
+        else:
+            place = (family, name)
+            check_known(scenario, [spec.joint], "moving joint", mechanism.joints, *place, "joint")
+            slot = mechanism.joint(spec.joint)
+            check_motion(scenario, slot, spec.motion, *place)
+            if (other := getattr(spec, "measures", None)) is not None:
+                check_known(scenario, [other], "moving joint", mechanism.joints, *place, "measures")
+            found[name] = spec.build(**_followed(scenario, spec, slot))
+    return found
+
+
+def _followed(scenario: Scenario, spec: Any, slot: JointSlot | None) -> dict[str, Any]:
+    """Return the reference that a table follows, at a joint or elsewhere, if it names one."""
+    follows = getattr(spec, "follows", None)
+    return {} if follows is None else {"follows": reference_for(scenario, follows, slot, slot is None)}
+
+
+def couplings_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Coupling]:
+    """Return the couplings of a scenario by name; not those whose follower it locks.
+
+    Raises:
+        ScenarioError: Joints that there are not, units of other joints, a name that is taken.
+    """
+    joints = [joint.name for joint in mechanism.urdf.robot.joints]
+    found = {}
+    for name, spec in scenario.couplings.items():
+        place = ("couplings", name)
+        for key in spec.roles.values():
+            if (joint := getattr(spec, key)) is not None:
+                check_known(scenario, [joint], "joint", joints, *place, key)
+        change = scenario.mechanism.joints.get(getattr(spec, spec.roles["follower"]))
+        if change is not None and change.kind == "locked":
+            continue
+        for what, taken in (("closure", scenario.closures), ("joint with <mimic>", mechanism.urdf.mimics)):
+            if name in taken:
+                raise ScenarioError(
+                    f"{where(scenario, *place)}: must have another name; there is a {what} {name!r}"
+                )
+        if isinstance(spec, CouplingSpec):
+            _check_units(scenario, mechanism, spec, *place)
+        try:
+            found[name] = _built(spec)
+        except InvalidParameterError as error:
+            key = spec.roles.get(error.parameter, error.parameter)
+            raise ScenarioError(f"{where(scenario, *place, key)}: {error.reason}") from None
+    return found
+
+
+def _built(spec: CouplingSpec | DifferentialSpec | PlanetarySpec) -> Coupling:
+    if isinstance(spec, DifferentialSpec):
+        return Coupling.differential(carrier=spec.carrier, first=spec.first, second=spec.second)
+    if isinstance(spec, PlanetarySpec):
+        return Coupling.planetary(carrier=spec.carrier, sun=spec.sun, ring=spec.ring, ratio=spec.ratio)
+    return Coupling(
+        follower=spec.follower,
+        leader=spec.leader,
+        multiplier=spec.multiplier,
+        offset=spec.offset,
+        second=spec.second,
+        second_multiplier=spec.second_multiplier,
+    )
+
+
+def _check_units(scenario: Scenario, mechanism: Mechanism, spec: CouplingSpec, *place: str) -> None:
+    """Refuse units that are not those of the joints."""
+    if spec.follower not in mechanism.joints:
+        return
+    follower = mechanism.joint(spec.follower)
+    check_motion(scenario, follower, spec.motion, *place, "offset")
+    if spec.leader not in mechanism.joints:
+        return
+    units = ["m" if slot.kind == "prismatic" else "rad" for slot in (follower, mechanism.joint(spec.leader))]
+    ratio = "1" if units[0] == units[1] else "/".join(units)
+    if spec.conversion not in (None, ratio):
+        raise ScenarioError(
+            f"{where(scenario, *place, 'multiplier')}: must be a number"
+            f"{'' if ratio == '1' else f' in {ratio}'}, for {spec.follower!r} is {follower.kind} and "
+            f"{spec.leader!r} {mechanism.joint(spec.leader).kind}, got units of {spec.conversion}"
+        )
+
 
 # To what a joint of the URDF is held by constraint.
 _HELD: dict[str, HeldKind] = {

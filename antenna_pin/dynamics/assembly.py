@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,12 +21,9 @@ from antenna_pin.constraints import (
 )
 from antenna_pin.dynamics.coordinates import reach_of
 from antenna_pin.dynamics.coupled import put_follower_rates
-from antenna_pin.dynamics.motion_checks import check_jumps, check_limits
-from antenna_pin.dynamics.open_loops import said_of_open
-from antenna_pin.dynamics.shaken import start_with_base
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
-from antenna_pin.elements import Motion
+from antenna_pin.elements import Motion, PrescribedMotion, Shake
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import JointSlot
 
@@ -36,6 +34,104 @@ __all__ = [
     "check_closed",
     "check_motions",
 ]
+
+
+def start_with_base(system: System, y: NDArray[np.float64]) -> None:
+    """Put the joints that carry a shaken base where their motions begin, and as fast, in place.
+
+    All else is given relative to the base and so begins with it: no blow sets it moving.
+
+    Args:
+        system: The system.
+        y: State [q, v, x], at time zero.
+    """
+    for drive in system.drives.values():
+        if isinstance(drive, Shake):
+            slot = system.mechanism.joint(drive.joint)
+            y[slot.q], y[system.model.nq + slot.v.start], _ = drive.at(0.0)
+
+
+# Of a motion's rate: what loops are open by in speed is round-off.
+_ROUND_OFF = 1e-12
+
+
+def said_of_open(system: System, found: Any, length: float) -> str:
+    """Return in words by how much loops are open at the start, and the way out.
+
+    Args:
+        system: The system.
+        found: Residuals of its constraints, FOUND.
+        length: Of the mechanism, by which ways count as turns [m].
+    """
+    speed = max(found.speed / length, found.spin)
+    rates = {
+        name: abs(drive.profile()(0.0)[1])
+        for name, drive in system.drives.items()
+        if isinstance(drive, Motion)
+    }
+    fastest = max(rates, key=rates.__getitem__, default="")
+    if fastest and max(found.gap / length, found.turn) <= speed <= _ROUND_OFF * rates[fastest]:
+        joint = system.drives[fastest].joint
+        unit = "m/s" if system.mechanism.joint(joint).kind == "prismatic" else "rad/s"
+        return (
+            f"motion {fastest!r} is too fast: it moves joint {joint!r} by {number(rates[fastest])} "
+            f"{unit} at t = 0, and its loops cannot be closed better than to the round-off of that, "
+            f"{number(found.speed)} m/s, {number(found.spin)} rad/s; make it slower"
+        )
+    return (
+        f"its loops are open: {number(found.gap)} m, {number(found.turn)} rad, {number(found.speed)} m/s, "
+        f"{number(found.spin)} rad/s; close it by antenna_pin.assembled"
+    )
+
+
+# Times at which a motion is compared with its joint's limits.
+_LOOKS = 1001
+
+
+def check_limits(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
+    """Refuse a motion that leaves its joint's limits in the URDF, from a time to another [s]."""
+    limit = system.mechanism.urdf.joint(motion.joint).limit
+    kind = system.mechanism.joint(motion.joint).kind
+    if limit is None or limit.lower is None or limit.upper is None or kind == "continuous":
+        return
+    unit = "m" if kind == "prismatic" else "rad"
+    profile = motion.profile()
+    for t in np.linspace(begin, end, _LOOKS):
+        position = profile(float(t))[0]
+        if not limit.lower <= position <= limit.upper:
+            raise MechanismError(
+                f"motion {name!r}: joint {motion.joint!r} must stay from {number(limit.lower)} to "
+                f"{number(limit.upper)} {unit} by its <limit>, got {number(position)} {unit} at t = "
+                f"{number(float(t))} s; change the motion, or the limit in the URDF or by "
+                f"mechanism.joints.{motion.joint}"
+            )
+
+
+def check_jumps(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
+    """Refuse a motion along a reference that jumps, or whose rate does and must not, within a run [s]."""
+    if not isinstance(motion, PrescribedMotion):
+        return
+    unit = "m" if system.slides(motion.joint) else "rad"
+    for one in motion.jumps:
+        if one.again:
+            size = f"{number(one.rate)} {unit}/s" if one.rate else f"{number(one.value)} {unit}"
+            raise MechanismError(
+                f"motion {name!r}: its reference must be without jumps that come again for ever, got one of "
+                f"{size} every {number(one.again)} s; join the table's points by interpolation = 'smooth', "
+                "or write them down without periodic"
+            )
+        if not begin < one.time <= end or not (one.value or motion.rate_jumps == "refused"):
+            continue
+        what, size, way = (
+            ("position", f"{number(one.value)} {unit}", "have a pd drive follow it")
+            if one.value
+            else ("rate", f"{number(one.rate)} {unit}/s", "take rate_jumps = 'impulse'")
+        )
+        raise MechanismError(
+            f"motion {name!r}: the {what} of its reference must not jump within the run, got {size} at t = "
+            f"{number(one.time)} s; {way}, or a reference that is smooth there"
+        )
+
 
 Array = NDArray[np.float64]
 

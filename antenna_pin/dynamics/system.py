@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import takes, unknown_type
+from antenna_pin.base.parameters import beyond
 from antenna_pin.base.records import PROGRAM, place_of
 from antenna_pin.base.views import as_html
 from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
@@ -27,14 +28,12 @@ from antenna_pin.dynamics.blocks import (
     states_in_x,
     turning,
 )
-from antenna_pin.dynamics.configuration import make_unit, numbers, spaces
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.element_block import element_block
 from antenna_pin.dynamics.held import HeldKind, closures_by_name
 from antenna_pin.dynamics.links import ForcePlace, OnLinksInPython, books_in_x, place_on_links
 from antenna_pin.dynamics.mounted import kinds_about_axis, on_bearings, with_preloads_placed
-from antenna_pin.dynamics.parts import families_of, springs_and_parts
 from antenna_pin.elements import (
     FAMILIES,
     GROSS_WORK,
@@ -43,11 +42,13 @@ from antenna_pin.elements import (
     BetweenPoints,
     Element,
     ForceElement,
+    JointSpring,
     Motion,
     OnLinks,
+    check_together,
     kind_of,
 )
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
@@ -55,6 +56,147 @@ from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import WORLD, Mechanism
 
 __all__ = ["System"]
+
+
+def springs_and_parts(
+    springs: Mapping[str, ForceElement], elastic: Mapping[str, ElasticPart]
+) -> dict[str, ForceElement]:
+    """Return springs and, behind them, those of elastic parts, by name.
+
+    Raises:
+        InvalidParameterError: A spring has the name of a part, or a part another name than its own.
+    """
+    found = dict(springs)
+    for name, part in elastic.items():
+        if name in springs:
+            rule = "of another name than an elastic part's, whose own spring bears it"
+            raise InvalidParameterError("System", f"springs[{name!r}]", rule, name)
+        if name != part.name:
+            raise InvalidParameterError("System", f"elastic[{name!r}]", "by the part's name", part.name)
+        found[name] = JointSpring(joint=name, stiffness=part.stiffness, damping=part.damping)
+    return found
+
+
+def families_of(
+    drives: Mapping[str, Element],
+    springs: Mapping[str, ForceElement],
+    others: Mapping[str, Mapping[str, ForceElement]],
+) -> dict[str, dict[str, ForceElement]]:
+    """Return all elements by family, in the families' order; of further families those that there are.
+
+    Raises:
+        UnknownNameError: There is no such family.
+        MechanismError: Stops and latches do not go together.
+        InvalidParameterError: One of them has an argument of its own, or an element acts elsewhere.
+    """
+    own: dict[str, dict[str, ForceElement]] = {"drives": dict(drives), "springs": dict(springs)}
+    for table, elements in others.items():
+        if table not in FAMILIES:
+            raise UnknownNameError("System", "family of elements", table, FAMILIES)
+        given = FAMILIES[table].among or table
+        if given in own:
+            rule = f"left out: it is given as {given}="
+            raise InvalidParameterError("System", f"elements[{table!r}]", rule, [*elements])
+        for name, element in elements.items():
+            if not FAMILIES[table].has(element):
+                kinds = (*FAMILIES[table].kinds.values(), *FAMILIES[table].in_python.values())
+                rule = f"one of {', '.join(cls.__name__ for cls in kinds)}"
+                place = f"elements[{table!r}][{name!r}]"
+                raise InvalidParameterError("System", place, rule, said=type(element).__name__)
+    found = own | {table: dict(others[table]) for table in FAMILIES if others.get(table)}
+    check_together(found)
+    return found
+
+
+_SPACES = {
+    "JointModelFreeFlyer": "rigid",
+    "JointModelSpherical": "rotation",
+    "JointModelPlanar": "plane",
+}
+
+# How far from 1 the length of a quaternion may be and still be taken for round-off.
+_UNIT_TOLERANCE = 1e-6
+
+
+def spaces(model: Any) -> tuple[str, ...]:
+    """Return the configuration space of each joint of a Pinocchio model."""
+    kinds = []
+    for joint in list(model.joints)[1:]:
+        name = joint.shortname()
+        if name in _SPACES:
+            kinds.append(_SPACES[name])
+        elif (joint.nq, joint.nv) == (1, 1):
+            kinds.append("vector")
+        elif (joint.nq, joint.nv) == (2, 1):
+            kinds.append("circle")
+        else:
+            raise MechanismError(
+                f"joint {model.names[joint.id]!r}: {name} has no place in the state space; use revolute, "
+                "continuous, prismatic, planar, floating or spherical joints"
+            )
+    return tuple(kinds)
+
+
+def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
+    """Return a copy of the numbers of a state, or refuse what is not finite or further than a double tells.
+
+    Args:
+        given: What is given.
+        count: How many there must be.
+        name: What they are called.
+        unit: SI unit of the largest [-].
+    """
+    try:
+        found = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    if found.shape == (count,) and np.isfinite(found).all():
+        rule = beyond(found.tolist(), unit)
+    else:
+        rule = "finite" if count == 1 else f"{count} finite numbers"
+    if rule:
+        raise InvalidParameterError("System", name, rule, said=unknown_type(given))
+    return found
+
+
+def make_unit(mechanism: Mechanism, configuration: NDArray[np.float64]) -> None:
+    """Make quaternions, and cosines and sines, of a configuration unit, in place.
+
+    Args:
+        mechanism: Whose it is.
+        configuration: (nq,).
+
+    Raises:
+        InvalidParameterError: One is further from it than round-off.
+    """
+    for name, place in _unit_parts(mechanism):
+        length = float(np.linalg.norm(configuration[place]))
+        if not abs(length - 1.0) <= _UNIT_TOLERANCE:
+            what = "quaternion" if place.stop - place.start == 4 else "cosine and sine"
+            raise InvalidParameterError(
+                f"q[{place.start}:{place.stop}]",
+                f"{what} of {name}",
+                f"of length 1 to {_UNIT_TOLERANCE:g}; divide it by its length",
+                length,
+            )
+        configuration[place] /= length
+
+
+def _unit_parts(mechanism: Mechanism) -> Iterator[tuple[str, slice]]:
+    """Yield what of q must be of length one: name of the joint, place in q."""
+    if mechanism.base == "free":
+        yield "the base", slice(3, 7)
+    inside = {
+        "floating": slice(3, 7),
+        "planar": slice(2, 4),
+        "continuous": slice(0, 2),
+        "spherical": slice(0, 4),
+    }
+    for slot in mechanism.joints.values():
+        if slot.kind in inside:
+            part, start = inside[slot.kind], slot.q.start
+            yield f"joint {slot.name!r}", slice(start + part.start, start + part.stop)
+
 
 Array = NDArray[np.float64]
 

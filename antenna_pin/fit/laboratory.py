@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from antenna_pin.fit.made import make_all
+from antenna_pin.fit.equation import with_slopes
 from antenna_pin.fit.notebook import Notebook
 from antenna_pin.fit.plan import FitPlan
-from antenna_pin.fit.runs import Asked, Readings, Rig, nothing
+from antenna_pin.fit.runs import Asked, Readings, Rig, make, nothing
 from antenna_pin.sweep import Executor, Here
 from antenna_pin.sweep.here import Lost
 
 __all__ = ["Laboratory"]
+
+
+def make_all(rigs: tuple[Rig, ...], batch: list[Asked]) -> list[tuple[Readings, ...]]:
+    """Make what is asked for, one after the other."""
+    return [(with_slopes if one.slopes else make)(rigs[one.record], one) for one in batch]
+
 
 _REMEMBERED = 512  # answers that stay in memory
 

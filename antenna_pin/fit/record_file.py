@@ -2,25 +2,225 @@
 
 from __future__ import annotations
 
+import contextlib
+import faulthandler
+import importlib
+import multiprocessing
+import os
+import resource
+import signal
+import sys
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.capacity import free_memory
 from antenna_pin.base.files import absence
 from antenna_pin.base.units import unit_factor
-from antenna_pin.errors import ScenarioError, UnknownNameError
+from antenna_pin.errors import MissingToolError, ScenarioError, UnknownNameError
 from antenna_pin.fit.layout import LayoutSpec
-from antenna_pin.fit.mat_file import BadMatFileError, Mat73Error, read_mat
 from antenna_pin.fit.text_record import from_text
-from antenna_pin.fit.uff_record import from_universal
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 
 __all__ = ["SUFFIXES", "Columns", "read_columns"]
 
+
 Array = NDArray[np.float64]
+
+_SHOWN = 12
+
+
+_AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
+_FUNCTION, _UNITS, _OF_TIME = 58, 164, 1  # kinds of sets; of functions the kind that goes over time
+_OF_SI = 1  # code of units, of sets of these
+_SHOWN = 12  # names that a message offers
+
+
+def from_universal(
+    path: Path, names: Sequence[str], time: str, place: str
+) -> tuple[dict[str, Array], dict[str, str]]:
+    """Return columns by name, (rows,) each, and the units that the file gives of them.
+
+    Args:
+        path: The file.
+        names: Of the columns that are wanted; those of one file must have the same times.
+        time: How that of their times is called among these.
+        place: Where the file is named, for messages.
+
+    Raises:
+        ScenarioError: It cannot be read, has a column twice, or columns of other times.
+        UnknownNameError: It has no such column.
+        MissingToolError: pyuff is not installed.
+    """
+    sets, foreign = _sets(path, place)
+    where = f"{place}: {path.name}"
+    found: dict[str, Array] = {}
+    units: dict[str, str] = {}
+    known: dict[str, list[int]] = {}
+    for number, one in sets.items():
+        known.setdefault(_name(one), []).append(number)
+    first = None
+    for name in (one for one in names if one != time):
+        if name not in known:
+            raise UnknownNameError(where, "column", name, list(known)[:_SHOWN])
+        if len(known[name]) > 1:
+            numbers = " and ".join(map(str, known[name]))
+            raise ScenarioError(
+                f"{where}: {name} must be one function of time, got sets {numbers}; give a file "
+                "with one of them"
+            )
+        (number,) = known[name]
+        one = sets[number]
+        values = np.asarray(one["data"])
+        if np.iscomplexobj(values):
+            raise ScenarioError(f"{where}: {name} must be real numbers, got complex ones in set {number}")
+        found[name] = values.astype(float)
+        units[name] = _unit(one, "ordinate") or foreign
+        times = np.asarray(one["x"], dtype=float)
+        first = first or (name, times)
+        if not np.array_equal(times, first[1]):
+            raise ScenarioError(
+                f"{where}: {name} must have the times of {first[0]}, got others in set {number}; make it a "
+                "record of its own"
+            )
+        if time in names:
+            found[time], units[time] = times, _unit(one, "abscissa")
+    return found, {name: unit for name, unit in units.items() if unit}
+
+
+def _sets(path: Path, place: str) -> tuple[dict[int, Any], str]:
+    """Return the functions of time by their numbers in the file, and what units are in that give none."""
+    try:
+        pyuff = importlib.import_module("pyuff")
+    except ImportError:
+        raise MissingToolError(
+            f"{place}: {path.name}: a universal file needs pyuff; install it with pip install "
+            "'antenna-pin[fit]'"
+        ) from None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of fields it does not know, which are none of these
+            file = pyuff.UFF(str(path))
+            kinds = [int(one) for one in file.get_set_types()]
+            wanted = [k for k, kind in enumerate(kinds) if kind in (_FUNCTION, _UNITS)]
+            read = {k + 1: file.read_sets(k) for k in wanted}
+    except Exception as error:  # the reader raises any on a damaged file
+        words = " ".join(str(error).split())
+        raise ScenarioError(f"{place}: {path.name} cannot be read as a universal file: {words}") from None
+    codes = [int(one["units_code"]) for one in read.values() if int(one["type"]) == _UNITS]
+    foreign = "" if set(codes) <= {_OF_SI} else f"of code {codes[-1]}"
+    functions = {
+        number: one
+        for number, one in read.items()
+        if int(one["type"]) == _FUNCTION and int(one["func_type"]) == _OF_TIME
+    }
+    if not functions:
+        rule = "must hold a function of time (58, time response)"
+        raise ScenarioError(
+            f"{place}: {path.name} {rule}, got sets of {', '.join(map(str, sorted(set(kinds)))) or 'none'}"
+        )
+    return functions, foreign
+
+
+def _name(function: Any) -> str:
+    """Return what a function is called by."""
+    node, way = int(function["rsp_node"]), int(function["rsp_dir"])
+    sign = "" if way == 0 else "+" if way > 0 else "-"
+    return f"{node}{_AXES[abs(way)]}{sign}"
+
+
+def _unit(function: Any, axis: str) -> str:
+    """Return the unit that a function's label gives of an axis, or nothing."""
+    label = str(function.get(f"{axis}_axis_units_lab", "")).strip()
+    return "" if label.upper() in ("NONE", "") else label
+
+
+_SHARE = 0.4  # of the free memory: what is read is there twice while it is sent
+_SECONDS = 600  # of processor time that a damaged file is read for at most
+
+
+class BadMatFileError(ValueError):
+    """A file that the reader of MAT files cannot read."""
+
+
+class Mat73Error(ValueError):
+    """A MAT file of version 7.3, which is an HDF5 file."""
+
+
+def read_mat(path: Path) -> dict[str, Any]:
+    """Return the variables of a file, as :func:`scipy.io.loadmat` does.
+
+    Raises:
+        Mat73Error: It is one of version 7.3.
+        BadMatFileError: It cannot be read.
+    """
+    import scipy.io  # noqa: F401 - in this process, so that the other has it
+
+    if sys.platform != "linux" or multiprocessing.current_process().daemon:
+        return _loaded(path)
+    ours, theirs = multiprocessing.Pipe(duplex=False)
+    process = multiprocessing.get_context("fork").Process(target=_serve, args=(path, theirs), daemon=True)
+    process.start()
+    theirs.close()
+    try:
+        with contextlib.closing(ours):
+            content = ours.recv()
+    except EOFError:
+        process.join()
+        number = -(process.exitcode or 0)
+        cause = signal.Signals(number).name if number in set(signal.Signals) else "no answer"
+        raise BadMatFileError(
+            f"its reader ended with {cause}: the file is damaged; export it again"
+        ) from None
+    finally:
+        process.kill()
+        process.join()
+    if isinstance(content, Exception):
+        raise content
+    return dict(content)
+
+
+def _serve(path: Path, pipe: Connection) -> None:
+    """Send the variables of a file, or what keeps it from being read."""
+    faulthandler.disable()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that waits acts on it
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+    with contextlib.suppress(OSError, ValueError):
+        resource.setrlimit(resource.RLIMIT_CPU, (_SECONDS, _SECONDS))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        free = free_memory()
+        if free is not None:
+            pages = int(Path("/proc/self/statm").read_text().split()[0])
+            most = pages * resource.getpagesize() + int(_SHARE * free)
+            resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    code = 0
+    try:
+        pipe.send(_loaded(path))
+    except (BadMatFileError, Mat73Error) as error:
+        pipe.send(error)
+    except BaseException:
+        code = 1
+    os._exit(code)
+
+
+def _loaded(path: Path) -> dict[str, Any]:
+    from scipy.io import loadmat
+
+    try:
+        return dict(loadmat(path, squeeze_me=True, struct_as_record=True))
+    except NotImplementedError:
+        raise Mat73Error from None
+    except MemoryError:
+        raise BadMatFileError("it needs more memory than this machine has; export fewer variables") from None
+    except Exception as error:  # the reader raises any on a damaged file
+        raise BadMatFileError(" ".join(str(error).split())) from None
+
 
 #: What the names of records may end in: of texts, of others.
 _TEXTS, _UNIVERSAL = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm"), (".uff", ".unv", ".uf", ".bunv")

@@ -6,27 +6,25 @@ import dataclasses
 import importlib
 import math
 import os
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable
-from antenna_pin.base.readable import number
+from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import MissingToolError
 from antenna_pin.fit.covariance import WITHHELD, Bands, bands_of
-from antenna_pin.fit.growth import Growth, growth_of
 from antenna_pin.fit.laboratory import Laboratory
 from antenna_pin.fit.losses import cost
 from antenna_pin.fit.notebook import Notebook
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.problem import Problem
-from antenna_pin.fit.residual_tests import notes_on_residuals
 from antenna_pin.fit.result import Fit, Search
 from antenna_pin.fit.runs import NoRunError
-from antenna_pin.fit.sureness import hang_together
+from antenna_pin.fit.sureness import hang_together, persistence
 from antenna_pin.fit.surface import on_surface
 from antenna_pin.fit.validation import Validation
 from antenna_pin.fit.verdict import advises_starts, verdict_of
@@ -34,7 +32,150 @@ from antenna_pin.sweep import Executor
 
 __all__ = ["run_fit"]
 
+
 Array = NDArray[np.float64]
+
+
+# Fewest residuals of which tests tell something; chance below which they are said to fail; and the excess
+# kurtosis from which on tails matter to a least squares fit.
+_FEWEST, _RARE, _TAILS = 20, 1e-4, 1.0
+
+
+class ResidualTests(NamedTuple):
+    """Tests of the residuals of one column, chances being those that noise does as badly.
+
+    Attributes:
+        correlation: Of each residual with the next [-].
+        runs: Stretches of one sign, about the mean.
+        runs_chance: That independent residuals have a number as far from the expected one [-].
+        excess_kurtosis: Fourth moment over the squared variance, less 3 [-].
+        normal_chance: That normal residuals have skewness and kurtosis as far from theirs [-].
+    """
+
+    correlation: float
+    runs: int
+    runs_chance: float
+    excess_kurtosis: float
+    normal_chance: float
+
+
+def tests_of(residuals: Array) -> ResidualTests | None:
+    """Return the tests of residuals in the order of time, (n,); None of fewer than 20, or all the same."""
+    from scipy import stats
+
+    if len(residuals) < _FEWEST or not np.ptp(residuals) > 0.0:
+        return None
+    above = residuals > residuals.mean()
+    runs, (a, b) = 1 + int(np.count_nonzero(np.diff(above))), (int(above.sum()), int((~above).sum()))
+    expected = 1.0 + 2.0 * a * b / (a + b)
+    variance = (expected - 1.0) * (expected - 2.0) / (a + b - 1.0)
+    apart = abs(runs - expected) / math.sqrt(variance)
+    return ResidualTests(
+        persistence(residuals),
+        runs,
+        float(2.0 * stats.norm.sf(apart)),
+        float(stats.kurtosis(residuals)),
+        float(stats.normaltest(residuals).pvalue),
+    )
+
+
+def notes_on_residuals(curves: Mapping[str, Array]) -> Iterator[str]:
+    """Yield a line for each column whose residuals are no noise, though their correlation is that of noise.
+
+    Args:
+        curves: Residuals of each column that is compared row by row, in the order of time.
+    """
+    for name, residuals in curves.items():
+        found = None if hang_together(residuals) else tests_of(residuals)
+        if found is not None and found.runs_chance < _RARE:
+            yield (
+                f"note: residuals of {name} have {found.runs} stretches of one sign, as by chance "
+                f"{number(found.runs_chance, 1)} of records would: the model lacks something"
+            )
+        if found is not None and found.normal_chance < _RARE and found.excess_kurtosis > _TAILS:
+            yield (
+                f"note: residuals of {name} have tails that normal noise has not, an excess kurtosis of "
+                f'{number(found.excess_kurtosis, 2)}: outliers count less by loss = "soft_l1"'
+            )
+
+
+# In how many parts a record is looked at; the bend of a difference over the difference from which on it is
+# none that is straight; and over how many growths by e a piece is to go.
+_PARTS, _BENT, _FOLDS = 24, 0.5, 1.0
+_AT_LEAST = 3.0  # growths by e that have been, where one cannot be told
+_ROUND_OFF = 1e-9  # of what runs read [-]
+
+
+class Growth(NamedTuple):
+    """How differences grow along a record that one run does not hold.
+
+    Attributes:
+        since: From when on neighbours differ by more than is straight [s].
+        fold: In what time a difference grows by e [s].
+    """
+
+    since: float
+    fold: float
+
+    @property
+    def length(self) -> float:
+        """Length of pieces over which it does not grow by much [s]."""
+        return _FOLDS * self.fold
+
+    def words(self, record: str, parameter: str, step: float) -> str:
+        """Return a line on it.
+
+        Args:
+            record: Name of the record.
+            parameter: Name of the parameter that neighbours differ by.
+            step: By how much of its size [-].
+        """
+        since, fold, length = (_time(one) for one in (self.since, self.fold, self.length))
+        return (
+            f"note: records.{record}: one run does not hold it: from {since} on the effect of {step:g} of "
+            f"{parameter} is not straight any more, and it grows by e in {fold}; give it "
+            f'pieces = {{ length = "{length}" }}'
+        )
+
+
+def _time(value: float) -> str:
+    factor, unit = prefixed("s", [value])
+    return f"{factor * value:.2g} {unit.replace('µ', 'u')}"
+
+
+def growth_of(time: Array, below: Array, here: Array, above: Array, reach: float = 1.0) -> Growth | None:
+    """Return how differences of neighbours grow along a record; None where they stay small.
+
+    Args:
+        time: Of its rows [s].
+        below: What is read in a run on one side, over the noise, (columns, rows).
+        here: Likewise in the run itself.
+        above: On the other side.
+        reach: How much farther neighbours are looked for than these are, by how the difference bends.
+    """
+    if len(time) < 2 * _PARTS:
+        return None
+    bends, sizes = np.zeros(_PARTS), np.zeros(_PARTS)
+    for k, rows in enumerate(np.array_split(np.arange(len(time)), _PARTS)):
+        bends[k] = np.linalg.norm(above[:, rows] + below[:, rows] - 2.0 * here[:, rows])
+        sizes[k] = np.linalg.norm(above[:, rows] - below[:, rows])
+    floor = _ROUND_OFF * np.linalg.norm(here)  # differences of next to nothing are bent by round-off
+    bent = (reach * bends > _BENT * sizes) & (sizes > floor)
+    # Where it begins for good: a single part of nothing but crossings is none.
+    first = next((k for k in range(_PARTS) if bent[k] and bent[k:].mean() > _BENT), None)
+    if first is None or not sizes[first] > 0.0:
+        return None
+    middles = np.array([one.mean() for one in np.array_split(time, _PARTS)])
+    grown = np.flatnonzero(sizes[: first + 1] > 0.0)
+    since = float(middles[first] - time[0])
+    fold = since / _AT_LEAST
+    if len(grown) > 2:
+        rate = float(np.polyfit(middles[grown], np.log(sizes[grown]), 1)[0])
+        if not rate > 0.0:
+            return None
+        fold = min(fold, 1.0 / rate)
+    return Growth(float(middles[first]), fold) if fold > 0.0 else None
+
 
 # By what joints of pieces count more in the next search, and at most in the first: one that is open by a
 # hundredth of an error scale is as a row that is off by its noise; and the relative change of the sum below

@@ -8,6 +8,7 @@ commanded at the communication points, bit for bit.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,12 +22,46 @@ from pythonfmu3.fmi3slave import Fmi3StepResult
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fmu.packed import Packed, Variable, place_of
-from antenna_pin.fmu.si import powers_of
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import Session, start
 from antenna_pin.trajectory import Outcome
 
 __all__ = ["Slave"]
+
+
+# Those that stand in results and scenarios beside the base units.
+_DERIVED = {
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "Hz": {"s": -1},
+    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
+    "H": {"kg": 1, "m": 2, "s": -2, "A": -2},
+    "ohm": {"kg": 1, "m": 2, "s": -3, "A": -2},
+    **{base: {base: 1} for base in ("kg", "m", "s", "A", "K", "rad")},
+}
+_PART = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)(-?\d+))?")
+
+
+def powers_of(unit: str) -> dict[str, int] | None:
+    """Return the powers of SI units in a unit such as ``N m/rad``; None where there are no whole ones.
+
+    Whatever stands behind the first stroke divides.
+    """
+    found: dict[str, int] = {}
+    for side, parts in enumerate(unit.split("/")):
+        for part in parts.replace("**", "^").replace("*", " ").replace("(", " ").replace(")", " ").split():
+            match = _PART.fullmatch(part)
+            if match is None or match[1] not in _DERIVED:
+                if part == "1" and side == 0:
+                    continue
+                return None
+            power = int(match[2] or 1) * (-1 if side else 1)
+            for base, one in _DERIVED[match[1]].items():
+                found[base] = found.get(base, 0) + power * one
+    return {base: power for base, power in found.items() if power} or None
+
 
 # Of a communication point: how far a master's sum of steps may be off.
 _ROUND_OFF = 1e-9

@@ -15,10 +15,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.path import Path
 
-from antenna_pin.analysis import blocks, journal_motion
+from antenna_pin.analysis import LONG, blocks, journal_motion
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.plot._journal_path import JournalPath, farthest
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._layout import square_panels
 from antenna_pin.plot._lines import draw_parts, draw_pieces
@@ -45,6 +44,45 @@ from antenna_pin.plot._style import (
     styled,
 )
 from antenna_pin.plot._upright import mark_axes, shown_axes
+
+
+def farthest(run: LabelledRun, joint: str) -> float:
+    """Return the largest eccentricity of the journal in a run [m]."""
+    parts = (journal_motion(part, joint)["eccentricity"].values for part in blocks(run.data))
+    return float(np.nanmax([np.nanmax(part) for part in parts]))
+
+
+class JournalPath:
+    """Where the journal's axis or centre passes, at one place.
+
+    Args:
+        run: Its samples.
+        motion: Of the journal in the first part of them, which is all of a run that is not long.
+        joint: The joint with clearance.
+        place: Number of the place.
+        turn: Turns offsets to the axes that are shown, and scales them, (3, 3).
+    """
+
+    def __init__(self, run: LabelledRun, motion: xr.Dataset, joint: str, place: int, turn: Array) -> None:
+        """Look at how long it is."""
+        self._run, self._motion, self._joint, self._place, self._turn = run, motion, joint, place, turn
+        self.long = run.time.size > LONG
+
+    def parts(self) -> Iterator[tuple[Array, Array]]:
+        """Yield offsets (m, 3) and times (m,) [s], each part from the last sample of the one before on."""
+        if not self.long:
+            yield self._motion["offset"].values[:, self._place] @ self._turn.T, self._run.time
+            return
+        for part in blocks(self._run.data, overlap=1):
+            offset = journal_motion(part, self._joint)["offset"].values[:, self._place]
+            yield offset @ self._turn.T, part["time"].values
+
+    @property
+    def whole(self) -> Array:
+        """All offsets, (n, 3)."""
+        found = [offset for offset, _ in self.parts()]
+        return np.concatenate([*(offset[:-1] for offset in found[:-1]), found[-1]])
+
 
 Shade = Literal["time", "load"]
 _FREE = "#B8B8B8"

@@ -12,21 +12,225 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
+from antenna_pin.analysis import bearing_up, steady_up
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.pages import in_frame
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.geometry import LOOKS
 from antenna_pin.record import page
+from antenna_pin.record._joint_picture import JOURNAL, MARK, RIM, TRACES, Array, JointPicture, length_text
+from antenna_pin.record._journal_picture import JournalPicture
+from antenna_pin.record._profiles import arc, line, ring, solid
+from antenna_pin.record._slider_picture import SliderPicture
 from antenna_pin.record.curves import curves_of
-from antenna_pin.record.joint_view import joint_view
-from antenna_pin.record.key_frames import KeyFrames, impacts_of, key_frames, rate_of_turns
+from antenna_pin.record.key_frames import Impacts, KeyFrames, impacts_of, key_frames, rate_of_turns
+from antenna_pin.record.magnified import MagnifiedBall, default_magnification
 from antenna_pin.record.mechanism_view import mechanism_view
 from antenna_pin.record.scene import packed_doubles, packed_floats
+from antenna_pin.record.shapes import Mesh, Sphere, lathe
+from antenna_pin.record.triad import triad
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import Counts, Outcome, Trajectory, series
 
 __all__ = ["Recording", "View", "record"]
+
+
+_SIGNS = (1.0, -1.0)
+
+
+class RodPicture(JointPicture):
+    """A round slider in a round guide."""
+
+    def _build(self, place: dict[str, Any], magnify: float | None) -> None:
+        size = {name: float(value) for name, value in place["dimensions"].items()}
+        self.rod = size["journal_radius"]
+        self.clearance = size["bearing_radius"] - self.rod
+        self.factor = default_magnification(self.rod, self.clearance) if magnify is None else magnify
+        self.radius = self.rod + self.factor * self.clearance
+        self.half = 0.5 * size["slider_length"]
+        self.guide = size["guide_length"]
+        self.reach = 0.5 * (self.guide or 1.5 * size["slider_length"])
+        position, attitude = (
+            np.asarray(self.journal[name].values, dtype=float)
+            for name in ("journal_position", "journal_attitude")
+        )
+        self.turns = Rotation.from_quat(attitude).as_matrix()
+        stretch = np.array([self.factor, self.factor, 1.0])
+        # What only turns about the axis is not magnified.
+        angle = 2.0 * np.arctan2(attitude[:, 2], attitude[:, 3])
+        spun = Rotation.from_rotvec(np.outer(angle, [0.0, 0.0, 1.0])).as_matrix()
+        lean = self.turns @ spun.transpose(0, 2, 1)
+        self.matrix = (np.eye(3) + stretch[:, None] * (lean - np.eye(3))) @ spun
+        self.shift = position * [self.factor, self.factor, 1.0 if self.guide else 0.0]
+        self.position = position
+        ends = np.array([-self.reach, self.reach])
+        self.cut_open("run/guide", line(self.radius, ends), line(1.16 * self.radius, ends))
+        for end in ends:
+            self.scene.add(f"run/rim {end:+.6f}", ring(self.radius, end, 0.008 * self.radius), RIM)
+        self.scene.add("run/rod/body", lathe(*solid(self.rod, -self.half, self.half)), JOURNAL)
+        for k in range(3):
+            angle_k = 2.0 * np.pi * k / 3.0
+            along = np.array([-self.half, self.half])
+            stripe = lathe(
+                line(0.9 * self.rod, along), line(1.012 * self.rod, along), angle_k - 0.07, angle_k + 0.07,
+                segments=4,
+            )  # fmt: skip
+            self.scene.add(f"run/rod/stripe{k}", stripe, MARK)
+
+    def tracks(self) -> list[dict[str, Any]]:
+        placed = np.concatenate([self.matrix, self.shift[:, :, None]], axis=2)
+        data = packed_floats(placed.reshape(-1, 12))
+        return [{"kind": "matrix", "name": "rod", "path": "run/rod", "data": data}]
+
+    def drawn_points(self) -> Array:
+        """Return contacts on the drawn guide, where the drawn slider comes nearest to it."""
+        own = np.einsum("nji,nkj->nki", self.turns, self.point - self.position[:, None])
+        drawn = np.einsum("nij,nkj->nki", self.matrix, own) + self.shift[:, None]
+        across = np.linalg.norm(drawn[..., :2], axis=2, keepdims=True)
+        drawn[..., :2] *= self.radius / np.where(across > 0.0, across, 1.0)
+        return np.asarray(drawn)
+
+    def extent(self) -> Array:
+        angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+        circle = 1.16 * self.radius * np.stack([np.cos(angle), np.sin(angle)])
+        long = max(self.reach, float(np.abs(self.shift[:, 2]).max()) + self.half)
+        return np.concatenate([np.vstack([circle, np.full((1, 24), end)]).T for end in (-long, long)])
+
+    def trails(self) -> list[dict[str, Any]]:
+        """Return where the slider's axis went of late, at both of its ends."""
+        return [
+            {
+                "path": "run",
+                "times": packed_doubles(self.times),
+                "points": packed_floats(self.shift + sign * self.half * self.matrix[:, :, 2]),
+                "colour": colour,
+                "radius": 0.006 * self.radius,
+                "tail": 0.04 * float(self.times[-1] - self.times[0]),
+                "above": True,
+            }
+            for sign, colour in zip(_SIGNS, TRACES, strict=True)
+        ]
+
+    def facts(self) -> list[str]:
+        drawn = length_text(self.factor * self.clearance)
+        return [
+            f"{self.name}: play, eccentricity and tilt drawn {self.factor:g} times as large",
+            "slider's size and turn about its axis as they are"
+            + ("" if self.guide else "; the picture goes along with it"),
+            f"radial play {length_text(self.clearance)} drawn {drawn}",
+        ]
+
+
+class BallPicture(JointPicture):
+    """A ball joint."""
+
+    def _build(self, place: dict[str, Any], magnify: float | None) -> None:
+        dimensions = place["dimensions"]
+        ball = float(dimensions["ball_radius"])
+        self.clearance = float(dimensions["socket_radius"]) - ball
+        factor = self.factor = default_magnification(ball, self.clearance) if magnify is None else magnify
+        shape = self.shape = MagnifiedBall.of(dimensions, factor)
+        self.radius = shape.socket_radius
+        self.centre = shape.centre(
+            self.gap[:, 0], np.asarray(self.journal["journal_position"].values, dtype=float)
+        )
+        self.cut_open("run/socket", arc(shape.socket_radius), arc(1.1 * shape.socket_radius))
+        solid = arc(shape.ball_radius)
+        self.scene.add("run/ball/body", lathe(solid * [0.0, 1.0], solid), JOURNAL)
+        for k, turn in enumerate(("xyz", "yzx", "zxy")):
+            hoop = ring(shape.ball_radius, 0.0, 0.02 * shape.ball_radius)
+            order = ["xyz".index(axis) for axis in turn]
+            self.scene.add(f"run/ball/ring{k}", Mesh(hoop.vertices[:, order], hoop.faces), MARK)
+        self.scene.add("run/ball/pole", Sphere(0.1 * shape.ball_radius), MARK, _shifted(shape.ball_radius))
+
+    def tracks(self) -> list[dict[str, Any]]:
+        attitude = np.asarray(self.journal["journal_attitude"].values, dtype=float)
+        data = packed_floats(np.hstack([self.centre, attitude]))
+        return [{"kind": "pose", "name": "ball", "path": "run/ball", "data": data}]
+
+    def drawn_points(self) -> Array:
+        return self.shape.points(self.point[:, 0])[:, None]
+
+    def extent(self) -> Array:
+        r = 1.1 * self.radius
+        k = np.arange(64)
+        z, phi = 1.0 - (2.0 * k + 1.0) / 64.0, 2.4 * k
+        return r * np.stack([np.sqrt(1 - z * z) * np.cos(phi), np.sqrt(1 - z * z) * np.sin(phi), z], axis=1)
+
+    def facts(self) -> list[str]:
+        factor = self.shape.factor
+        return [
+            f"{self.name}: play and eccentricity drawn {factor:g} times as large",
+            "ball's radius and rotation as they are",
+            f"play {length_text(self.clearance)} drawn {length_text(factor * self.clearance)}",
+        ]
+
+
+def _shifted(z: float) -> Array:
+    result = np.eye(4)
+    result[2, 3] = z
+    return result
+
+
+#: The close-ups that kinds of clearance joints name (:class:`antenna_pin.geometry.Look`).
+PICTURES: dict[str, type[JointPicture]] = {
+    "journal": JournalPicture,
+    "ball": BallPicture,
+    "slider": SliderPicture,
+    "rod": RodPicture,
+}
+
+_DIRECTIONS = 300  # of gravity that a page carries, for bearings that turn
+
+
+def joint_view(
+    run: Trajectory,
+    frames: KeyFrames,
+    impacts: Impacts,
+    places: dict[str, dict[str, Any]],
+    joint: str | None = None,
+    magnify: float | None = None,
+) -> dict[str, Any]:
+    """Return the data of a recording that depend on the view (see :class:`Recording`).
+
+    Args:
+        run: The run.
+        frames: Its key frames.
+        impacts: Contact episodes in the span.
+        places: Shapes of the clearance joints (its attribute ``clearance_joints``).
+        joint: Name of the joint; the first one with clearance if left out.
+        magnify: How many times wider gaps are drawn [-]; chosen by the play if left out.
+    """
+    if not places or "gap" not in run.data:
+        raise InvalidParameterError(
+            "recording",
+            "view",
+            "mechanism for a run without a clearance joint (its joints are ideal; there is no play to show)",
+            "joint",
+        )
+    name = next(iter(places)) if joint is None else joint
+    if name not in places:
+        raise UnknownNameError("recording", "joint with clearance", name, places)
+    if magnify is not None and not 0.0 < magnify < 1e9:
+        raise InvalidParameterError("recording", "magnify", "a positive number", magnify)
+    place = places[name]
+    if place["kind"] not in LOOKS:
+        raise UnknownNameError("recording", "kind of clearance joint", place["kind"], LOOKS)
+    made = PICTURES[LOOKS[place["kind"]].picture]
+    picture = made(run.data, frames, impacts, name, place, magnify, steady_up(run, name))
+    seen = picture.data()
+    count = len(frames.indices)
+    some = np.unique(np.linspace(0, count - 1, min(_DIRECTIONS, count)).astype(int))
+    up = bearing_up(run, name, frames.indices[some]) if "mechanism" in run.data.attrs else None
+    gravity = None if up is None else -up @ picture.turn.T
+    drawn = {"play": picture.factor}
+    return (
+        seen | drawn | {"triad": triad("axes of the bearing", picture.turn.T, gravity, picture.times[some])}
+    )
+
 
 View = Literal["mechanism", "joint"]
 

@@ -2,35 +2,254 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis import closures_of, elastic_parts_of, mechanism_of
+from antenna_pin.analysis import (
+    closures_of,
+    couplings_of,
+    drives_of,
+    elastic_parts_of,
+    mechanism_of,
+    said_of_coupling,
+)
 from antenna_pin.base.readable import GIVEN, number, printed_unit, readable
+from antenna_pin.elements import FAMILIES, ForceElement, JointFriction
 from antenna_pin.errors import AntennaPinError
+from antenna_pin.geometry import LOOKS
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.report._page import Section, Statement
 from antenna_pin.report._runs import ReportedRun, labels_of
-from antenna_pin.report._words_of_clearance import (
-    how_held,
-    words_of_carried_clearances,
-    words_of_clearances,
-)
-from antenna_pin.report._words_of_closures import words_of_closures, words_of_couplings
-from antenna_pin.report._words_of_elements import (
-    names_of_elements,
-    words_of_bearings,
-    words_of_elements,
-    words_of_forces,
-    words_of_friction,
-)
-from antenna_pin.report._words_of_flexible import words_of_flexible
-from antenna_pin.report._words_of_laws import words_of_laws
-from antenna_pin.scenario import PointingSpec, Scenario
+from antenna_pin.scenario import ClearanceSpec, PointingSpec, Scenario, TouchingSpec
+from antenna_pin.scenario.assumed import words_of_assumed
 
 __all__ = ["scenario_sections"]
+
+
+# What contacts of a kind are called, of joints that have several.
+_PLACES = {"radial": "bore", "axial": "flanges", "wall": "walls"}
+
+
+def words_of_laws(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield the laws of each joint with clearance that a result carries, their limits, and the materials."""
+    scenario = run.run.scenario
+    joints: dict[str, dict[str, Any]] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
+    for name, joint in joints.items():
+        contacts = joint["contacts"].values()
+        said = {_PLACES.get(of["kind"], of["kind"]): _law(of["normal_law"]) for of in contacts}
+        if len(set(said.values())) == 1:
+            said = {"contact": next(iter(said.values()))}
+        for place, text in said.items():
+            yield f"{name}, {place}", text
+        yield f"{name}, friction", _law(joint["friction_law"])
+        floor = readable(joint["approach_speed_floor"], "m/s", GIVEN)
+        yield (
+            f"{name}, limits",
+            (
+                f"approach speeds count as {floor} at least; a run ends at a depth of "
+                f"{readable(min(of['depth_limit'] for of in contacts), 'm', GIVEN)}"
+            ),
+        )
+        if scenario is None:
+            continue
+        spec = scenario.clearance[name]
+        if parts := words_of_assumed(spec):
+            yield f"{name}, assumed", parts
+        for part, material in zip(("bearing", "journal"), getattr(spec, "materials", ()), strict=False):
+            if material is not None:
+                yield f"{name}, {part}'s material", _material(scenario, material)
+
+
+def _material(scenario: Scenario, name: str) -> str:
+    found = scenario.material(name)
+    young, poisson = readable(found.young, "Pa", 5), number(found.poisson, 5)
+    return f"{name}: Young's modulus {young}, Poisson's ratio {poisson}"
+
+
+def _law(law: dict[str, Any]) -> str:
+    """Return a law that a result carries, with all its parameters."""
+    given = ", ".join(
+        f"{name.replace('_', ' ')} {readable(value, unit, 6)}"
+        for name, (value, unit) in law["parameters"].items()
+    )
+    text = f"{law['law']}: {given}" if given else str(law["law"])
+    return f"{text}; dissipation {_law(law['dissipation'])}" if "dissipation" in law else text
+
+
+def words_of_flexible(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield each flexible link of a run, with its elastic parts."""
+    about = elastic_parts_of(run.run)
+    for hub in dict.fromkeys(one["hub"] for one in about.values()):
+        texts = []
+        mine = [(name, one) for name, one in about.items() if one["hub"] == hub]
+        for said, group in itertools.groupby(mine, key=lambda pair: _said(pair[1])):
+            names = [name for name, _ in group]
+            texts.append(
+                f"{names[0]}: {said}"
+                if len(names) == 1
+                else f"{names[0]} to {names[-1]}, {len(names)} in all: each {said}"
+            )
+        yield hub, "; ".join(texts)
+
+
+def _said(part: dict[str, Any]) -> str:
+    unit, verb = ("kg", "slides") if part["slides"] else ("kg m^2", "turns")
+    return (
+        f"{readable(part['moved'], unit, 4)} that {verb} against a spring, "
+        f"{readable(part['frequency'], 'Hz', 5)} with the hub held, "
+        f"damping ratio {number(part['damping_ratio'], 4)}"
+    )
+
+
+def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """Yield each element of a scenario, with what it does."""
+    for table, specs in scenario.families.items():
+        for name, spec in specs.items():
+            element: ForceElement = spec.build()
+            text = element.words(getattr(spec, "motion", None) == "translation")
+            if element.acts_at not in (None, name):
+                text += f", at {element.acts_at}"
+            clearance = scenario.clearance.get(element.acts_at or "")
+            if (
+                element.about in ("bearing", "journal")
+                and clearance is not None
+                and clearance.model != "ideal"
+            ):
+                text += f", about the {element.about}'s axis"
+            yield f"{FAMILIES[table].word} {name}", text + _off(element)
+
+
+def _off(element: ForceElement) -> str:
+    return "" if element.acts else ", off at the start"
+
+
+def words_of_bearings(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield what bearings of a run carried."""
+    for k, name in enumerate(run.names("bearing")):
+        force, moment = (float(run.data[f"peak_bearing_{what}"][k]) for what in ("force", "moment"))
+        yield (
+            f"load of bearing {name}",
+            f"at most {readable(force, 'N')} and {readable(moment, 'N m')} at a sample",
+        )
+
+
+def words_of_forces(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield what forces on links have brought in."""
+    for k, name in enumerate(run.names("force")):
+        impulse, turning = (
+            float(np.linalg.norm(run.data[f"total_{what}"].values[k]))
+            for what in ("impulse", "angular_impulse")
+        )
+        work = float(run.data["total_force_work"][k])
+        yield (
+            f"impulse of force {name}",
+            f"{readable(impulse, 'N s')} and {readable(turning, 'N m s')} about the world's origin, "
+            f"work {readable(work, 'J')}",
+        )
+
+
+def words_of_friction(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield the friction that joints of a run have of their own."""
+    springs = () if run.run.scenario is None else run.run.scenario.springs
+    for name, given in json.loads(run.data.attrs.get("joint_friction", "{}")).items():
+        if name in springs:  # said there
+            continue
+        slides = given.pop("slides")
+        yield f"friction of joint {given['joint']}", JointFriction(**given).words(slides)
+
+
+def names_of_elements(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield the names of drives, springs and forces of a system built in Python, and what else is told."""
+    about = drives_of(run.run)
+    for dimension, word in (("drive", "drives"), ("spring", "springs"), ("force", "forces")):
+        if names := run.names(dimension):
+            held = {name: "prescribed motion" for name in names if about.get(name, {}).get("motion")}
+            yield (
+                word,
+                ", ".join(
+                    f"{name} ({held[name]} of {about[name]['joint']})" if name in held else name
+                    for name in names
+                ),
+            )
+
+
+def words_of_closures(run: ReportedRun, mechanism: Mechanism) -> Iterator[tuple[str, str]]:
+    """Yield each closure of a loop; those that hold a joint of the tree are said with the joints."""
+    for name, closure in closures_of(run.run).items():
+        if name in mechanism.joints:
+            continue
+        places = []
+        for side in ("first", "second"):
+            seven = np.array(closure[f"{side}_placement"])
+            text = f"{closure[f'{side}_body']} at ({', '.join(readable(float(x), 'm') for x in seven[:3])})"
+            if closure["axis"]:
+                axis = Rotation.from_quat(seven[3:]).as_matrix()[:, 2]
+                text += f", axis ({', '.join(number(float(x), 5) for x in _cleared(axis))})"
+            places.append(text)
+        yield name, f"{closure['kind']}, {closure['equations']} equations: {places[0]}; {places[1]}"
+
+
+def words_of_couplings(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield each coupling: which joint follows which, and how."""
+    for name, one in couplings_of(run.run).items():
+        yield name, said_of_coupling(one)
+
+
+def _cleared(axis: np.ndarray) -> np.ndarray:
+    """Return a direction without the round-off of a quaternion."""
+    return np.where(np.abs(axis) < 1e-12, 0.0, axis)
+
+
+#: What is said of a joint that a scenario's table ``[clearance]`` describes, and that has no play.
+_WITHOUT_PLAY = {"constraint": "without play, held by constraint", "ideal": "without play"}
+
+
+def how_held(spec: ClearanceSpec) -> str:
+    """Return what holds a joint together."""
+    return LOOKS[spec.kind].held if isinstance(spec, TouchingSpec) else _WITHOUT_PLAY[spec.model]
+
+
+def words_of_clearances(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """Yield each joint with play, with its dimensions and how its contacts are found."""
+    for name, spec in scenario.clearance.items():
+        if not isinstance(spec, TouchingSpec):
+            continue
+        parts = LOOKS[spec.kind].dimensions(spec.sizes())
+        if spec.offset:
+            parts.append(f"{readable(spec.offset, 'm', GIVEN)} along the axis from the joint's origin")
+        if spec.bearing_on == "child":
+            parts.append("the bearing is on the joint's child")
+        gaps = "coal's distance queries" if spec.geometry == "coal" else "the closed form"
+        parts.append(f"gaps by {gaps}")
+        if spec.load == "distributed":
+            parts.append(
+                f"load spread over {spec.strips} strips of the bore and {spec.sectors} sectors of each flange"
+            )
+        else:
+            parts.append("one force at each contact")
+        yield name, "; ".join(parts)
+
+
+#: Of dimensions that are no lengths.
+_UNITS = {"roll": "rad"}
+
+
+def words_of_carried_clearances(run: ReportedRun) -> Iterator[tuple[str, str]]:
+    """Yield what the result of a system built in Python tells of its clearance joints."""
+    places: dict[str, Any] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
+    for name, place in places.items():
+        given = ", ".join(
+            f"{key.replace('_', ' ')} {readable(value, _UNITS.get(key, 'm'), GIVEN)}"
+            for key, value in place["dimensions"].items()
+            if isinstance(value, float)
+        )
+        yield name, f"{place['kind']}, {place['journal_body']} in {place['bearing_body']}; {given}"
+
 
 _KINDS = {
     "revolute": "turns about the axis",

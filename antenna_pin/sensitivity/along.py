@@ -7,14 +7,16 @@ goes on between is carried with displacements (:mod:`antenna_pin.nonlinear.varia
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.records import CONTACT
-from antenna_pin.dynamics import System, acting_in, kernels
+from antenna_pin.base.roots import root_between
+from antenna_pin.dynamics import System, Workspace, acting_in, audit, kernels
 from antenna_pin.elements import LOSS
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.kept import Kept
@@ -22,17 +24,156 @@ from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.nonlinear.saltation import Passed
 from antenna_pin.nonlinear.variational import Carrier
-from antenna_pin.sensitivity.deepest import Deepest
-from antenna_pin.sensitivity.happened import Happened, Happenings
+from antenna_pin.nonlinear.within import Within
 from antenna_pin.sensitivity.parameters import GrazeError
 from antenna_pin.sensitivity.taken import Taken
+from antenna_pin.simulation.events import Jump, Set, Time
 from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.moment import Moment
+from antenna_pin.simulation.own_actions import Switch
 from antenna_pin.simulation.passages import Blow, Passage, Turned
 from antenna_pin.simulation.samples import Chunk
+from antenna_pin.simulation.tape import Taped
 
 __all__ = ["Along", "Change", "Displaced", "Lasting"]
 
+
 Array = NDArray[np.float64]
+
+
+class Happened(NamedTuple):
+    """How an event is displaced.
+
+    Attributes:
+        name: Of the event.
+        time: When [s].
+        late: By how much later it comes, (parameters,) [s].
+        energy: By how much more it brings in, (parameters,) [J].
+    """
+
+    name: str
+    time: float
+    late: Array
+    energy: Array
+
+
+class Happenings:
+    """Differentiates what events come to.
+
+    Args:
+        field: The system's rates; its contacts and program are those before an event.
+        replay: Does to states what elements did.
+    """
+
+    def __init__(self, field: Field, replay: Replay) -> None:
+        """Allocate once."""
+        self._field, self._replay, self._moment = field, replay, Moment(field.workspace)
+
+    def of(self, one: Passage, time: float, y: Array, ways: Array, late: Array) -> Happened:
+        """Return how an event is displaced.
+
+        Args:
+            one: What has happened.
+            time: When [s].
+            y: State before it.
+            ways: Displacements at equal times, (displacement, parameters).
+            late: By how much later it comes, of one that acts.
+        """
+        field, name = self._field, one.event.name
+        if not one.acts or not one.event.has(Set, Jump, Switch):  # noted, or the run's end
+            return Happened(name, time, self._late(one, time, y, ways), np.zeros_like(late))
+        if isinstance(one.event.action, Jump):  # a function of the user's, which knows states only
+            return Happened(name, time, late, np.full_like(late, np.nan))
+        there = ways + np.outer(field.flow(time, y), late)
+        base = field.workspace.program.copy()
+
+        def brought(t: float, state: Array) -> Array:
+            return np.array([self._brought(one, base, t, state)])
+
+        return Happened(name, time, late, field.along(brought, time, y, there)[0])
+
+    def _late(self, one: Passage, time: float, y: Array, ways: Array) -> Array:
+        """Return by how much later an event comes that changes nothing [s]."""
+        if isinstance(one.event.when, Time):
+            return np.zeros(ways.shape[1])
+
+        def function(t: float, state: Array) -> Array:
+            return np.array([one.event.when(self._moment.set(t, state))])
+
+        rate = float(self._field.per_second(function, time, y, of_forces=True)[0])
+        slopes = self._field.along(function, time, y, ways, of_forces=True)[0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(np.isfinite(slopes / rate), -slopes / rate, np.nan)
+
+    def _brought(self, one: Passage, base: Array, time: float, y: Array) -> float:
+        """Return the energy that an event brings in, of a state before it [J]."""
+        workspace, kept = self._field.workspace, self._field.kept.words
+        numbers, present = self._field.numbers, workspace.program.copy()
+        before = _stored(workspace, y)
+        velocity, own = self._replay(one.done, time, y.copy(), present[kept])
+        lost = sum(found.loss for found in self._replay.met)
+        behind: Any = y.copy()
+        nq, nv = workspace.model.nq, workspace.model.nv
+        behind[nq : nq + nv] = velocity
+        try:
+            workspace.program[:] = one.program
+            if numbers is not None:  # what an event sets goes with parameters no more
+                workspace.program += numbers.present @ np.where(one.program == base, numbers.program, 0.0)
+            if one.done:
+                workspace.program[kept] = own
+            return _stored(workspace, behind) - before + lost
+        finally:
+            workspace.program[:] = present
+
+
+def _stored(workspace: Workspace, y: Array) -> float:
+    """Return what bodies have by moving and springs by being bent: all that an event may change [J]."""
+    workspace.measure(y)
+    found = audit(workspace, y)
+    return found.kinetic + found.springs
+
+
+class Deepest:
+    """Sees when contacts are deepest.
+
+    Args:
+        within: States within the steps that are looked at, with the contacts that touch in them.
+
+    Attributes:
+        found: Contacts and when their depth is largest [s], in order.
+    """
+
+    def __init__(self, within: Within) -> None:
+        """Begin with none."""
+        self._within = within
+        self._table = np.zeros(len(within.workspace.table), CONTACT)
+        self.found: list[tuple[int, float]] = []
+
+    def look(self, steps: Sequence[Taped]) -> list[float]:
+        """Look at steps that follow one another; return when contacts that touch in them are deepest [s]."""
+        touching = np.flatnonzero(self._within.touching)
+        if not steps or not len(touching):
+            return []
+        rates = np.array([self._rates(y)[touching] for y in (steps[0].y, *(one.end for one in steps))])
+        new: list[tuple[float, int]] = []
+        for k, j in zip(*np.nonzero((rates[:-1] > 0.0) & (rates[1:] <= 0.0)), strict=True):
+            one, c = steps[k], int(touching[j])
+            self._within.begin(one.time, one.y, one.size, one.end)
+            ends = float(rates[k, j]), float(rates[k + 1, j])
+            theta = root_between(partial(self._rate, c), 0.0, 1.0, absolute=1e-15, ends=ends)
+            new.append((one.time + theta * one.size, c))
+        new.sort()
+        self.found += [(c, time) for time, c in new]
+        return [time for time, _ in new]
+
+    def _rate(self, c: int, theta: float) -> float:
+        """Return how fast a contact's depth grows at a fraction of the step [m/s]."""
+        return float(self._rates(self._within.at(theta))[c])
+
+    def _rates(self, y: Array) -> Array:
+        """Return how fast depths grow in a state, (contacts,) [m/s]."""
+        self._within.workspace.locate(y, self._table)
+        return self._table["rate"].copy()
 
 
 class Displaced(NamedTuple):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,14 +18,106 @@ from antenna_pin.base.side_by_side import side_by_side
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario, with_number
-from antenna_pin.sensitivity.alike import check_alike, in_order_of
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
 from antenna_pin.simulation import simulate
 from antenna_pin.simulation.from_scenario import controllers_of, events_of
-from antenna_pin.trajectory import Outcome, Trajectory, columns_of
+from antenna_pin.trajectory import Column, Outcome, Trajectory, columns_of
 
 __all__ = ["ByRuns", "Slopes", "numbers_at"]
+
+
+_INSTANTS = ("onset_time", "change_time", "event_time")
+
+
+def first_unlike(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> float:
+    """Return when contacts, changes or events of two runs begin to differ [s]; NaN if all begin alike.
+
+    Args:
+        ours: Variables of a run.
+        theirs: Those of another.
+    """
+    found = [_first(*(_course(one, name) for one in (ours, theirs))) for name in _INSTANTS]
+    earliest = min(found)
+    return earliest if earliest < math.inf else math.nan
+
+
+def _course(run: Mapping[str, Column], name: str) -> list[tuple[float, tuple[str, ...]]]:
+    """Return instants of a kind in order, each with what it is of: all that is no measured number."""
+    if name not in run:
+        return []
+    dim = run[name].dims[0]
+    said = [one.values for one in run.values() if one.dims == (dim,) and one.dtype.kind != "f"]
+    return [(float(time), tuple(str(each[k]) for each in said)) for k, time in enumerate(run[name].values)]
+
+
+def _first(mine: list[tuple[float, tuple[str, ...]]], other: list[tuple[float, tuple[str, ...]]]) -> float:
+    """Return when two courses begin to differ [s]; infinite where they do not."""
+    for (here, what), (there, instead) in zip(mine, other, strict=False):
+        if what != instead:
+            return min(here, there)
+    rest = (mine if len(mine) > len(other) else other)[min(len(mine), len(other)) :]
+    return rest[0][0] if rest else math.inf
+
+
+# Onsets of several contacts that are one instant, as where both rims of a bore are met at once: which of them
+# is noted first is a matter of round-off [s].
+_AT_ONCE = 1e-9
+
+
+def in_order_of(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> Mapping[str, Column]:
+    """Return a neighbour's variables with contacts that begin at once in the order of a run's.
+
+    Args:
+        ours: The run's.
+        theirs: The neighbour's.
+    """
+    count = len(theirs["onset_time"].values) if "onset_time" in theirs else -1
+    if count < 0 or "onset_time" not in ours or len(ours["onset_time"].values) != count:
+        return theirs
+    order = np.empty(count, dtype=int)
+    order[_by_contact(ours)] = _by_contact(theirs)
+    if (np.diff(order) > 0).all():
+        return theirs
+    return {
+        name: Column(one.dims, one.values.take(order, one.dims.index("episode")), one.attrs)
+        if "episode" in one.dims
+        else one
+        for name, one in theirs.items()
+    }
+
+
+def _by_contact(run: Mapping[str, Column]) -> NDArray[np.int_]:
+    """Return contacts in the order in which they begin, of those at once the first in number first."""
+    onsets = run["onset_time"].values
+    later = np.diff(onsets, prepend=onsets[:1]) > _AT_ONCE
+    return np.lexsort((run["episode_contact"].values, np.cumsum(later)))
+
+
+def check_alike(ours: Mapping[str, Column], theirs: Mapping[str, Column], what: str) -> None:
+    """Refuse a neighbour in which other contacts begin, or other things happen.
+
+    Args:
+        ours: The variables of the run.
+        theirs: Those of the neighbour, in its order.
+        what: What is said of it.
+
+    Raises:
+        GrazeError: It is none that goes over into the run.
+    """
+    for name, here in ours.items():
+        there = theirs.get(name)
+        if "time" in here.dims or here.dtype.kind == "f" and there is not None and here.shape == there.shape:
+            continue
+        if there is None or here.shape != there.shape or not np.array_equal(here.values, there.values):
+            time = first_unlike(ours, theirs)
+            at = "" if np.isnan(time) else f", first at {time:.9g} s"
+            raise GrazeError(
+                f"sensitivities: {what}, other contacts begin or other events happen{at}: it has no "
+                f"derivative there; take another value, or a span that ends before",
+                time,
+            )
+
 
 Array = NDArray[np.float64]
 

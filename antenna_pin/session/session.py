@@ -2,41 +2,234 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import json
 import math
 import os
+import threading
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
+from contextlib import contextmanager
 from types import MappingProxyType, TracebackType
-from typing import Any, Self
+from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 from numpy.typing import ArrayLike
 
 from antenna_pin.base.arguments import is_number, takes
 from antenna_pin.base.interruption import interruptible
+from antenna_pin.base.parameters import holds, parameters_of
 from antenna_pin.base.readable import readable
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
+from antenna_pin.base.units import quantity
 from antenna_pin.control import Controller
-from antenna_pin.dynamics import System
-from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.dynamics import System, acting_in, check_motions
+from antenna_pin.elements import Element
+from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario, scenario_named
-from antenna_pin.session.commands import Commands, in_si
-from antenna_pin.session.exclusive import Exclusive, InUseError, exclusive
-from antenna_pin.session.goals import looked_to, seconds, sought
-from antenna_pin.session.numbers import Numbers
+from antenna_pin.session.numbers import Numbers, slides
 from antenna_pin.session.screen import on_screen
-from antenna_pin.simulation import Event, Moment, Set, Time
+from antenna_pin.simulation import Event, Mark, Moment, Set, Time
 from antenna_pin.simulation.events import check_events
 from antenna_pin.simulation.finish import finished
-from antenna_pin.simulation.first import check_sizes
+from antenna_pin.simulation.first import check_sizes, check_spans
 from antenna_pin.simulation.from_scenario import as_run
+from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.marks import RecordMark
 from antenna_pin.simulation.open_run import OpenRun
 from antenna_pin.simulation.run import First, Ready, prepared
 from antenna_pin.trajectory import Outcome, Trajectory
 
 __all__ = ["EndedError", "InUseError", "Session", "start"]
+
+
+_UNTIL = "until"  # what an event is called that a session goes to
+
+
+def sought(goal: Event | Callable[[Moment], float]) -> Event:
+    """Return the event that a session goes to: one, or a condition."""
+    if isinstance(goal, Event):
+        return dataclasses.replace(goal, name=f"{_UNTIL} {goal.name}", action=Mark())
+    return Event(name=_UNTIL, when=goal)
+
+
+def looked_to(ready: Ready, run: Run, end: float) -> float:
+    """Refuse to go to a time at which an element or a motion knows nothing, or leaves its limits.
+
+    Args:
+        ready: What the run is made of.
+        run: The run.
+        end: The time [s].
+
+    Returns:
+        Up to when it may go at least [s]: far ahead, so that it is looked rarely.
+
+    Raises:
+        AntennaPinError: It may not go there.
+    """
+    for far in (end + (end - ready.begin), end):
+        try:
+            check_spans(ready.system, ready.begin, far)
+            check_motions(ready.system, run.here, run.stepper.t, far)
+        except AntennaPinError:
+            if far == end:
+                raise
+        else:
+            return far
+    return end
+
+
+def seconds(place: str, name: str, value: float | str) -> float:
+    """Return a time that is given in seconds or as text with a unit, or refuse it."""
+    seconds = quantity(value, "s", f"{place}: {name}") if isinstance(value, str) else value
+    if not holds(seconds, "positive"):
+        raise InvalidParameterError(place, name, "a positive time [s], or text with a unit", value)
+    return float(seconds)
+
+
+S = TypeVar("S", bound="Exclusive")
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class InUseError(AntennaPinError, RuntimeError):
+    """A session is called by a thread while another works with it."""
+
+
+class Exclusive:
+    """An object with a state that two threads must not work on at once; calls within a thread may nest."""
+
+    def __init__(self) -> None:
+        """Begin unused."""
+        self._lock = threading.RLock()
+        self._user = ""
+
+    @contextmanager
+    def used(self, name: str) -> Iterator[None]:
+        """Keep other threads out; ``name`` is of the call.
+
+        Raises:
+            InUseError: Another thread is in.
+        """
+        if not self._lock.acquire(blocking=False):
+            raise InUseError(
+                f"session: must be used by one thread at a time, got {name} of thread "
+                f"{threading.current_thread().name!r} during {self._user}; "
+                "wait for it, or give each thread a session of its own: copy()"
+            )
+        before = self._user
+        try:
+            self._user = f"{name} of thread {threading.current_thread().name!r}"
+            yield
+        finally:
+            self._user = before
+            self._lock.release()
+
+
+def exclusive(method: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S, P], R]:
+    """Refuse a method while another thread is in one of the same object.
+
+    Raises:
+        InUseError: Another thread is.
+    """
+
+    @functools.wraps(method)
+    def alone(self: S, /, *args: P.args, **named: P.kwargs) -> R:
+        with self.used(method.__name__.strip("_")):
+            return method(self, *args, **named)
+
+    return alone
+
+
+def in_si(run: Run, place: str, value: float | str | bool) -> float | bool:
+    """Return what a number of an element is to be in SI units.
+
+    Args:
+        run: Whose element.
+        place: Of the number; one that there is not is for who sets it to refuse.
+        value: A number, or text with a unit.
+
+    Raises:
+        AntennaPinError: It is no such number.
+    """
+    if not isinstance(value, str):
+        if not isinstance(value, bool) and not holds(value, ""):
+            raise InvalidParameterError("set", place, "a finite number, or text with a unit", value)
+        return value
+    element, _, key = place.rpartition(".")
+    for one in acting_in(run.system):
+        if one.place == element and key in (known := parameters_of(type(one.element))):
+            joint = one.element.acts_at if isinstance(one.element, Element) else None
+            slid = joint is not None and slides(run, joint)
+            unit = known[key].sliding if slid and known[key].sliding else known[key].unit
+            return quantity(value, unit, f"set: {place}")
+    return math.nan
+
+
+class Commands(MutableMapping[str, float]):
+    """The numbers that elements are commanded by, by the elements' names.
+
+    Of two elements of one name in two tables both stand under theirs with the table: ``drives.motor``.
+
+    Args:
+        system: What is commanded.
+        read: Returns a number, by its place.
+        write: Changes one.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        read: Callable[[str], float],
+        write: Callable[[str, float | str], None],
+    ) -> None:
+        """Find them."""
+        self._read, self._write = read, write
+        found = [one for one in acting_in(system) if one.element.commanded]
+        names = [one.name for one in found]
+        self._places = {
+            one.name if names.count(one.name) == 1 else one.place: f"{one.place}.{one.element.commanded}"
+            for one in found
+        }
+
+    def place(self, name: str) -> str:
+        """Return the place of what is commanded, such as ``drives.motor.value``.
+
+        Raises:
+            UnknownNameError: Nothing of that name can be commanded.
+        """
+        if name not in self._places:
+            raise UnknownNameError("session", "element to command", name, self._places)
+        return self._places[name]
+
+    def __getitem__(self, name: str) -> float:
+        """Return what is commanded now."""
+        return self._read(self.place(name))
+
+    def __setitem__(self, name: str, value: float | str) -> None:
+        """Command it from now on."""
+        self._write(self.place(name), value)
+
+    def __delitem__(self, name: str) -> None:
+        """Refuse: what is commanded stays."""
+        raise InvalidParameterError("session", "command", "set, not removed", name)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether something of this name can be commanded."""
+        return name in self._places
+
+    def __iter__(self) -> Iterator[str]:
+        """Name what can be commanded."""
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        """How much can be commanded."""
+        return len(self._places)
+
+    def __repr__(self) -> str:
+        """Return what is commanded."""
+        return repr(dict(self))
 
 
 class EndedError(AntennaPinError, RuntimeError):

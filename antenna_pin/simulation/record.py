@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from antenna_pin.dynamics import bearing_names, observed
+from antenna_pin.constraints import Anchor
+from antenna_pin.dynamics import System, bearing_names, constraint_counts, facts_of_couplings, observed
 from antenna_pin.elements import Motion
-from antenna_pin.simulation.blocks import blocks_of, count_of
+from antenna_pin.mechanism import quaternion
 from antenna_pin.simulation.bristles import bristles_of
 from antenna_pin.simulation.carried import mechanism_attributes
-from antenna_pin.simulation.held import constraint_attributes
 from antenna_pin.simulation.ledger import Audit
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.motors import motors_of
 from antenna_pin.simulation.parts import Parts
-from antenna_pin.simulation.samples import Chunk, Samples
+from antenna_pin.simulation.samples import Chunk, Late, Samples
 from antenna_pin.simulation.seen import Seen
+from antenna_pin.simulation.singular import Singular
 from antenna_pin.simulation.sources import SERIES, TOTALS, episodes_of, sizes_of
-from antenna_pin.simulation.tick_record import labels_of_ticks, values_of_ticks
+from antenna_pin.simulation.ticks import Ticked
 from antenna_pin.simulation.tops import Tops
 from antenna_pin.trajectory import ENDED_WELL, Outcome
 from antenna_pin.trajectory.columns import first_not_finite
@@ -31,6 +33,194 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Recording", "at_present", "labelled_at", "open_ledger", "recorded", "series_at"]
+
+
+def labels_of_ticks(ticked: Sequence[Ticked], lean: bool) -> dict[str, Any]:
+    """Return the labels of controllers; of a result with series those of their instants too."""
+    if not ticked:
+        return {}
+    labels: dict[str, Any] = {"sampled": [one.name for one in ticked]}
+    if not lean:
+        labels["tick"] = sum(len(one.times) for one in ticked)
+        labels["signal"] = [f"{one.name}.{column}" for one in ticked for column in one.columns]
+    return labels
+
+
+def values_of_ticks(ticked: Sequence[Ticked]) -> dict[str, Any]:
+    """Return the variables of controllers, their instants in the order of time."""
+    if not ticked:
+        return {}
+    times = np.concatenate([one.times for one in ticked])
+    which = np.concatenate([np.full(len(one.times), k) for k, one in enumerate(ticked)])
+    signals = np.full((len(times), sum(len(one.columns) for one in ticked)), np.nan)
+    row = column = 0
+    for one in ticked:
+        signals[row : row + len(one.times), column : column + len(one.columns)] = one.values
+        row, column = row + len(one.times), column + len(one.columns)
+    order = np.lexsort((which, times))
+    return {
+        "tick_time": times[order],
+        "tick_controller": which[order].astype(np.int64),
+        "tick_signal": signals[order],
+        "ticks": np.array([len(one.times) for one in ticked], dtype=np.int64),
+        "saturated_ticks": np.array(
+            [0 if one.saturated is None else (one.values[:, one.saturated] > 0.0).sum() for one in ticked],
+            dtype=np.int64,
+        ),
+    }
+
+
+Array = NDArray[np.float64]
+
+# Of positions, angles and their rates, in the order of ``Observed.residual``.
+_RESIDUALS = ("position_residual", "angle_residual", "velocity_residual", "rate_residual")
+
+
+def constraint_attributes(
+    system: System, first: Array, last: Array, residual: Array, passed: Sequence[Singular]
+) -> dict[str, str]:
+    """Return the attributes of a dataset that describe its constraints; none of a tree that nothing holds.
+
+    ``closures`` (JSON) has of each closure its ``kind``, how many ``equations`` it is, whether it has an
+    ``axis`` (z of the placements) and, of its two sides, ``first_body``,
+    ``first_placement``, ``second_body`` and ``second_placement``: the link and the frame there, position [m]
+    and attitude (quaternion xyzw). If there are couplings, ``couplings`` (JSON) has of each its ``follower``
+    and ``leader`` (joints), ``multiplier`` and ``offset``, whether its follower ``slides``, and its leader
+    (``leader_slides``). ``constraints`` (JSON) has how many equations there are, of closures and couplings
+    and of motions, how many are independent at the start, the freedoms of the tree, those that closures and
+    couplings leave and those that are left, where redundant equations are
+    (:func:`antenna_pin.dynamics.constraint_counts`),
+    the largest residuals at samples [m, rad, m/s, rad/s], the energy that corrections of the state after each
+    step put in, in all [J], and the singular positions passed: ``time`` [s] and ``share``, what is left of
+    the least independent equation there.
+
+    Args:
+        system: What was run.
+        first: [q, v, x] at the first sample.
+        last: At the last.
+        residual: The largest at samples, (4,), as of ``Observed.residual``.
+        passed: The singular positions.
+    """
+    if system.plan is None:
+        return {}
+    booked = system.model.nq + system.model.nv + system.projection_x[0]
+    put_in = last[booked] - first[booked]
+    couplings = facts_of_couplings(system.mechanism, system.couplings)
+    return {
+        "closures": json.dumps(
+            {
+                name: {
+                    "kind": one.kind,
+                    "equations": one.holds.rows,
+                    "axis": one.holds.axis,
+                    **_side("first", one.first),
+                    **_side("second", one.second),
+                }
+                for name, one in system.closures.items()
+            }
+        ),
+        **({"couplings": json.dumps(couplings)} if couplings else {}),
+        "constraints": json.dumps(
+            {
+                **constraint_counts(system, first),
+                **dict(zip(_RESIDUALS, residual.tolist(), strict=True)),
+                "projection_energy": float(put_in),
+                "singular": [one._asdict() for one in passed],
+            }
+        ),
+    }
+
+
+def _side(name: str, anchor: Anchor) -> dict[str, Any]:
+    return {
+        f"{name}_body": anchor.link,
+        f"{name}_placement": [*map(float, anchor.origin), *quaternion(anchor.rotation).tolist()],
+    }
+
+
+#: Samples of a block: few enough that all which they imply takes little room. Blocks are the same ones
+#: however a record is spread over disk and memory, or round-off might tell.
+BLOCK = 8192
+
+
+def _chunks(samples: Samples, parts: Parts | None) -> Iterator[Chunk]:
+    if parts is not None:
+        yield from map(parts.read, range(len(parts.rows)))
+    yield samples.held
+
+
+def _with_late(chunk: Chunk, late: Sequence[Late], samples: Samples) -> Chunk:
+    """Return a chunk with late samples at their places; where there is one of their time that one stays."""
+    there = set(chunk.times[np.searchsorted(chunk.times, [one.time for one in late])].tolist())
+    new = [one for one in late if one.time not in there]
+    if not new:
+        return chunk
+    places = np.searchsorted(chunk.times, [one.time for one in new])
+    programs = list(chunk.programs)
+    # What held at the sample before holds on to the next event.
+    states = [one.state.copy() for one in new]
+    for place, one, state in zip(places.tolist(), new, states, strict=True):
+        samples.hold(one.time, state, programs[max(place - 1, 0)])
+    for place, _ in sorted(zip(places.tolist(), new, strict=True), key=lambda one: -one[0]):
+        programs.insert(place, programs[max(place - 1, 0)])
+    return Chunk(
+        np.insert(chunk.times, places, [one.time for one in new]),
+        np.insert(chunk.states, places, states, axis=0),
+        np.insert(chunk.memories, places, np.array([one.memory for one in new]), axis=0),
+        programs,
+    )
+
+
+def _merged(samples: Samples, parts: Parts | None) -> Iterator[Chunk]:
+    first = {one.time: one for one in reversed(samples.late)}  # of those of one time the first
+    late = [first[time] for time in sorted(first)]
+    before: Chunk | None = None
+    for chunk in _chunks(samples, parts):
+        if not len(chunk.times):
+            continue
+        if late and late[0].time <= chunk.times[-1]:
+            count = sum(one.time <= chunk.times[-1] for one in late)
+            mine, late = late[:count], late[count:]
+            if before is not None:  # whose last program goes on before this chunk's first sample
+                chunk = Chunk.joined([before.part(-1, None), chunk])
+            chunk = _with_late(chunk, mine, samples)
+            if before is not None:
+                chunk = chunk.part(1, None)
+        before = chunk
+        yield chunk
+
+
+def blocks_of(samples: Samples, parts: Parts | None = None) -> Iterator[Chunk]:
+    """Yield the samples of a run, in blocks of :data:`BLOCK` and one of the rest.
+
+    Args:
+        samples: Those in memory.
+        parts: Those before them.
+
+    Raises:
+        FileFormatError: A part is not as it was written.
+    """
+    waiting: list[Chunk] = []
+    for chunk in _merged(samples, parts):
+        waiting.append(chunk)
+        count = sum(len(one.times) for one in waiting)
+        if count < BLOCK:
+            continue
+        whole = Chunk.joined(waiting)
+        for first in range(0, count - BLOCK + 1, BLOCK):
+            yield whole.part(first, first + BLOCK)
+        waiting = [whole.part(count - count % BLOCK, None)]
+    rest = Chunk.joined(waiting)
+    if len(rest.times):
+        yield rest
+
+
+def count_of(samples: Samples, parts: Parts | None = None) -> int:
+    """Return how many samples a run has."""
+    if not samples.late:
+        return len(samples.times) + (0 if parts is None else sum(parts.rows))
+    return sum(len(chunk.times) for chunk in _merged(samples, parts))
+
 
 Values = Mapping[str, Any]
 

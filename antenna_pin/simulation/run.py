@@ -22,16 +22,18 @@ from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.base.units import shown
 from antenna_pin.compiled.compile_time import compiling_timed
-from antenna_pin.control import Controller
+from antenna_pin.control import Controller, check_controller, measures_of
 from antenna_pin.dynamics import (
+    JointMotion,
     System,
+    actuators_of,
     check_closed,
     check_motions,
+    settled,
 )
 from antenna_pin.engine import check_compiled
-from antenna_pin.errors import InvalidParameterError, ScenarioError
+from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
 from antenna_pin.scenario import Scenario, scenario_named, settings_key
-from antenna_pin.simulation.check_controllers import check_controllers
 from antenna_pin.simulation.checkpoint import Checkpoint, about_run, check_same
 from antenna_pin.simulation.events import Event, check_events
 from antenna_pin.simulation.finish import finished
@@ -45,6 +47,39 @@ from antenna_pin.simulation.samples import check_room
 from antenna_pin.trajectory import Trajectory
 
 __all__ = ["check_scenario", "settings_of", "simulate"]
+
+
+def check_controllers(controllers: Mapping[str, Controller], system: System) -> None:
+    """Refuse controllers that do not fit a system, or each other.
+
+    Raises:
+        AntennaPinError: What they command or measure is not there, or two command one thing.
+    """
+    places = actuators_of(system)
+    taken: dict[str, str] = {}
+    for name, one in controllers.items():
+        check_controller(name, one)
+        for command in one.commands:
+            if command not in places:
+                raise UnknownNameError(f"controller {name!r}", "actuator", command, places)
+            if places[command] in taken:
+                rule = f"of another actuator than controller {taken[places[command]]!r}"
+                raise InvalidParameterError(f"controller {name!r}", "commands", rule, command)
+            taken[places[command]] = name
+    for name, one in settled(controllers, system).items():
+        for measure in measures_of(one):
+            place = f"controller {name!r}: measures {str(measure)!r}"
+            if measure.of == "joint":
+                if measure.name not in system.mechanism.joints:
+                    raise UnknownNameError(place, "joint", measure.name, system.mechanism.joints)
+                JointMotion(system, measure.name)
+            elif measure.of == "contact" and measure.name not in system.contact_names:
+                raise UnknownNameError(place, "contact", measure.name, system.contact_names)
+            elif measure.of == "actuator" and measure.name not in places:
+                raise UnknownNameError(place, "actuator", measure.name, places)
+            elif measure.of == "axis" and system.mechanism.base != "free":
+                rule = "of a joint where mechanism.base is fixed"
+                raise InvalidParameterError(f"controller {name!r}", "measures", rule, str(measure))
 
 
 class First(NamedTuple):

@@ -16,7 +16,7 @@ from antenna_pin import load_scenario
 from antenna_pin.base.files import marked_encoding
 from antenna_pin.base.tables import BadTableError, TextLayout, read_cells, write_csv
 from antenna_pin.errors import ScenarioError
-from antenna_pin.scenario.table_file import read_table
+from antenna_pin.scenario._layers import read_table
 
 TIMES = (0.0, 0.05, 0.1, 0.15)
 VALUES = (0.0, 0.0377, -0.0748, 0.1104)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.elements import AxialPreload, BallBearing, StiffnessBearing, moved
-from antenna_pin.elements.hertz_point import groove_contact, in_series, point_stiffness
+from antenna_pin.elements.ball_bearing import groove_contact, in_series, point_stiffness
 from antenna_pin.errors import InvalidParameterError
 
 BALLS = {

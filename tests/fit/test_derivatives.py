@@ -6,7 +6,7 @@ import pytest
 from antenna_pin.errors import ScenarioError
 from antenna_pin.fit import Problem, load_fit, run_fit
 from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.jacobian import Derived
+from antenna_pin.fit.problem import Derived
 from antenna_pin.fit.statistics import compared, slopes_of
 
 from .conftest import DAMPING, STIFFNESS, closed_form

@@ -9,7 +9,7 @@ import antenna_pin.fit.bench as bench
 import antenna_pin.fit.solve as solve
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit import Problem, load_fit, open_fit, run_fit
-from antenna_pin.fit.growth import Growth
+from antenna_pin.fit.solve import Growth
 
 from .conftest import closed_form
 
