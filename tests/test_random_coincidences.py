@@ -7,7 +7,7 @@ import pytest
 
 SCRIPTS = Path(__file__).parents[1] / "scripts"
 # With friction at stops, static above Coulomb's; plastic stops on a free base; latches at stops and events.
-FEW = (1, 5, 99, 258)
+FEW = (1, 5, 99, pytest.param(258, marks=pytest.mark.slow))
 
 
 @pytest.fixture
