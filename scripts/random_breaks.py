@@ -7,9 +7,10 @@
     scripts/random_breaks.py --only 17 40               some of those, by their numbers
 
 Numbers, signs, comparisons, indices, units, factors and arguments are changed where a room's Python has them
-(``break_sites.py``). A break is run against the tests that are not slow in ``tests/ROOM``: first those files
-that name something of the broken module, then all others. It is *killed* if one fails, *lived* if all pass,
-*equivalent* if ``random_breaks.toml`` says why nothing can notice it, *unclear* if the time ran out.
+(``break_sites.py``). A break is run against the tests that are not slow in ``tests/ROOM``, of a command in
+those of its room too: first those files that name something of the broken module, then all others. It is
+*killed* if one fails, *lived* if all pass, *equivalent* if ``random_breaks.toml`` says why nothing can notice
+it, *unclear* if the time ran out.
 What lives becomes a test, or the line goes. Each break is made in a copy of the tree in a temporary folder.
 Kernels run as plain Python where one of their files is broken, so that nothing is compiled.
 Exit code 1 if one in ten or more lived.
@@ -41,6 +42,8 @@ def test_files(tree: Path, broken: Break) -> tuple[list[str], list[str]]:
     """Return the test files of a break that name something of its module, and the others of its room."""
     folder = tree / "tests" / broken.room
     own = sorted(folder.rglob("test_*.py")) if folder.is_dir() else []
+    if broken.room == "cli":  # a command is tested beside the room that it is a face of
+        own += sorted((tree / "tests" / broken.path.stem).rglob("test_*.py"))
     top = sorted((tree / "tests").glob("test_*.py"))
     names = {broken.path.stem.removesuffix("_kernels"), *broken.names}
     pattern = re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(names)))})\b")
