@@ -10,6 +10,7 @@ import pytest
 from antenna_pin.base.records import RIGID, ROTATION, VECTOR
 from antenna_pin.integrate import Manifold
 from antenna_pin.integrate.manifold import KINDS
+from antenna_pin.integrate.manifold_kernels import move_by_velocity
 
 MODELS = {
     "vector": pin.JointModelPX,
@@ -190,3 +191,16 @@ def test_refuses_an_unknown_kind():
     message = "Manifold: kinds must be of ['circle', 'plane', 'rigid', 'rotation', 'vector'], got 'sphere'"
     with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
         Manifold(("rigid", "sphere"))
+
+
+def test_a_row_is_moved_as_by_compose_to_first_order_and_stays_unit(kind):
+    """By what displacements of differences go: parts that turn exactly, parts that shift along them."""
+    rng, model, manifold = np.random.default_rng(9), model_of([kind]), Manifold((kind,))
+    rows = random_point(model, rng)[np.newaxis].copy()
+    for _ in range(100):
+        before, step = rows[0].copy(), 1e-6 * rng.normal(size=model.nv)
+        move_by_velocity(manifold.layout, rows, 0, step)
+        assert rows[0] == pytest.approx(
+            manifold.compose(before, charted(kind, before, step)), rel=0, abs=1e-11
+        )
+    assert pin.isNormalized(model, rows[0], 1e-15)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from antenna_pin.contact import Hertz, LankaraniNikravesh, LuGre, Tanh
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.linear import linearise
+from antenna_pin.linear.play import ideal_directions
 
 TAU = 2.0 * np.pi
 K, MASS, PLAY = 2e9, 2.0, 1e-3
@@ -212,3 +214,12 @@ def test_a_kink_is_said():
     found = modes(scenario)
     assert any("at elevation a force has a kink" in note for note in found.notes)
     assert linearise(found.linearisation.at).forces.rough == ("elevation",)
+
+
+@pytest.mark.parametrize("motion", ["turn", "slide"])
+def test_an_ideal_joint_s_way_is_about_or_along_its_own_axis(motion):
+    axis = np.array([0.0, 0.6, 0.8])
+    joint = SimpleNamespace(geometry=SimpleNamespace(motion=motion), planar=False)
+    (way,) = ideal_directions(SimpleNamespace(axis=axis), joint, np.zeros(7)).T
+    still = np.zeros(3)
+    assert np.array_equal(way, np.append(still, axis) if motion == "turn" else np.append(axis, still))

@@ -97,6 +97,12 @@ def test_every_joint_with_play_of_what_ships_has_its_play_stiffness_and_restitut
             assert any("stiffness" in name or "modulus" in name for name in names), (summary.name, joint)
 
 
+def test_a_restitution_goes_from_0_to_1():
+    for name, joint in (("bai2020", "elevation"), ("impact_pair", "bore")):
+        found = [one for one in knobs_of(load_scenario(name), joint) if one.place.endswith("restitution")]
+        assert found and {(one.low, one.high, one.logarithmic) for one in found} == {(0.0, 1.0, False)}, name
+
+
 def test_play_that_the_radii_give_is_turned_at_the_journal():
     scenario = load_scenario("bai2020", case="case3")
     own = scenario.clearance["elevation"]
