@@ -34,7 +34,7 @@ import re
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -131,7 +131,7 @@ def main() -> int:
 
 def fingerprint(sections: list[str], workers: int | None) -> dict[str, Entry]:
     """Return the entries of some sections by name; the work of all is shared out to processes."""
-    jobs = [(section, *job) for section in sections for job in SECTIONS[section]()]
+    jobs = [(section, *job) for section in sections for job in SECTIONS[section][1]()]
     found: dict[str, Entry] = {section: {} for section in sections}
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         for section, entries in pool.map(_done, jobs):
@@ -173,7 +173,7 @@ def _done(job: Any) -> tuple[str, Entry]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            return section, DOERS[section](name, *arguments)
+            return section, SECTIONS[section][0](name, *arguments)
         except Exception as error:  # a fingerprint, too
             return section, {name: f"{type(error).__name__}: {error}"}
 
@@ -284,10 +284,6 @@ def _said(words: str, folder: Path) -> str:
     return _clean(text)
 
 
-def _command_jobs() -> Iterator[tuple[str, tuple[Any, ...]]]:
-    return iter([(name, ()) for name in (*RUNS, "alone")])
-
-
 def _commands(name: str) -> Entry:
     with tempfile.TemporaryDirectory(prefix="golden-") as path:
         folder = Path(path)
@@ -322,15 +318,7 @@ def _figures(name: str) -> Entry:
         return found
 
 
-def _figure_jobs() -> Iterator[tuple[str, tuple[Any, ...]]]:
-    return iter([(name, ()) for name in RUNS if name != "ideal"])
-
-
 # --- schemas ---
-
-
-def _schema_jobs() -> Iterator[tuple[str, tuple[Any, ...]]]:
-    return iter([(name, ()) for name in ("scenario", "result")])
 
 
 def _schemas(name: str) -> Entry:
@@ -365,10 +353,6 @@ def _within(value: Any, doubt: Any) -> Entry:
     return {"value": values, "doubt": doubts if len(doubts) == len(values) else doubts * len(values)}
 
 
-def _derived_jobs() -> Iterator[tuple[str, tuple[Any, ...]]]:
-    return iter([(name, ()) for name in DERIVED])
-
-
 def _derived(name: str) -> Entry:
     with tempfile.TemporaryDirectory(prefix="golden-") as path:
         folder = Path(path)
@@ -380,21 +364,14 @@ def _derived(name: str) -> Entry:
         }
 
 
-SECTIONS: Mapping[str, Callable[[], Iterator[tuple[str, tuple[Any, ...]]]]] = {
-    "cases": _case_jobs,
-    "random": _random_jobs,
-    "commands": _command_jobs,
-    "figures": _figure_jobs,
-    "schemas": _schema_jobs,
-    "derived": _derived_jobs,
-}
-DOERS: Mapping[str, Callable[..., Entry]] = {
-    "cases": _case,
-    "random": _random,
-    "commands": _commands,
-    "figures": _figures,
-    "schemas": _schemas,
-    "derived": _derived,
+#: Of each section what makes its entries, and the jobs that it makes them of: names, with arguments.
+SECTIONS: Mapping[str, tuple[Callable[..., Entry], Callable[[], Iterable[tuple[str, tuple[Any, ...]]]]]] = {
+    "cases": (_case, _case_jobs),
+    "random": (_random, _random_jobs),
+    "commands": (_commands, lambda: [(name, ()) for name in (*RUNS, "alone")]),
+    "figures": (_figures, lambda: [(name, ()) for name in RUNS if name != "ideal"]),
+    "schemas": (_schemas, lambda: [(name, ()) for name in ("scenario", "result")]),
+    "derived": (_derived, lambda: [(name, ()) for name in DERIVED]),
 }
 
 

@@ -31,6 +31,9 @@ __all__ = ["body_poses", "body_twists", "joint_loads", "mechanism_of"]
 Array = NDArray[np.float64]
 
 
+# --- what acts on links of a run beside the joints of the tree: closures, springs between points, forces ---
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Passed:
     """What passes from one link to another beside the tree.

@@ -41,6 +41,9 @@ from antenna_pin.trajectory import Trajectory
 __all__ = ["Antenna", "Command", "boresight", "pointing_error", "pointing_spec"]
 
 
+# --- the attitude of a link in the ideal run, at the samples of another, of long runs part by part ---
+
+
 def ideal_attitude(ideal: xr.Dataset, body: str, time: Array) -> Rotation:
     """Return a link's attitude in the ideal run at some times, (n,) [s]."""
     found = [

@@ -53,6 +53,15 @@ from antenna_pin.trajectory import names_along
 __all__ = ["Quantity", "QuantityName", "quantities", "quantity"]
 
 
+# --- what follows from a result: motion of links and journals, loads of a shaken base ---
+#
+# The velocity of the journal's centre p_J in the bearing, whose centre p_B turns with it, is
+#
+# .. math:: \mathbf{R}_B^T [\dot{\mathbf{p}}_J - \dot{\mathbf{p}}_B
+#     - \boldsymbol{\omega}_B \times (\mathbf{p}_J - \mathbf{p}_B)],
+#
+# the rate of ``journal_position``, in the same axes.
+
 #: Components of every one.
 AXES = ("x", "y", "z")
 

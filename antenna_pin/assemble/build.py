@@ -50,6 +50,8 @@ from antenna_pin.scenario.clearance import TouchingSpec
 __all__ = ["build_system"]
 
 
+# --- friction of joints themselves: what the URDF's ``<dynamics>`` says and the scenario changes ---
+
 # Of its limit: the load by which the creep of a friction that is rounded off is described.
 _LOAD = 0.5
 
@@ -159,6 +161,9 @@ def _said_of_creep(friction: JointFriction, slid: bool, can_stick: bool) -> str:
     )
 
 
+# --- the force elements of a scenario ---
+
+
 def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[str, Any]:
     """Return the elements of one family of a scenario by name.
 
@@ -201,6 +206,9 @@ def _followed(scenario: Scenario, spec: Any, slot: JointSlot | None) -> dict[str
     """Return the reference that a table follows, at a joint or elsewhere, if it names one."""
     follows = getattr(spec, "follows", None)
     return {} if follows is None else {"follows": reference_for(scenario, follows, slot, slot is None)}
+
+
+# --- the couplings of a scenario, beside those of its URDF ---
 
 
 def couplings_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Coupling]:

@@ -17,6 +17,9 @@ from antenna_pin.scenario.clearance import TouchingSpec
 __all__ = ["as_written", "types_as_written", "urdf_variant", "variant_and_parts"]
 
 
+# --- where else a loop could be cut, for a joint with play that stands among the closures ---
+
+
 def check_not_closures(scenario: Scenario, urdf: WrittenUrdf) -> None:
     """Refuse play at a closure: a joint with play is one of the tree, and another joint must close its loop.
 

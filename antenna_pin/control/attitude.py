@@ -26,6 +26,9 @@ __all__ = ["AttitudeFeedback"]
 Array = NDArray[np.float64]
 
 
+# --- quaternions xyzw of attitudes: products, turns from one to another ---
+
+
 def quaternion_of(turn: Array) -> Array:
     """Return the quaternion of a rotation vector [rad]."""
     size = float(np.linalg.norm(turn))

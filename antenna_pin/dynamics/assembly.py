@@ -36,6 +36,9 @@ __all__ = [
 ]
 
 
+# --- how a mechanism on a shaken base begins: with its base ---
+
+
 def start_with_base(system: System, y: NDArray[np.float64]) -> None:
     """Put the joints that carry a shaken base where their motions begin, and as fast, in place.
 
@@ -50,6 +53,8 @@ def start_with_base(system: System, y: NDArray[np.float64]) -> None:
             slot = system.mechanism.joint(drive.joint)
             y[slot.q], y[system.model.nq + slot.v.start], _ = drive.at(0.0)
 
+
+# --- loops that are open: by how much, and whether a motion is too fast for them ---
 
 # Of a motion's rate: what loops are open by in speed is round-off.
 _ROUND_OFF = 1e-12
@@ -83,6 +88,8 @@ def said_of_open(system: System, found: Any, length: float) -> str:
         f"{number(found.spin)} rad/s; close it by antenna_pin.assembled"
     )
 
+
+# --- motions before a run: their joints' limits, and jumps that no joint can follow ---
 
 # Times at which a motion is compared with its joint's limits.
 _LOOKS = 1001

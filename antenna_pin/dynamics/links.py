@@ -35,6 +35,9 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
+# --- springs between points as blocks of a system's program, and what there is to see of them in a state ---
+
+
 def point_spring_block(mechanism: Mechanism, place: str, spring: BetweenPoints, x: int) -> Array:
     """Return the block of a spring between points.
 

@@ -32,6 +32,9 @@ __all__ = ["Observed", "joint_motion", "observed", "sliding_motion"]
 Array = NDArray[np.float64]
 
 
+# --- what holds a system at the samples of a run ---
+
+
 def held_samples(
     workspace: Workspace,
     samples: sample_kernels.Samples,

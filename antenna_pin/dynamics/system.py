@@ -58,6 +58,9 @@ from antenna_pin.mechanism import WORLD, Mechanism
 __all__ = ["System"]
 
 
+# --- the elements of a system: its springs with those of elastic parts, and all by family ---
+
+
 def springs_and_parts(
     springs: Mapping[str, ForceElement], elastic: Mapping[str, ElasticPart]
 ) -> dict[str, ForceElement]:
@@ -107,6 +110,8 @@ def families_of(
     check_together(found)
     return found
 
+
+# --- configurations of a mechanism: the space of each joint, and which of their numbers are of length one ---
 
 _SPACES = {
     "JointModelFreeFlyer": "rigid",

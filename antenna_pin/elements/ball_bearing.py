@@ -17,6 +17,8 @@ from antenna_pin.errors import InvalidParameterError
 __all__ = ["BallBearing"]
 
 
+# --- Hertz's point contact of a ball in a groove ---
+
 # Axis ratio up to which the ellipse of contact is looked for: far beyond grooves as tight as balls.
 _LONGEST = 1e8
 

@@ -27,6 +27,9 @@ __all__ = ["Compiled", "CompiledStepper", "check_compiled"]
 Array = NDArray[np.float64]
 
 
+# --- functions in Python that compiled code asks by their addresses, and what they could not answer ---
+
+
 class Answers:
     """Who answers what compiled code asks outside, in one run.
 

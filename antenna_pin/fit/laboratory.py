@@ -14,6 +14,9 @@ from antenna_pin.sweep.here import Lost
 __all__ = ["Laboratory"]
 
 
+# --- what an executor calls to have the runs of a fit made ---
+
+
 def make_all(rigs: tuple[Rig, ...], batch: list[Asked]) -> list[tuple[Readings, ...]]:
     """Make what is asked for, one after the other."""
     return [(with_slopes if one.slopes else make)(rigs[one.record], one) for one in batch]

@@ -28,6 +28,8 @@ __all__ = ["NoRunError", "Problem"]
 Array = NDArray[np.float64]
 
 
+# --- derivatives of a fit's residuals by its unknowns: by central differences of runs, or by what else ---
+
 #: By how much the equation may contradict differences of runs, over the size of derivatives by one unknown.
 APART = 1e-2
 

@@ -35,6 +35,11 @@ Array = NDArray[np.float64]
 _SHOWN = 12
 
 
+# --- columns of a universal file, by which programs for vibration tests exchange measurements ---
+#
+# Its sets of number 58 are functions at degrees of freedom of nodes. Those of time are columns, each called
+# by its node and direction, as ``12X+`` and ``12RZ-``; 0 is a scalar, ``12``.
+
 _AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
 _FUNCTION, _UNITS, _OF_TIME = 58, 164, 1  # kinds of sets; of functions the kind that goes over time
 _OF_SI = 1  # code of units, of sets of these
@@ -139,6 +144,8 @@ def _unit(function: Any, axis: str) -> str:
     label = str(function.get(f"{axis}_axis_units_lab", "")).strip()
     return "" if label.upper() in ("NONE", "") else label
 
+
+# --- MAT files up to version 7, read in a process of their own: a damaged one can crash SciPy's reader ---
 
 _SHARE = 0.4  # of the free memory: what is read is there twice while it is sent
 _SECONDS = 600  # of processor time that a damaged file is read for at most

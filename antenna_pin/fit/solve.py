@@ -41,6 +41,13 @@ Array = NDArray[np.float64]
 _FEWEST, _RARE, _TAILS = 20, 1e-4, 1.0
 
 
+# --- tests of residuals: whiteness by their correlation, randomness by runs of sign, normality by moments ---
+#
+# References:
+#     Wald and Wolfowitz (1940), Ann. Math. Stat. 11, 147-162: runs.
+#     D'Agostino and Pearson (1973), Biometrika 60, 613-622: normality.
+
+
 class ResidualTests(NamedTuple):
     """Tests of the residuals of one column, chances being those that noise does as badly.
 
@@ -102,6 +109,12 @@ def notes_on_residuals(curves: Mapping[str, Array]) -> Iterator[str]:
 # In how many parts a record is looked at; the bend of a difference over the difference from which on it is
 # none that is straight; and over how many growths by e a piece is to go.
 _PARTS, _BENT, _FOLDS = 24, 0.5, 1.0
+# --- whether one run can hold a record: how differences between neighbours grow along it ---
+#
+# A search goes by derivatives. Along a chaotic motion differences grow with its exponent: behind some instant
+# neighbours a small step away have nothing in common but their statistics, and derivatives, true as they may
+# be, tell nothing of where the sum of squares is smaller. Over pieces that are short enough they do.
+
 _AT_LEAST = 3.0  # growths by e that have been, where one cannot be told
 _ROUND_OFF = 1e-9  # of what runs read [-]
 

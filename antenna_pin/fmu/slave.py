@@ -29,6 +29,8 @@ from antenna_pin.trajectory import Outcome
 __all__ = ["Slave"]
 
 
+# --- units as FMI has them: products of powers of SI units ---
+
 # Those that stand in results and scenarios beside the base units.
 _DERIVED = {
     "N": {"kg": 1, "m": 1, "s": -2},

@@ -27,6 +27,8 @@ __all__ = ["Linearisation", "linearise"]
 Array = NDArray[np.float64]
 
 
+# --- what closures and motions leave free to first order, and what their forces do as it moves ---
+
 # Steps over the mechanism's length, of ways, and of turns [rad]: rows are smooth on these scales.
 _STEPS = (1e-2, 1e-3)
 

@@ -26,6 +26,15 @@ __all__ = ["BORESIGHT", "first_source", "frequency_response", "sources_of", "tar
 Array = NDArray[np.float64]
 
 
+# --- what a shaken base does to small motions: it enters as an acceleration ---
+#
+# With N the directions that are left and g the direction in which a motion of the base moves all, positions
+# are :math:`N s + g u`, and
+#
+# .. math:: \tilde M \ddot s + \tilde C \dot s + \tilde K s = -N^T (M g \ddot u + C g \dot u + K g u)
+#
+# of which, for an acceleration of one that swings, :math:`u = -1 / \omega^2`.
+
 #: What an acceleration of a link is called, as among the quantities of a run.
 LINK = "body_acceleration"
 _AXES = ("x", "y", "z")

@@ -24,6 +24,9 @@ from antenna_pin.simulation.first import check_sizes
 __all__ = ["Chart", "NotAlikeError", "OutOfReachError"]
 
 
+# --- the modes of elements in a state: which they are, and whether those of two states are the same ---
+
+
 class NotAlikeError(InvalidParameterError):
     """Two states whose distance is none of numbers: other contacts touch, or elements are in other modes."""
 

@@ -27,6 +27,8 @@ from antenna_pin.nonlinear.orbits import NoOrbitError, near_enough
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "check_steps", "continued"]
 
 
+# --- what happens to a branch of periodic solutions between two of its points ---
+
 BifurcationKind = Literal["fold", "branch-point", "flip", "neimark-sacker", "grazing"]
 """It turns back; another branch crosses it; its period doubles; a torus is born of it; a contact or an event
 of it comes or goes."""

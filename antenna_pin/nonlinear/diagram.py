@@ -42,6 +42,8 @@ from antenna_pin.trajectory import library_versions, save_table, table_attribute
 __all__ = ["Made", "bifurcation"]
 
 
+# --- what a diagram has come to so far, on the disk: a journal with a line for each value that was made ---
+
 _SUFFIX = ".parts"
 
 

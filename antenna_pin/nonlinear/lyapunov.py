@@ -38,6 +38,9 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
+# --- which directions of neighbours are their own over the intervals of a motion, and which are left ---
+
+
 class Ahead:
     """A motion after each interval, run before its neighbours are: which contacts last is known of its end.
 

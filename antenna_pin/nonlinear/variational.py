@@ -53,6 +53,12 @@ __all__ = ["Carrier"]
 _ROUND_OFF, _PARTS = 16.0 * float(np.finfo(float).eps), 16
 
 
+# --- steps cut where works turn back: there the rate of a gross work, the size of a power, has a kink ---
+#
+# What it integrates to has none, so that its derivative is the integral of ``sgn(P) dP``, with no jump: it is
+# enough that no part of a step has both signs of the power in it.
+
+
 def cut_at_turns(step: Step, within: Within, field: Field) -> list[Step]:
     """Return the parts of a step in which works go one way each, where numbers displace what is booked.
 

@@ -45,6 +45,8 @@ from antenna_pin.plot._style import (
 )
 from antenna_pin.plot._upright import mark_axes, shown_axes
 
+# --- where the journal passes in its bearing, of a long run part by part ---
+
 
 def farthest(run: LabelledRun, joint: str) -> float:
     """Return the largest eccentricity of the journal in a run [m]."""

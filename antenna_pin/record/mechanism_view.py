@@ -42,6 +42,8 @@ __all__ = ["Boresight", "mechanism_view"]
 Array = NDArray[np.float64]
 
 
+# --- springs: a coil about the axis of a joint that has one, and one between two points ---
+
 SPRING = "#117733"
 
 # As shares of the mechanism's size: radius and length of a coil about a joint, radius of one between points,
@@ -135,6 +137,8 @@ def coil(radius: float, length: float, wire: float) -> Mesh:
     return Mesh(np.stack([x, y, z], axis=2).reshape(-1, 3), grid(len(turn), len(around)))
 
 
+# --- frames of the links: x red, y green, z blue, as in the corner ---
+
 _AXES = (("x", "#A02338", [0, 90, 0]), ("y", "#1B7837", [-90, 0, 0]), ("z", "#2F5FA8", [0, 0, 0]))
 _AXIS = (0.0016, 0.06)  # radius and length, as shares of the mechanism's size
 
@@ -163,6 +167,8 @@ def mark_frames(marking: Marking) -> Mark | None:
             )
     return Mark("frames of links: x red, y green, z blue", "#2F5FA8", tuple(found), shown=False)
 
+
+# --- where loops are closed, drawn as small marks on the links: a pin along the axis, or a ball ---
 
 CLOSURE = "#8C8C1E"
 
@@ -201,6 +207,10 @@ def mark_closures(marking: Marking) -> Mark | None:
     words = "closure of a loop" if len(found) == 1 else f"{len(found)} closures of loops"
     return Mark(words, CLOSURE, tuple(found), labels=tuple(labels))
 
+
+# --- marks beside a mechanism's bodies: one list, each made by a function ---
+#
+# To add a mark is to write a function of :class:`Marking` in a file of its own and one line of ``MARKS``.
 
 MARKS: tuple[Callable[[Marking], Mark | None], ...] = (
     mark_closures,

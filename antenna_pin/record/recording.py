@@ -38,6 +38,8 @@ from antenna_pin.trajectory import Counts, Outcome, Trajectory, series
 __all__ = ["Recording", "View", "record"]
 
 
+# --- a round slider in its guide close up, drawn as :mod:`antenna_pin.record.magnified_slider` has it ---
+
 _SIGNS = (1.0, -1.0)
 
 
@@ -124,6 +126,9 @@ class RodPicture(JointPicture):
         ]
 
 
+# --- a ball in a socket close up ---
+
+
 class BallPicture(JointPicture):
     """A ball joint."""
 
@@ -174,6 +179,8 @@ def _shifted(z: float) -> Array:
     result[2, 3] = z
     return result
 
+
+# --- a clearance joint close up: its bearing cut open, play magnified, contacts coloured by load ---
 
 #: The close-ups that kinds of clearance joints name (:class:`antenna_pin.geometry.Look`).
 PICTURES: dict[str, type[JointPicture]] = {

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 __all__ = ["Filmed", "check_film", "film_times", "save_frames", "save_picture", "save_video"]
 
 
+# --- files of moving pictures: MP4 by FFmpeg's libraries (PyAV), GIF by Pillow ---
+
 _QUALITY = {"crf": "18", "preset": "medium"}  # 18 is what the eye takes for lossless
 _BT709 = 1  # colours and range as all players take those of HD pictures to be
 _COLOURS = 256  # of a GIF

@@ -50,6 +50,8 @@ from antenna_pin.report.joints import hardest_joint, joint_key
 __all__ = ["Report", "page", "report"]
 
 
+# --- which section of a page a figure is in, and how many figures there is room for ---
+
 #: What all figures may take in a page; those beyond are left out, and named [MB].
 FIGURES = 2.6
 

@@ -31,6 +31,8 @@ from antenna_pin.scenario.assumed import words_of_assumed
 __all__ = ["scenario_sections"]
 
 
+# --- laws of contact and friction in words, with all parameters as they were used, and materials ---
+
 # What contacts of a kind are called, of joints that have several.
 _PLACES = {"radial": "bore", "axial": "flanges", "wall": "walls"}
 
@@ -81,6 +83,9 @@ def _law(law: dict[str, Any]) -> str:
     return f"{text}; dissipation {_law(law['dissipation'])}" if "dissipation" in law else text
 
 
+# --- flexible links in words: their elastic parts, those that are alike together ---
+
+
 def words_of_flexible(run: ReportedRun) -> Iterator[tuple[str, str]]:
     """Yield each flexible link of a run, with its elastic parts."""
     about = elastic_parts_of(run.run)
@@ -104,6 +109,9 @@ def _said(part: dict[str, Any]) -> str:
         f"{readable(part['frequency'], 'Hz', 5)} with the hub held, "
         f"damping ratio {number(part['damping_ratio'], 4)}"
     )
+
+
+# --- drives, springs and forces in words: each knows its own ---
 
 
 def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
@@ -178,6 +186,9 @@ def names_of_elements(run: ReportedRun) -> Iterator[tuple[str, str]]:
             )
 
 
+# --- closures of loops and couplings in words: what they join, where, and along what ---
+
+
 def words_of_closures(run: ReportedRun, mechanism: Mechanism) -> Iterator[tuple[str, str]]:
     """Yield each closure of a loop; those that hold a joint of the tree are said with the joints."""
     for name, closure in closures_of(run.run).items():
@@ -204,6 +215,8 @@ def _cleared(axis: np.ndarray) -> np.ndarray:
     """Return a direction without the round-off of a quaternion."""
     return np.where(np.abs(axis) < 1e-12, 0.0, axis)
 
+
+# --- joints with clearance in words; those of a kind are its own (:class:`antenna_pin.geometry.Look`) ---
 
 #: What is said of a joint that a scenario's table ``[clearance]`` describes, and that has no play.
 _WITHOUT_PLAY = {"constraint": "without play, held by constraint", "ideal": "without play"}

@@ -33,6 +33,9 @@ __all__ = [
 ]
 
 
+# --- numbers over time, or over an angle, from text ---
+
+
 def read_table(
     text: str, columns: Sequence[str], units: Sequence[str | tuple[str, ...]]
 ) -> tuple[tuple[tuple[float, ...], ...], Motion | None]:

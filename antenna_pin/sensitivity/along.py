@@ -41,6 +41,12 @@ __all__ = ["Along", "Change", "Displaced", "Lasting"]
 Array = NDArray[np.float64]
 
 
+# --- what events of a run come to in neighbours: when they happen, and the energy that they bring in ---
+#
+# An event at which g passes zero comes later by ``-(dg w) / g'``. The energy that it brings in is what is
+# stored behind it, at the neighbour's own instant, less what was stored before, and what blows have taken.
+
+
 class Happened(NamedTuple):
     """How an event is displaced.
 
@@ -131,6 +137,9 @@ def _stored(workspace: Workspace, y: Array) -> float:
     workspace.measure(y)
     found = audit(workspace, y)
     return found.kinetic + found.springs
+
+
+# --- when contacts are deepest in a run: where the rate of a depth passes zero within its steps ---
 
 
 class Deepest:

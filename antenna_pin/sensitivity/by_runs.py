@@ -27,6 +27,8 @@ from antenna_pin.trajectory import Column, Outcome, Trajectory, columns_of
 __all__ = ["ByRuns", "Slopes", "numbers_at"]
 
 
+# --- when two runs part: the first contact, event or change of mode that only one of them has ---
+
 _INSTANTS = ("onset_time", "change_time", "event_time")
 
 
@@ -59,6 +61,8 @@ def _first(mine: list[tuple[float, tuple[str, ...]]], other: list[tuple[float, t
     rest = (mine if len(mine) > len(other) else other)[min(len(mine), len(other)) :]
     return rest[0][0] if rest else math.inf
 
+
+# --- whether the contacts and events of a neighbour are those of a run, and in which order it has them ---
 
 # Onsets of several contacts that are one instant, as where both rims of a bore are met at once: which of them
 # is noted first is a matter of round-off [s].

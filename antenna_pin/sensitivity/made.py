@@ -37,6 +37,13 @@ Array = NDArray[np.float64]
 _SHORTEST, _ONE = 1e-6, 1e-12
 
 
+# --- derivatives over pieces of a run, each from the run's own state at its start ---
+#
+# Over a long run derivatives grow with what neighbours part by, until they say nothing. Over a piece they do
+# not: at the end of each it is told what its own start and the numbers make of it from there on, with the
+# start held. A fit by multiple shooting wants just that.
+
+
 def borders_of(length: float, begin: float, span: float) -> Array:
     """Return where pieces of a length [s] begin, and the last one ends.
 

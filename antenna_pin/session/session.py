@@ -44,6 +44,8 @@ from antenna_pin.trajectory import Outcome, Trajectory
 __all__ = ["EndedError", "InUseError", "Session", "start"]
 
 
+# --- where a session is told to go: times and conditions as they are given, and whether it may go there ---
+
 _UNTIL = "until"  # what an event is called that a session goes to
 
 
@@ -87,6 +89,8 @@ def seconds(place: str, name: str, value: float | str) -> float:
         raise InvalidParameterError(place, name, "a positive time [s], or text with a unit", value)
     return float(seconds)
 
+
+# --- exclusive use of a session: one thread at a time ---
 
 S = TypeVar("S", bound="Exclusive")
 P = ParamSpec("P")
@@ -140,6 +144,9 @@ def exclusive(method: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S,
             return method(self, *args, **named)
 
     return alone
+
+
+# --- what a session commands: the numbers of elements, by the elements' names or by place ---
 
 
 def in_si(run: Run, place: str, value: float | str | bool) -> float | bool:

@@ -47,6 +47,9 @@ Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 
 
+# --- where the ledger of a run opened: the first sample, what happened there, and what changed most ---
+
+
 class Opening(NamedTuple):
     """A ledger that does not close.
 

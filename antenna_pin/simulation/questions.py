@@ -37,6 +37,8 @@ __all__ = ["Asked", "asked_functions", "called_functions"]
 Array = NDArray[np.float64]
 
 
+# --- functions of a user's that act on links, asked again as others are, and where their addresses stand ---
+
 Question = tuple[float, Array, Array]
 
 

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 __all__ = ["Recording", "at_present", "labelled_at", "open_ledger", "recorded", "series_at"]
 
 
+# --- what a result has of the controllers of a run: their instants, what they noted and commanded ---
+
+
 def labels_of_ticks(ticked: Sequence[Ticked], lean: bool) -> dict[str, Any]:
     """Return the labels of controllers; of a result with series those of their instants too."""
     if not ticked:
@@ -71,6 +74,8 @@ def values_of_ticks(ticked: Sequence[Ticked]) -> dict[str, Any]:
 
 
 Array = NDArray[np.float64]
+
+# --- what a result says of closures, couplings and motions: what they are, and how well they were held ---
 
 # Of positions, angles and their rates, in the order of ``Observed.residual``.
 _RESIDUALS = ("position_residual", "angle_residual", "velocity_residual", "rate_residual")
@@ -137,6 +142,8 @@ def _side(name: str, anchor: Anchor) -> dict[str, Any]:
         f"{name}_placement": [*map(float, anchor.origin), *quaternion(anchor.rotation).tolist()],
     }
 
+
+# --- the samples of a run in the order of time, block by block: from parts on the disk, and from memory ---
 
 #: Samples of a block: few enough that all which they imply takes little room. Blocks are the same ones
 #: however a record is spread over disk and memory, or round-off might tell.

@@ -49,6 +49,9 @@ from antenna_pin.trajectory import Trajectory
 __all__ = ["check_scenario", "settings_of", "simulate"]
 
 
+# --- what is looked at of controllers before a run begins ---
+
+
 def check_controllers(controllers: Mapping[str, Controller], system: System) -> None:
     """Refuse controllers that do not fit a system, or each other.
 

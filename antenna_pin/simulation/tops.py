@@ -52,9 +52,8 @@ class _Place(NamedTuple):
         """Return the pairs of samples between which its top may be, of coarse samples on both sides."""
         first, middle, last = self.samples.times.tolist()
         late = (self.time - middle) / (last - middle if self.time > middle else middle - first)
-        return [
-            self.samples.part(k, k + 2) for k, here in enumerate((late < _BESIDE, late > -_BESIDE)) if here
-        ]
+        sides = coarse or late < _BESIDE, coarse or late > -_BESIDE
+        return [self.samples.part(k, k + 2) for k, may_be in enumerate(sides) if may_be]
 
 
 class _Step(NamedTuple):

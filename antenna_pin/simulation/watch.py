@@ -26,6 +26,9 @@ __all__ = ["Crossing", "Watch"]
 _OFF, _MOST = 0.01, 512
 
 
+# --- least values of a function in a step, of which no rate is known: a load near what it may be ---
+
+
 def with_dips(f: Callable[[float], float], look: Looks) -> Looks:
     """Return a function whose rate is not known at as many points of a step as show where it is least.
 

@@ -32,6 +32,8 @@ from antenna_pin.trajectory.hdf5 import load_dataset
 __all__ = ["LOST", "SUFFIX", "Identity", "Store", "identity_of", "open_study"]
 
 
+# --- the dataset of a study: its responses and how its runs ended, labelled by its parameters ---
+
 #: Identifies the format of a study's dataset.
 FORMAT = "antenna_pin study 1"
 

@@ -30,6 +30,8 @@ __all__ = ["modes_card", "orbit_card", "run_card", "scenario_card", "study_card"
 
 Array = NDArray[np.float64]
 
+# --- a sketch of a run's motion for notebooks, in plain SVG ---
+
 # Variables of the card's style, which has a colour for light and for dark pages.
 _COLOURS = tuple(f"var(--line-{k})" for k in range(1, 7))
 _WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 420, 150, 62, 8, 8, 22
