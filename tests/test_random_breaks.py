@@ -83,21 +83,48 @@ def test_size():
 """
 
 
+PLACES = """class A:
+    size = 1
+
+    def a(self, b=2):
+        if b:
+            return 3
+        elif b > 4:
+            b = [
+                5,
+            ]
+        return lambda c=6: 7
+"""
+
+
+def test_a_probe_stands_before_the_statement_of_a_place(scripts):
+    hits = importlib.import_module("break_hits")
+    lines = {
+        one.old: hits.statement_of(PLACES, one.start) for one in scripts.sites(PLACES, "room", Path("a.py"))
+    }
+    assert lines == {"1": None, "2": None, "3": 6, "b > 4": 5, "4": 5, "5": 8, "6": 11, "7": 11}
+
+
 PROGRAM = """
 import sys
 from pathlib import Path
 from break_sites import sites
-from random_breaks import test_files, verdict
+from random_breaks import found_hits, test_files, verdict
 tree, path = Path(sys.argv[1]), Path("antenna_pin/room/a.py")
 own, other = sorted(sites((tree / path).read_text(), "room", path), key=lambda one: one.start)
 assert (own.old, other.old) == ("2", "3.0")
 assert test_files(tree, own) == (["tests/room/test_a.py"], [])
 for one, known in ((own, {}), (other, {}), (other, {other.key: "nobody calls it"})):
     print(verdict(tree, one, known, 60.0), flush=True)
+import random_breaks
+random_breaks.ROOT = tree
+hits = found_hits(Path(sys.argv[2]), [own, other], 2)
+print(hits.of[1] == ["tests/room/test_a.py::test_size"], hits.of[2] == [], *hits.seconds)
+print(verdict(tree, other, {}, 60.0, hits.tests(2, ("tests/room/",))))
 """
 
 
-def test_a_break_lives_if_all_tests_pass_and_the_tree_is_put_right(tmp_path):
+def test_a_break_lives_if_all_tests_pass_and_the_tree_is_put_right(tmp_path, tmp_path_factory):
     text = "def size():\n    return 2\n\n\ndef other():\n    return 3.0\n"
     for name, content in {
         "antenna_pin/__init__.py": "",
@@ -109,8 +136,10 @@ def test_a_break_lives_if_all_tests_pass_and_the_tree_is_put_right(tmp_path):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(content, encoding="utf-8")
     # In a process that has not imported the package.
-    command = [sys.executable, "-c", PROGRAM, str(tmp_path)]
+    command = [sys.executable, "-c", PROGRAM, str(tmp_path), str(tmp_path_factory.mktemp("hits"))]
     env = {**os.environ, "PYTHONPATH": str(ROOT / "scripts")}
     done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["killed", "lived", "equivalent"]
+    lines = done.stdout.splitlines()
+    assert lines[:3] == ["killed", "lived", "equivalent"]
+    assert lines[-2:] == ["True True tests/room/test_a.py::test_size", "unreached"]
     assert (tmp_path / "antenna_pin" / "room" / "a.py").read_text(encoding="utf-8") == text
