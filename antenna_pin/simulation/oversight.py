@@ -17,6 +17,7 @@ from antenna_pin.integrate import Stepper
 from antenna_pin.simulation.control import StepControl
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.expected import Expected, rough, turning
+from antenna_pin.simulation.given_courses import GivenCourses
 from antenna_pin.simulation.questions import called_functions
 from antenna_pin.simulation.repeatable import Repeatable
 from antenna_pin.simulation.stiffness import Stiffness
@@ -52,6 +53,7 @@ class Oversight:
         self._expected = Expected(control.end)
         self._slow, self._began = "", 0.0
         self._repeatable = Repeatable(workspace, events)
+        self._courses = GivenCourses(workspace)
         self._stiffness = Stiffness(workspace, control.method, control.settings, control.end)
 
     @property
@@ -69,6 +71,7 @@ class Oversight:
         self._began = made.wall
         self._expected.begin(t, _without_compiling(made))
         self._repeatable.look(t, y, 0)
+        self._courses.look(t, made.tried)
 
     def look(self, t: float, y: Array, made: Made, interrupted: bool) -> tuple[Outcome | None, str]:
         """Return why the run may not go on, None if it may, and what of.
@@ -93,6 +96,9 @@ class Oversight:
         words = self._repeatable.look(t, y, made.evaluations)
         if words:
             return Outcome.FUNCTION_WITH_MEMORY, words
+        words = self._courses.look(t, made.tried)
+        if words:
+            return Outcome.REFUSED, words
         return Outcome.INTERRUPTED if interrupted else limit, ""
 
     @contextmanager
