@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Iterable
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -39,7 +40,7 @@ def share(run: Any) -> float:
     return float(kept["energy_error"] / kept["energy_tolerance"])
 
 
-def oscillators(method: str) -> Iterable[Any]:
+def oscillators(method: Any) -> Iterable[Any]:
     """Run an arm on a spring for 30 periods, at small and large amplitudes and tolerances."""
     system = System(
         build_mechanism(Urdf.from_text(ARM, "arm"), base="fixed"),
@@ -78,7 +79,7 @@ def main() -> int:
     few = report.parse().quick
     random = [draw_scenario(7, number) for number in range(4 if few else 100)]
     kinds: dict[str, Callable[[], Iterable[Any]]] = {
-        f"an oscillator over 20 s, order {order}": lambda method=method: oscillators(method)
+        f"an oscillator over 20 s, order {order}": partial(oscillators, method)
         for method, order in METHODS.items()
     }
     kinds |= {
