@@ -35,7 +35,7 @@ from collections import Counter
 from pathlib import Path
 
 import break_hits
-from break_sites import Break, draw, rooms
+from break_sites import TOP, Break, draw, rooms
 
 ROOT = Path(__file__).resolve().parents[1]
 EQUIVALENT = Path(__file__).with_suffix(".toml")
@@ -61,7 +61,9 @@ def test_files(tree: Path, broken: Break) -> tuple[list[str], list[str]]:
 
 
 def folders_of(broken: Break) -> tuple[str, ...]:
-    """Return the folders of tests that a break is tried on."""
+    """Return where the tests are that a break is tried on."""
+    if broken.room == TOP:
+        return ("tests/test_",)
     own = [f"tests/{broken.room}/"]
     if broken.room == "cli":  # a command is tested beside the room that it is a face of
         own.append(f"tests/{broken.path.stem}/")
