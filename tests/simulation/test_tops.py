@@ -48,7 +48,7 @@ def driven():
     return run
 
 
-@pytest.mark.parametrize("output_rate", [9.0, 17.0, 1000.0])
+@pytest.mark.parametrize("output_rate", [7.0, 9.0, 17.0, 1000.0])
 def test_the_largest_torque_is_that_of_the_closed_form(driven, output_rate):
     run = driven(output_rate)
     times = np.linspace(0.0, 2.35, 2_000_001)
