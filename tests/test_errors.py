@@ -32,6 +32,8 @@ SPRING = ("joint", "stiffness", "damping", "rest_angle", "shorter_way", "on")
         ("dk", PD, "kd"),
         ("kin", PD, "kind"),
         ("kidn", PD, "kind"),
+        ("ikne", PD, "kind"),  # two swapped and one mistaken: a letter and a half of four
+        ("kixy", PD, None),  # two mistaken
         ("limits", PD, "limit"),
         ("lim", PD, "limit"),
         ("refrence", PD, "reference"),

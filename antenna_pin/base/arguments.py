@@ -16,7 +16,6 @@ import functools
 import inspect
 import os
 import types
-import typing
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from numbers import Integral
 from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
@@ -204,8 +203,6 @@ def fits(value: Any, hint: Any) -> bool:
         return (arrays and _is_array(value, "")) or any(fits(value, one) for one in others)
     if origin is Literal:
         return any(type(one) is type(value) for one in inner)  # which of them is the function's own to say
-    if origin is typing.Annotated:
-        return fits(value, inner[0])
     if origin is not None:
         return _fits_parts(value, origin, inner)
     if hint is float:
@@ -330,8 +327,6 @@ def rule_of(hint: Any) -> str:
     if origin is Literal:
         *first, last = (shown(one) for one in inner)
         return f"{', '.join(first)} or {last}" if first else last
-    if origin is typing.Annotated:
-        return rule_of(inner[0])
     if origin is type:
         return "a class"
     if origin is os.PathLike:

@@ -31,8 +31,8 @@ class EffectiveMode:
 
     Attributes:
         frequency: With the hub held, undamped; or a stiffness is given [Hz].
-        stiffness: Of the spring, instead of a frequency; of a mass in N/m, of an inertia in N m/rad
-            [N/m] ([N*m/rad]).
+        stiffness: Of the spring, instead of a frequency; of an inertia in N m/rad, of a mass in N/m
+            [N*m/rad] ([N/m]).
         damping_ratio: With the hub held [-].
         mass: Effective mass, of a mode that shifts along ``direction`` [kg].
         inertia: Effective moment of inertia, of a mode that turns about ``direction`` [kg*m^2].

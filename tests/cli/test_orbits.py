@@ -124,6 +124,20 @@ def test_an_orbit_is_followed_over_a_key(cli):
     assert kept["amplitude"].values[0, 0] == pytest.approx(0.5 * np.ptp(swing), rel=3.2e-5)
 
 
+def test_a_branch_is_of_the_period_that_is_given(cli):
+    """Of two periods of the drive, over which damping takes what Liouville's formula says."""
+    quick = ("pendulum", "--case", "ideal", "--set", DRIVE.replace("0.625 Hz", "6.25 Hz"))
+    how = (*OVER, "1 N*m:1.2 N*m", "--arc", "2", "--transient", "10", "--period", "320 ms")
+    assert cli("orbit", *quick, *how, "--out", "branch.nc").code == 0
+    kept = open_branch("branch.nc")
+    assert kept["value"].values[[0, -1]].tolist() == [1.0, 1.2]
+    assert kept["period"].values == pytest.approx(0.32, rel=1e-12)
+    multipliers = kept["multiplier_real"].values + 1j * kept["multiplier_imaginary"].values
+    inertia = 0.0251004 + 1.872 * 0.2**2
+    # Of exp(-3.8), a hundredth that is known to 1e-9.
+    assert multipliers.prod(axis=1) == pytest.approx(np.exp(-1.2 / inertia * 0.32), rel=1e-6)
+
+
 def test_what_is_interrupted_is_kept(cli, monkeypatch):
     """Ctrl-C at the second orbit: both are in the file, which says so, and the exit code is its own."""
     from antenna_pin.cli import _progress

@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from branches import closed
+from displacements import along_one
 from observed_once import observed_once
 
 from antenna_pin import simulate
@@ -11,6 +12,7 @@ from antenna_pin.base.settings import RunSettings
 from antenna_pin.constraints import CLOSURES
 from antenna_pin.dynamics import Workspace, mobility_of
 from antenna_pin.elements import CallableMotion, PrescribedMotion
+from antenna_pin.nonlinear.field import Field
 
 
 def accelerations(system, y, t=0.3):
@@ -80,6 +82,16 @@ def test_forces_of_closures_are_those_that_move_the_tree(kind, count):
         expected = pin.aba(model, data, q, v, workspace.tau, external)
         # Round-off of forces that largely cancel, over masses of 1 to 20 kg.
         assert a == pytest.approx(expected, abs=1e-10 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("to", ["b3", "world"])
+@pytest.mark.parametrize("kind", CLOSURES)
+def test_derivatives_of_the_rates_are_their_differences(kind, to):
+    """Along a displacement that opens the loop too, whose equations are those of an open one."""
+    motion = PrescribedMotion(joint="j5", amplitude=0.05, frequency=0.9)
+    system, y = closed(kind, 6, to=to, drives={"slide": motion})
+    for found, expected in along_one(Field(system, RunSettings(engine="compiled")), y, 7):
+        assert found == pytest.approx(expected, abs=1e-8)  # of differences of sixth order
 
 
 @pytest.mark.parametrize("kind", CLOSURES)

@@ -6,7 +6,9 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
+from displacements import TIME, along_one
 
+from antenna_pin import RunSettings
 from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import System, Workspace, acceleration, audit, kernels
 from antenna_pin.elements import CallableDrive, ConstantDrive, JointSpring, PDController, SineDrive
@@ -14,6 +16,8 @@ from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNam
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import Urdf, build_mechanism, frame_aligning_z
+from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.numbers import Numbers
 
 # A floating hull with every kind of joint on it; the axis of "turn" is oblique.
 ROBOT = """<robot name="robot">
@@ -372,6 +376,50 @@ def test_spring_at_a_clearance_joint_without_tilt_is_a_couple_about_the_axis():
     q[slot.q] = [0.01, 0, 0, *pin.Quaternion(pin.exp3(0.7 * AXIS)).coeffs()]
     tau, _ = forces(system, 0.0, system.state(q, np.zeros(system.model.nv)))
     assert tau[slot.v] == pytest.approx([0, 0, 0, *(-2.0 * 0.6 * AXIS)], abs=1e-15)  # round-off
+
+
+# --- derivatives --------------------------------------------------------------------------------------------
+
+
+def driven(kind, stiffness=5.0, damping=0.7, torque=2.0):
+    """A system with a spring and a drive at "turn", and a controller at "slide"."""
+    drives = {
+        "motor": ConstantDrive(joint="turn", value=torque),
+        "servo": PDController(joint="slide", kp=20.0, kd=0.5, angle=0.3, rate=0.7),
+    }
+    spring = JointSpring(joint="turn", stiffness=stiffness, damping=damping, rest_angle=0.2)
+    return make_system(kind, springs={"coil": spring}, drives=drives)
+
+
+@pytest.mark.parametrize("kind", ["ideal", "free", "planar"])
+def test_derivatives_of_the_rates_are_their_differences(kind):
+    """Along displacements of configuration, velocity and time; what elements integrate included."""
+    system = driven(kind)
+    y = random_state(system, np.random.default_rng(12))
+    for found, expected in along_one(Field(system, RunSettings(engine="compiled")), y, 13):
+        assert found == pytest.approx(expected, abs=1e-8)  # of differences of sixth order
+
+
+@pytest.mark.parametrize("kind", ["ideal", "free", "planar"])
+def test_derivatives_over_stiffness_damping_and_torque_are_what_a_unit_more_makes(kind):
+    """All rates are linear in each of the three."""
+    names, values = ("stiffness", "damping", "torque"), (5.0, 0.7, 2.0)
+    base, more = driven(kind), [driven(kind, **{n: x + 1.0}) for n, x in zip(names, values, strict=True)]
+    built = [lambda s, n=n, x=x: driven(kind, **{n: x + s}) for n, x in zip(names, values, strict=True)]
+    field = Field(base, RunSettings(engine="compiled"), Numbers(base, built, names))
+    y = random_state(base, np.random.default_rng(14))
+    ways = np.eye(field.displacement)[:, field.parts[-3]]
+    found = field._tangents.rates(TIME, y, ways, np.full(len(names), 1e-4))[0]
+
+    def rates(system):
+        out = np.zeros(system.model.nv + system.manifold.nx)
+        Workspace(system).derivative(TIME, y, out)
+        return out
+
+    expected = np.column_stack([rates(one) - rates(base) for one in more])
+    assert np.all(np.abs(expected).max(axis=0) > 1e-3)
+    # Round-off of differences of numbers of some 100.
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-10)
 
 
 # --- refusals -----------------------------------------------------------------------------------------------

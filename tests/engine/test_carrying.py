@@ -2,10 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
+from antenna_pin import RunSettings, System, Urdf, build_mechanism
+from antenna_pin.elements import JointSpring
 from antenna_pin.engine.carry_kernels import _grade, _place
-from antenna_pin.engine.carrying import third_order
+from antenna_pin.engine.carrying import Steps, third_order
 from antenna_pin.integrate import METHODS
+from antenna_pin.nonlinear.field import Field
 
 ADAPTIVE = [one for one in METHODS.values() if one.adaptive and not one.implicit]
 
@@ -47,3 +51,38 @@ def test_roots_of_time_from_an_onset_and_to_a_release_are_polynomials(method, aw
         # The root of what is left of a cancellation at the very instant: its weight there is nought.
         assert total == pytest.approx(exact, rel=1e-14)
     assert _grade(t, h, np.inf, -np.inf) == (0, 0.0)
+
+
+CART = """<robot name="rail"><link name="rail"/>
+<link name="cart"><inertial><mass value="2"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="slide" type="prismatic"><parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
+<limit lower="-9" upper="9" effort="9" velocity="9"/></joint></robot>"""
+
+
+def test_tangents_of_a_damped_oscillator_are_propagated_by_its_matrix_exponential():
+    """With their error estimates, and with the energy that the damper takes: by the balance of energy."""
+    mass, stiffness, damping = 2.0, 50.0, 3.0  # [kg], [N/m], [N s/m]
+    spring = JointSpring(joint="slide", stiffness=stiffness, damping=damping)
+    mechanism = build_mechanism(Urdf.from_text(CART, "rail.urdf"), base="fixed")
+    field = Field(System(mechanism, springs={"slide": spring}), RunSettings(engine="compiled"))
+    carrying, h = field.carrying(), 0.01  # [s]
+    over_step = expm(h * np.array([[0.0, 1.0], [-stiffness / mass, -damping / mass]]))
+    energy = np.diag([stiffness, mass])  # twice that of [position, velocity], as a quadratic form
+    states = np.array([[0.1, 0.3], over_step @ [0.1, 0.3], over_step @ over_step @ [0.1, 0.3]])
+    y = np.array([field.system.state(one[:1], one[1:]) for one in states])
+    ways, off = np.zeros((2, field.displacement, 2))
+    ways[:2], off[:2] = np.eye(2), [[1e-3, 2e-3], [-3e-3, 5e-3]]
+    found = carrying.along((0.0, h, y[0]), ways, off, until=np.inf, since=-np.inf)
+    # By all stages, of eighth order: round-off of differences.
+    assert found.ways[:2] == pytest.approx(over_step @ np.hstack([ways, off])[:2], abs=1e-12)
+    lost = states[0] @ energy - states[1] @ energy @ over_step
+    assert found.books[0] == pytest.approx(lost, abs=1e-10)
+    steps = Steps(h * np.arange(2), np.full(2, h), np.full(2, -np.inf), np.array([np.inf]), y[:2])
+    done, end, rest, books = carrying.along_all(steps, ways, off, np.ones(field.displacement), 1e-6)
+    assert done == 2
+    assert end[:2] == pytest.approx(over_step @ over_step @ ways[:2], abs=1e-12)
+    # By three stages, of third order: (5 h)^4 / 24 of them in each step.
+    assert rest[:2] == pytest.approx(over_step @ over_step @ off[:2], abs=1e-8)
+    lost = states[0] @ energy - states[2] @ energy @ over_step @ over_step
+    assert books[0] == pytest.approx(lost, abs=1e-10)

@@ -1,5 +1,6 @@
 """Gaps of sliders in guides that end, square and round, against brute force, coal and their definition."""
 
+import dataclasses
 import math
 import re
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.geometry import CylindricalClearance, PrismaticClearance
+from antenna_pin.geometry import LOOKS, CylindricalClearance, PrismaticClearance
 
 from .conftest import Coal, axis_of, zoomed_minimum
 
@@ -221,6 +222,47 @@ def test_a_key_bears_on_its_keyway_after_its_play():
                 across = 0.011 * math.sin(angle) + 0.002 * flank * math.cos(angle)
                 assert contact.gap == pytest.approx(2.05e-3 - flank * across, abs=1e-18)
                 assert contact.normal == pytest.approx([0.0, -flank, 0.0])
+
+
+KEYED = CylindricalClearance(**ROUND, **KEY, slider_length=0.05, guide_length=0.04)
+
+
+@pytest.mark.parametrize("shape", [*ROD.values(), KEYED], ids=str)
+def test_a_centred_rod_touches_at_its_limits_of_tilt_and_twist(shape):
+    """Both mouths, or both ends; and a flank of its key touches a wall of the keyway."""
+    limits = LOOKS["cylindrical"].across(dataclasses.asdict(shape), np.zeros((1, 3)), np.eye(3)[2:])
+
+    def gaps(turned):
+        found = shape.contacts([0.0, 0.0, 0.0], Rotation.from_rotvec(turned).as_matrix())
+        kinds = [place.kind for place in shape.contact_places]
+        return {k: min(c.gap for c, n in zip(found, kinds, strict=True) if n == k) for k in kinds}
+
+    for azimuth in (0.0, 1.0, 4.0):
+        at = limits.tilt * np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+        assert gaps(at)["radial"] == pytest.approx(0.0, abs=2e-17)  # round-off of a centimetre
+        assert gaps(0.9 * at)["radial"] > 5e-6
+    assert math.isnan(limits.twist) != ("key" in gaps(np.zeros(3)))
+    if shape.key_width:
+        assert gaps([0.0, 0.0, limits.twist])["key"] == pytest.approx(0.0, abs=2e-17)
+
+
+@pytest.mark.parametrize(
+    ("kind", "shape"),
+    [("prismatic", one) for one in SQUARE.values()] + [("cylindrical", one) for one in ROD.values()],
+    ids=str,
+)
+def test_a_sliders_axis_is_seen_at_the_ends_of_what_is_guided(kind, shape):
+    """At each end of the slider, or of the guide where that ends before: brute force along the axis."""
+    guide = shape.guide_length or math.inf
+    s = np.linspace(-0.5, 0.5, 10_001)[:, None] * shape.slider_length
+    for centre, turn in poses(20, 10, 0.01, 1e-4, 0.02):
+        axis = turn[:, 2]
+        line = centre + s * axis
+        line = line[np.abs(line[:, 2]) <= 0.5 * guide]
+        seen = LOOKS[kind].across(dataclasses.asdict(shape), centre[None], axis[None])
+        # The step along the axis.
+        assert seen.offset[0] == pytest.approx(line[[-1, 0]], abs=1.01e-4 * shape.slider_length)
+        assert seen.eccentricity[0] == pytest.approx(np.linalg.norm(seen.offset[0, :, :2], axis=1))
 
 
 @pytest.mark.parametrize(

@@ -1,23 +1,29 @@
 """Dimensions of a joint with play: what follows from them, and what is refused."""
 
+import dataclasses
 import math
 import re
 
 import numpy as np
 import pytest
+from value_classes import by_position, changeable, dataclasses_of, documented_units
 
 import antenna_pin.geometry
 from antenna_pin.base.records import CONTACT
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import (
     ClearanceGeometry,
     ContactPoint,
+    CylindricalClearance,
     PlanarClearance,
+    PrismaticClearance,
     RevoluteClearance,
+    SphericalClearance,
     pose_of,
 )
 from antenna_pin.geometry.revolute_kernels import bore_contact, flange_contact, nearest_on_ellipse
 
-from .conftest import Coal
+from .conftest import Coal, antenna
 
 PLANAR = PlanarClearance(bearing_radius=0.010, journal_radius=0.0098)
 
@@ -205,3 +211,46 @@ def test_kernels_equal_their_python(joint, pose_maker):
     for major, ratio, x, y in rng.uniform([1e-3, 0.1, -2e-2, -2e-2], [1e-2, 1.0, 2e-2, 2e-2], (500, 4)):
         arguments = (major, ratio * major, x, y)
         assert kernel(*arguments) == pytest.approx(kernel.py_func(*arguments), abs=1e-15)  # round-off
+
+
+SHAPES = (
+    antenna(),
+    PLANAR,
+    SphericalClearance(socket_radius=0.010, ball_radius=0.0098),
+    CylindricalClearance(
+        bearing_radius=0.010,
+        journal_radius=0.0098,
+        slider_length=0.08,
+        guide_length=0.06,
+        key_width=0.004,
+        keyway_width=0.0041,
+        key_reach=0.012,
+    ),
+    PrismaticClearance(
+        guide_width=0.0303,
+        guide_height=0.0204,
+        slider_width=0.03,
+        slider_height=0.02,
+        slider_length=0.08,
+        corner_radius=0.0005,
+        roll=0.2,
+        guide_length=0.06,
+    ),
+)
+
+
+def test_shapes_are_frozen_and_made_by_name():
+    """No dimension can be changed once it is checked, nor two of them be swapped."""
+    assert set(map(type, SHAPES)) == set(dataclasses_of("geometry"))
+    assert changeable("geometry") == by_position("geometry") == set()
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda one: type(one).__name__)
+def test_each_dimension_is_read_from_text_with_a_unit_of_its_kind(shape):
+    """A length or an angle, as the docstring says; text with a unit of the other kind is refused."""
+    units = documented_units(type(shape))
+    for one in dataclasses.fields(shape):
+        value, (unit, *_) = getattr(shape, one.name), units[one.name]
+        assert dataclasses.replace(shape, **{one.name: f"{value!r} {unit}"}) == shape
+        with pytest.raises(InvalidParameterError, match=one.name):
+            dataclasses.replace(shape, **{one.name: f"{value!r} {({'m', 'rad'} - {unit}).pop()}"})

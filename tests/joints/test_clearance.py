@@ -7,7 +7,9 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
+from displacements import along_one, anywhere
 
+from antenna_pin import System, Urdf, build_mechanism
 from antenna_pin.contact import (
     Ambrosio,
     CustomFriction,
@@ -325,6 +327,25 @@ def test_a_gap_of_zero_touches(joint_maker):
     c = joint.evaluate([0, 0, 0, 0, 0, 0, 1], [0, 0, 0.1, 0, 0, 0])
     assert c.gap[2:].tolist() == [0.0, 0.0]
     assert not c.normal_force.any()  # no depth, no force: but the memory is open
+
+
+PAIR = """<robot name="pair"><link name="base"/>
+  <joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/>
+    <origin xyz="0.2 0.3 0.4" rpy="0.5 -1.2 2.0"/><axis xyz="1 2 -2"/></joint>
+  <link name="arm"><inertial><origin xyz="0.01 0.03 0.1"/><mass value="3"/>
+    <inertia ixx="0.2" iyy="0.05" izz="0.21" ixy="0.01" ixz="0" iyz="-0.02"/></inertial></link></robot>"""
+
+
+@pytest.mark.parametrize("side", ["parent", "child"])
+@pytest.mark.parametrize("kind", ["free", "planar"])
+def test_derivatives_of_accelerations_are_their_differences(kind, side, joint_maker):
+    """Pressed against its bearing, sliding and turning, whichever of its two links has the bearing."""
+    joint = joint_maker("revolute" if kind == "free" else "planar", bearing_on=side)
+    mechanism = build_mechanism(Urdf.from_text(PAIR, "pair.urdf").variant(joints={"hinge": kind}), "fixed")
+    field, y = anywhere(System(mechanism, clearances=[joint]), 3)
+    for found, expected in along_one(field, y, 4):
+        # Of differences of forces of depths of micrometres.
+        assert found == pytest.approx(expected, abs=1e-7)
 
 
 def test_names_and_sizes(joint_maker):

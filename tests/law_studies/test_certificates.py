@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from value_classes import changeable
 
 from antenna_pin.contact import (
     CustomNormal,
@@ -127,6 +128,23 @@ def test_table_of_what_the_laws_deliver():
             assert row.on_wall == pytest.approx(row.asked, abs=1e-9)
 
 
+def test_the_pair_of_a_table_meets_as_the_mass_meets_the_wall(monkeypatch):
+    """Of the same effective mass and approach speed, one three times the other, their centre at rest."""
+    seen, impact = [], impact_of_pair
+
+    def watched(law, *, masses, speeds):
+        seen.append((np.array(masses), np.array(speeds)))
+        return impact(law, masses=masses, speeds=speeds)
+
+    monkeypatch.setattr("antenna_pin.law_studies.certificates.impact_of_pair", watched)
+    restitution_table(["flores"], (0.5,), mass=0.7, speed=0.2)
+    ((masses, speeds),) = seen
+    assert 1.0 / np.sum(1.0 / masses) == pytest.approx(0.7, rel=1e-15)
+    assert speeds[0] - speeds[1] == pytest.approx(0.2, rel=1e-15)
+    assert masses @ speeds == pytest.approx(0.0, abs=1e-16)
+    assert masses[0] / masses[1] == pytest.approx(3.0, rel=1e-15)
+
+
 def test_largest_errors_of_a_table():
     """Of the worst row, whichever of wall and pair is further off; without closed forms there is nothing."""
     rows = restitution_table(["flores"], (0.5, 0.9))
@@ -192,3 +210,8 @@ def test_table_refuses_a_dissipation_that_takes_no_restitution():
         restitution_table(["kelvin-voigt"])
     with pytest.raises(ValueError, match=r"restitution must be in \[0, 1\], got 1\.5$"):
         restitution_table(["flores"], (1.5,))
+
+
+def test_values_are_frozen():
+    """They stay what they were checked to be, and take no attribute of a misspelt name."""
+    assert changeable("law_studies") == set()

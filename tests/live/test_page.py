@@ -113,6 +113,83 @@ def test_a_slider_changes_the_curves_to_those_of_simulate(shown):
     assert all(one.startswith(shown.url.partition("?")[0]) for one in shown.page.requests if "ws:" not in one)
 
 
+class Written:
+    """The same page as a document alone: what a browser would show, and what it would send."""
+
+    def __init__(self, scenario, folder):
+        from bokeh.document import Document
+
+        from antenna_pin.live.page import Page
+
+        self.document, self.told = Document(), []
+        self._page = Page(self.document, scenario, None, scenario.duration, folder, self.told.append)
+
+    def __getitem__(self, name):
+        return self.document.get_model_by_name(name)
+
+    def curve(self, name):
+        return np.array([self[name].data[axis] for axis in "xy"])
+
+    def click(self, name):
+        from bokeh.events import ButtonClick
+
+        self[name]._trigger_event(ButtonClick(self[name]))
+
+    def wait(self):
+        """Show what the thread of the runs has made, until the last run is done."""
+        until = time.monotonic() + 20.0
+        while time.monotonic() < until:
+            for one in list(self.document.session_callbacks):
+                if type(one).__name__ == "NextTickCallback":
+                    self.document.remove_next_tick_callback(one)
+                    one.callback()
+                    if "after the change" in self["status"].text:
+                        return
+            time.sleep(0.005)
+        raise AssertionError("no run came")
+
+    def close(self):
+        self._page._runner.close()
+
+
+@pytest.fixture
+def written(tmp_path):
+    page = Written(load_scenario("bai2020", case="case3", overrides=FAST | {"duration": 0.02}), tmp_path)
+    yield page
+    page.close()
+
+
+def test_a_document_has_the_curves_of_the_runs_of_its_numbers(written, tmp_path):
+    """Without a browser: a number is typed, what is shown is kept to compare with, taken back and saved."""
+    scenario = load_scenario("bai2020", case="case3", overrides=FAST | {"duration": 0.02})
+
+    def force(run):
+        columns = run.data["normal_force"].sel(contact=["elevation.radial+", "elevation.radial-"])
+        return np.array([run.data["time"].values, columns.values.sum(axis=1)])
+
+    wide = simulate(scenario.with_overrides({PLAY: 110e-6}))
+    first = simulate(scenario)
+    written.wait()
+    assert np.array_equal(written.curve("now radial"), force(first))
+    written[f"{PLAY} typed"].value = "0.11 mm"
+    written.wait()
+    assert written[PLAY].value == pytest.approx(0.4, abs=1e-3)  # 0.01 mm times 400 to the power of this
+    assert np.array_equal(written.curve("now radial"), force(wide))
+    assert np.array_equal(written.curve("before radial"), force(first))
+    written.click("keep")
+    assert np.array_equal(written.curve("before radial"), force(wide))
+    written.click("save")
+    (saved,) = tmp_path.glob("*.toml")
+    assert load_scenario(saved).clearance["elevation"].radial_clearance == 110e-6
+    written.click("reset")
+    written.wait()
+    assert written[f"{PLAY} typed"].value == "0.2 mm"
+    assert np.array_equal(written.curve("now radial"), force(first))
+    written[f"{PLAY} typed"].value = "2 N"
+    assert "must be a length [m], got &#x27;2 N&#x27; (force)" in written["status"].text
+    assert written.told[-1].startswith("first run: shown after ")
+
+
 def test_until_the_first_run_is_there_the_page_has_its_stage(local_page, monkeypatch):
     """At once, in the place of the first figure, and as long as nothing of a run has come.
 

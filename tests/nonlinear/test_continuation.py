@@ -13,6 +13,7 @@ from antenna_pin.elements import CallableDrive, SineDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
 from antenna_pin.nonlinear.follower import Follower
+from antenna_pin.nonlinear.hidden import doubling, is_torus, shedding
 from antenna_pin.simulation import Angle, Event, Jump
 
 NUMBERS = {"m": 1.0, "k": 1.0, "c": 0.1}
@@ -276,6 +277,24 @@ def test_a_stop_that_is_moved_away(oscillator, rig, stops, arc):
         assert branch.message == "it came to the end of the range" and last == stops[1]
     else:
         assert branch.message.startswith("it ends in a graze") and end - 1e-4 < last < end
+
+
+@pytest.mark.parametrize("size", [0.8, 1.0, 1.25])
+@pytest.mark.parametrize("other", [0.3, -0.6, 1.5])
+def test_numbers_of_multipliers_pass_zero_where_one_or_two_leave_the_unit_circle(size, other):
+    """Of a pair of this size and a real multiplier: that of a torus is negative while the pair is within."""
+    turn = size * np.exp(0.7j)
+    three = np.array([turn, turn.conjugate(), other])
+    limited = [max(size**2, 1.0), max(size * abs(other), 1.0)]
+    torus = (size**2 - 1.0) / limited[0] * abs((turn * other - 1.0) / limited[1]) ** 2
+    assert shedding(three) == pytest.approx(torus, rel=1e-14, abs=1e-15)
+    assert is_torus(three)
+    doubled = abs(1.0 + turn) ** 2 / limited[0]
+    assert doubling(three) == pytest.approx(doubled * (1.0 + other) / max(abs(other), 1.0), rel=1e-14)
+    # A negative one leaves, with a real one that is no partner of it.
+    assert doubling(np.array([-size, 0.5])) == pytest.approx((1.0 - size) / max(size, 1.0) * 1.5, abs=1e-15)
+    assert not is_torus(np.array([-size, -1.0 / size, other]))
+    assert shedding(three[2:]) == 1.0
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,11 @@ def hardest_of(axes):
     return max(lines, key=lambda one: float(np.max(one.get_ydata())))
 
 
+def unit_of(axes):
+    """What the printed unit of force is multiplied by [1/N]."""
+    return {"normal force [N]": 1.0, "normal force [kN]": 1e-3}[axes.get_ylabel()]
+
+
 def strongest(data):
     return int(np.nanargmax(data["peak_force"].values))
 
@@ -29,7 +34,7 @@ def test_the_close_view_is_of_the_strongest_blow_and_passes_through_its_peak(run
     k = strongest(run)
     peak, at = (float(run[name].values[k]) for name in ("peak_force", "peak_time"))
     axes = blow_of(figure_contact_forces(("case3", run)))
-    factor = 1e-3 if "[kN]" in axes.get_ylabel() else 1.0
+    factor = unit_of(axes)
     start, end = axes.get_xlim()
     unit = {"ms": 1e3, "µs": 1e6}[axes.get_xlabel().rpartition("[")[2].rstrip("]")]
     assert start < unit * (float(run["onset_time"].values[k]) - at) < 0.0 < end
@@ -46,7 +51,7 @@ def test_the_area_under_a_blow_is_its_impulse(run):
     assert np.isfinite(run["release_time"].values[k])
     figure = figure_contact_forces(("case3", run))
     axes = blow_of(figure)
-    factor = 1e-3 if "[kN]" in axes.get_ylabel() else 1.0
+    factor = unit_of(axes)
     unit = {"ms": 1e3, "µs": 1e6}[axes.get_xlabel().rpartition("[")[2].rstrip("]")]
     line = max((one for one in axes.lines if one.get_marker() != "."), key=lambda one: one.get_ydata().max())
     span = [

@@ -1,6 +1,7 @@
 """Pictures and videos: at their exact times, in files that other programs read; and without a browser."""
 
 import base64
+import contextlib
 import dataclasses
 import importlib.util
 import io
@@ -132,6 +133,47 @@ def test_a_film_has_a_line_of_time(recording, tmp_path, browser, size):
     # The thumb, 16 pixels wide, goes even steps; a pixel of rounding each.
     assert np.diff(ends) == pytest.approx(np.full(4, (ends[-1] - ends[0]) / 4), abs=2.0)
     assert ends[-1] - ends[0] > 0.6 * size[0]
+
+
+class Pretended:
+    """A camera whose pictures are as large as asked for and say nothing; it notes its size and the times."""
+
+    def __init__(self, monkeypatch):
+        pretend_tools(monkeypatch)
+        monkeypatch.setattr("antenna_pin.record.video.open_camera", self._open)
+
+    @contextlib.contextmanager
+    def _open(self, recording, size, still=False):
+        self.size, self.times = size, []
+        yield self
+
+    def seek(self, time):
+        self.times.append(time)
+        png = io.BytesIO()
+        Image.new("RGB", self.size, (0, 114, 178)).save(png, format="PNG", compress_level=0)
+        return png.getvalue()
+
+    def advance(self, time, step):
+        self.step = step
+        return self.seek(time)
+
+
+def test_size_and_rate_are_those_of_the_kind_of_file_if_left_out(recording, tmp_path, monkeypatch):
+    camera = Pretended(monkeypatch)
+    save_picture(recording, tmp_path / "run.png")
+    assert picture(tmp_path / "run.png").shape == (720, 1280, 3) and camera.times == [0.0]
+    save_frames(recording, tmp_path / "frames")
+    assert picture(tmp_path / "frames" / "frame_7.png").shape == (720, 1280, 3)
+    assert camera.times == film_times(recording, 30.0).tolist() and camera.step == 1 / 30
+    save_video(recording, tmp_path / "run.mp4")
+    with av.open(tmp_path / "run.mp4") as container:
+        (stream,) = container.streams
+        assert (stream.width, stream.height, stream.average_rate) == (1280, 720, 30)
+    save_video(recording, tmp_path / "run.gif")
+    with Image.open(tmp_path / "run.gif") as gif:
+        # Pictures that are alike are one, which is shown for the times of all: four of 50 ms, and the last.
+        assert gif.size == (800, 450) and gif.info["duration"] == 4 * 50 + 1000
+    assert camera.times[-5:] == film_times(recording, 20.0).tolist() and camera.step == 1 / 20
 
 
 @pytest.mark.parametrize(

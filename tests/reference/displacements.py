@@ -72,3 +72,20 @@ def with_numbers(scenario, keys):
 
     system = build_system(scenario)
     return system, Numbers(system, [functools.partial(built_at, one) for one in parameters], keys)
+
+
+def along_one(field, y, seed):
+    """Yield the derivatives of accelerations, then of rates of x, along one random displacement: twice each.
+
+    The first is put together from parts; the second is by differences, with the step at which sixth and
+    fourth order agree best. Both are over the largest of the second [-].
+    """
+    nv, ways = field.system.model.nv, ways_of(field)[:, :-1]
+    way = ways @ np.random.default_rng(seed).normal(size=ways.shape[1])
+    found = field._tangents.rates(TIME, y, way[:, None], np.full(1, 1e-4))[0, :, 0]
+    steps = 10.0 ** np.arange(-2.0, -6.5, -0.5)
+    tried = [field._near.over(field.rates, TIME, y, way, step) for step in steps]
+    for block in (slice(nv), slice(nv, None)):
+        sixth, _ = min(tried, key=lambda two: np.abs(two[0][block] - two[1][block]).max(initial=0.0))
+        largest = np.abs(sixth[block]).max(initial=1e-300)
+        yield found[block] / largest, sixth[block] / largest

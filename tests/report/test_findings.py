@@ -120,6 +120,17 @@ def test_numbers_are_those_of_the_datasets(told, found):
     assert told.numbers(f"{key['portrait']}-range", "motion_rate[hinge]")[1] == rate.max()
 
 
+def test_a_portrait_names_its_axes(run, shown):
+    """Of two quantities the second is drawn over the first; three are told in their order."""
+    for names, title in (
+        (["motion_angle", "motion_rate"], "motion_rate[hinge] over motion_angle[hinge]"),
+        (["motion_rate", "motion_angle", "v"], "motion_rate[hinge], motion_angle[hinge], v[hinge]"),
+    ):
+        made = shown(report(portrait_table(phase_portrait(run, *names), run), figures=False).html)
+        assert f"{title}, of " in made.text("//section[@id='finding-1']")
+        assert len(made.rows("finding-1-range")) == len(names)
+
+
 def test_verdicts_are_those_of_the_judges(told, found):
     points = np.column_stack([found["section"][name].values for name in ("motion_angle[hinge]", "v[hinge]")])
     words = recurrence(points).words

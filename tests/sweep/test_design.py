@@ -283,6 +283,23 @@ def test_numbers_are_those_of_single_runs(write, tmp_path):
     ]
 
 
+def test_runs_are_compared_with_a_full_reference(write, tmp_path):
+    """Another start is off by that at once; a lean one, without series, is refused before anything runs."""
+    text = (
+        'scenario = "pendulum"\ncase = "ideal"\nset.duration = "1 ms"\nreference.case = "ideal"\n{more}\n'
+        'responses.off = {{ measure = "deviation_maximum", of = "hinge angle" }}\n{parameters}'
+    )
+    starts = '[parameters.start]\nkey = "initial.joints.hinge.angle"\nvalues = [0.3, 0.5]\n'
+    reference = 'reference.set."initial.joints.hinge.angle" = 0.3\n'
+    with pytest.raises(AntennaPinError, match='reference: output.form must be "full" for runs to be comp'):
+        run_study(
+            write(starts, reference + 'reference.set."output.form" = "lean"', text), tmp_path / "lean.study"
+        )
+    table = run_study(write(starts, reference, text), tmp_path / "full.study")
+    # In 1 ms gravity turns one by some 5e-6 rad more than the other.
+    assert table["off"].values == pytest.approx([0.0, 0.2], abs=1e-5)
+
+
 @pytest.mark.parametrize(
     "responses",
     [

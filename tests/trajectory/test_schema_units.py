@@ -1,6 +1,7 @@
 """Units of what a result holds: those that the names tell."""
 
 import pytest
+from value_classes import changeable
 
 from antenna_pin.trajectory.schema import VARIABLES
 
@@ -39,3 +40,8 @@ def test_a_unit_is_that_of_the_name(name):
 
 def test_most_names_tell_their_units():
     assert len(NAMED) > 0.6 * len(VARIABLES)
+
+
+def test_values_are_frozen():
+    """They stay what they were checked to be, and take no attribute of a misspelt name."""
+    assert changeable("trajectory") == {"Content", "Unlabelled"}  # to which is added while they are made
