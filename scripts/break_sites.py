@@ -99,7 +99,8 @@ class Break:
 
 def rooms(root: Path) -> list[str]:
     """Return the rooms of the package that have tests of their own."""
-    folders = sorted(one.name for one in (root / PACKAGE).iterdir() if (root / "tests" / one.name).is_dir())
+    places = (one.name for one in (root / PACKAGE).iterdir() if not one.name.startswith("_"))
+    folders = sorted(name for name in places if (root / "tests" / name).is_dir())
     return [*folders, TOP]
 
 
