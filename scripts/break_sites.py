@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import ast
 import random
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
 
-__all__ = ["Break", "draw", "rooms", "sites"]
+__all__ = ["Break", "draw", "found_again", "rooms", "sites"]
 
 #: First and last character of a place, and what it becomes.
 Change = tuple[int, int, str]
@@ -85,8 +86,21 @@ class Break:
     @property
     def key(self) -> tuple[str, str, str]:
         """File, line as it is and as it becomes, by which the list of equivalent ones knows it."""
-        lines = (f"{self.before}{text}{self.after}".strip() for text in (self.old, self.new))
-        return (str(self.path.relative_to(PACKAGE)), *lines)
+        line, changed = (f"{self.before}{text}{self.after}".strip() for text in (self.old, self.new))
+        return str(self.path.relative_to(PACKAGE)), line, changed
+
+    def kept(self, root: Path) -> dict[str, str]:
+        """Return what finds it again in a tree that has changed (:func:`found_again`)."""
+        text = (root / self.path).read_text(encoding="utf-8")
+        line = f"\n{self.before}{self.old}{self.after}\n"
+        return {
+            "number": str(f"\n{text[: self.start]}".count(line)),
+            "path": str(self.path),
+            "before": self.before,
+            "old": self.old,
+            "after": self.after,
+            "new": self.new,
+        }
 
     def made(self, text: str) -> str:
         """Return the text of the file with the change."""
@@ -131,6 +145,27 @@ def _places(root: Path, room: str) -> tuple[tuple[Path, Change], ...]:
     folder = root / PACKAGE
     files = sorted(folder.glob("*.py") if room == TOP else (folder / room).rglob("*.py"))
     return tuple((file, one) for file in files for one in _changes(file.read_text(encoding="utf-8")))
+
+
+def found_again(root: Path, kept: Mapping[str, str]) -> Break | None:
+    """Return a break that was drawn before where its line is now; None if the line is gone.
+
+    Args:
+        root: Of the tree.
+        kept: Its file, old and new text, rest of the line before and behind it, number of equal lines above.
+    """
+    before, old, after = kept["before"], kept["old"], kept["after"]
+    text, path = f"\n{before}{old}{after}\n", root / kept["path"]
+    room = path.parent
+    near = sorted(room.rglob("*.py")) if room.is_dir() else []
+    for file in [path, *near, *sorted((root / PACKAGE).rglob("*.py"))]:
+        if file.exists() and text in (content := "\n" + file.read_text(encoding="utf-8")):
+            starts = [one.start() + len(before) for one in re.finditer(re.escape(text), content)]
+            start = starts[min(int(kept["number"]), len(starts) - 1)]
+            place = file.relative_to(root)
+            own = place.parts[1] if len(place.parts) > 2 else TOP
+            return _made(content[1:], (start, start + len(old), kept["new"]), own, place)
+    return None
 
 
 def sites(text: str, room: str, path: Path) -> list[Break]:

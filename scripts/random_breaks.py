@@ -5,6 +5,7 @@
     scripts/random_breaks.py --count 5 --room fit       in one room
     scripts/random_breaks.py --count 300 --list         what would be broken, and run nothing
     scripts/random_breaks.py --only 17 40               some of those, by their numbers
+    scripts/random_breaks.py --again random_breaks.json those that were kept (--keep), where they are now
 
 Numbers, signs, comparisons, indices, units, factors and arguments are changed where a room's Python has them
 (``break_sites.py``). A break is run against the tests that are not slow in ``tests/ROOM``, of a command in
@@ -12,7 +13,7 @@ those of its room too. Which of them run a line is found first, by one run of al
 (``break_hits.py``; ``--map FILE`` keeps it for the next time); where no probe can stand, as in what is run at
 import and in kernels, those files come first that name something of the broken module, then all others. It is
 *killed* if one fails, *lived* if all pass, *unreached* if none runs it, *unclear* if the time ran out,
-*equivalent* if ``random_breaks.toml`` says why nothing can notice it.
+*equivalent* if ``random_breaks.toml`` says why nothing can notice it, *gone* if the line that was drawn is.
 What lives becomes a test, or the line goes. Each break is made in a copy of the tree in a temporary folder.
 Kernels run as plain Python where one of their files is broken, so that nothing is compiled.
 Exit code 1 if one in ten or more lived or was not reached.
@@ -21,6 +22,7 @@ Exit code 1 if one in ten or more lived or was not reached.
 from __future__ import annotations
 
 import argparse
+import json
 import multiprocessing
 import os
 import re
@@ -32,10 +34,11 @@ import tempfile
 import time
 import tomllib
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import break_hits
-from break_sites import TOP, Break, draw, rooms
+from break_sites import TOP, Break, draw, found_again, rooms
 
 ROOT = Path(__file__).resolve().parents[1]
 EQUIVALENT = Path(__file__).with_suffix(".toml")
@@ -142,11 +145,11 @@ def copied(folder: Path) -> Path:
     return folder / "tree"
 
 
-def found_hits(folder: Path, drawn: list[Break], workers: int) -> break_hits.Hits:
+def found_hits(folder: Path, drawn: Sequence[Break | None], workers: int) -> break_hits.Hits:
     """Run all tests that are not slow in a copy with probes, and return what runs what."""
     tree, written = copied(folder), folder / "hits"
     written.mkdir()
-    numbers = break_hits.put_probes(tree, enumerate(drawn, 1))
+    numbers = break_hits.put_probes(tree, ((k, one) for k, one in enumerate(drawn, 1) if one))
     print(f"{len(numbers)} of {len(drawn)} places have probes; all tests are run once", flush=True)
     env = os.environ | {
         "PYTHONPATH": os.pathsep.join([str(tree), str(Path(__file__).parent)]),
@@ -165,7 +168,7 @@ def found_hits(folder: Path, drawn: list[Break], workers: int) -> break_hits.Hit
 def work(
     numbers: multiprocessing.SimpleQueue[int | None],
     verdicts: multiprocessing.SimpleQueue[tuple[int, str, float] | None],
-    drawn: list[Break],
+    drawn: list[Break | None],
     hits: break_hits.Hits,
     timeout: float,
 ) -> None:
@@ -178,6 +181,9 @@ def work(
         tree = copied(Path(folder))
         while (number := numbers.get()) is not None:
             broken, began = drawn[number - 1], time.monotonic()
+            if broken is None:
+                verdicts.put((number, "gone", 0.0))
+                continue
             tests = hits.tests(number, folders_of(broken)) if number in hits.of else None
             found = verdict(tree, broken, equivalent, timeout, tests)
             verdicts.put((number, found, time.monotonic() - began))
@@ -192,11 +198,21 @@ def main() -> int:
     parser.add_argument("--room", choices=rooms(ROOT), help="draw from one room only")
     parser.add_argument("--only", type=int, nargs="+", metavar="N", help="run these of the drawn ones")
     parser.add_argument("--list", action="store_true", help="print what is drawn, and run nothing")
+    parser.add_argument("--keep", type=Path, metavar="FILE", help="write what is drawn, and run nothing")
+    parser.add_argument("--again", type=Path, metavar="FILE", help="run what was drawn and kept")
     parser.add_argument("--map", type=Path, metavar="FILE", help="which tests run what: read, or written")
     parser.add_argument("--timeout", type=float, default=900.0, help="of the tests of one break [s]")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes side by side")
     asked = parser.parse_args()
-    drawn = draw(ROOT, asked.count, asked.seed, asked.room)
+    drawn: list[Break | None] = [*draw(ROOT, asked.count, asked.seed, asked.room)]
+    if asked.again:
+        kept = json.loads(asked.again.read_text(encoding="utf-8"))
+        drawn = [found_again(ROOT, one) for one in kept]
+    if asked.keep:
+        asked.keep.write_text(
+            json.dumps([one.kept(ROOT) for one in drawn if one], indent=0), encoding="utf-8"
+        )
+        return 0
     numbers = asked.only or list(range(1, len(drawn) + 1))
     if not all(1 <= number <= len(drawn) for number in numbers):
         parser.error(f"--only must be of 1 to {len(drawn)}")

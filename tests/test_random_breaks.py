@@ -35,6 +35,27 @@ def test_a_longer_draw_begins_as_a_shorter_one(scripts):
     assert {one.room for one in kind.draw(ROOT, 5, 0, "fit")} == {"fit"}
 
 
+def test_what_was_drawn_is_found_again_where_its_line_is_now(scripts, tmp_path):
+    text = "x = 1\n\n\ndef a(b):\n    x = 1\n    return b + 1\n\n\ndef c(b):\n    x = 1\n    return b * 2\n"
+    first, moved = tmp_path / "antenna_pin/room/a.py", tmp_path / "antenna_pin/room/b.py"
+    first.parent.mkdir(parents=True)
+    first.write_text(text, encoding="utf-8")
+    drawn = scripts.sites(text, "room", first.relative_to(tmp_path))
+    kept = [one.kept(tmp_path) for one in drawn]
+    first.rename(moved)
+    moved.write_text(f"y = 0\n{text.replace('b + 1', 'b')}", encoding="utf-8")
+    for one, place in zip(drawn, kept, strict=True):
+        again = scripts.found_again(tmp_path, place)
+        if "b + 1" in f"{one.before}{one.old}{one.after}":
+            assert again is None
+        else:
+            assert (again.path, again.line, again.key[1:]) == (
+                moved.relative_to(tmp_path),
+                one.line + 1,
+                one.key[1:],
+            )
+
+
 TEXT = '''"""A docstring with 1."""
 __all__ = ["a"]
 x: float = -2.5
