@@ -86,5 +86,18 @@ def test_one_slip_in_four_letters_is_seen_through(name, others, slip, at):
     assert nearest(typed, [*others, name]) == name
 
 
+@pytest.mark.parametrize("name", ["rol", "spring", "comand", "alpha"])
+@pytest.mark.parametrize("at", [0, 1, 2])
+def test_a_double_letter_is_likelier_than_one_lost_or_added(name, at):
+    """A name in which a letter is double is typed with it once, or the other way round."""
+    double = name[: at + 1] + name[at:]
+    added = name[: at + 1] + "z" + name[at + 1 :]
+    lost = double[1:] if at else double[:-1]
+    for known in ((double, added), (added, double)):
+        assert nearest(name, known) == double
+    for known in ((name, lost), (lost, name)):
+        assert nearest(double, known) == name
+
+
 def test_a_message_without_a_guess_says_what_is_known():
     assert str(UnknownNameError("my", "key", "ki", PD[3:5])) == "my: key 'ki' is unknown; known: kd, kp"

@@ -17,7 +17,8 @@ __all__ = ["Absolute", "Drift", "Index", "Mean", "Period", "Relative", "Reproduc
 Array = NDArray[np.float64]
 Period = tuple[float, float]
 
-_DIRECTIONS = 64
+# Directions at first; sectors above which they are cut no further, and the half angle below which [rad].
+_DIRECTIONS, _MOST_SECTORS, _NARROW = 16, 200, 1e-6
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -152,18 +153,29 @@ def extremes(index: Index, size: int) -> tuple[float, float]:
     def along(angle: float) -> float:
         return index.highest(np.array([math.cos(angle), math.sin(angle)]))
 
-    # The greatest length is the greatest component over all directions. That is a maximum of cosines: from a
-    # grid of directions d apart it is missed by at most 1 - cos(d / 2), 3e-7 after the second one.
-    step = 2.0 * math.pi / _DIRECTIONS
-    best = max((along(k * step), k * step) for k in range(_DIRECTIONS))
-    angles = best[1] + step * np.linspace(-1.0, 1.0, _DIRECTIONS + 1)
-    best = max((along(angle), float(angle)) for angle in angles)
-    fine = 2.0 * step / _DIRECTIONS
+    # The greatest length is the greatest component over all directions. In a sector that is at most the one
+    # along its middle over the cosine of its half angle: sectors that may hold more than was found are cut in
+    # three. Of a circle all may: then sectors are left that miss by 1 - cos(half), 3e-5 at most.
+    half = math.pi / _DIRECTIONS
+    sectors = [(along(2.0 * k * half), 2.0 * k * half) for k in range(_DIRECTIONS)]
+    while half > _NARROW and len(sectors) <= _MOST_SECTORS:
+        least = max(sectors)[0] * math.cos(half)
+        half /= 3.0
+        sectors = [
+            sector
+            for value, angle in sectors
+            if value >= least
+            for sector in (
+                (value, angle),
+                *((along(beside), beside) for beside in (angle - 2.0 * half, angle + 2.0 * half)),
+            )
+        ]
+    best = max(sectors)
     from scipy.optimize import minimize_scalar
 
     found = minimize_scalar(
         lambda angle: -along(angle),
-        bounds=(best[1] - fine, best[1] + fine),
+        bounds=(best[1] - half, best[1] + half),
         method="bounded",
         options={"xatol": 1e-10},
     )

@@ -281,6 +281,18 @@ def test_the_longest_vector_is_found(seed):
     assert grid.values == pytest.approx(exact.values, rel=0.03)
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_of_two_vectors_of_nearly_one_length_the_longer_is_found(seed):
+    """Wherever they point: the shorter one may be nearer to a direction that is looked along."""
+    random = np.random.default_rng(seed)
+    angles = random.uniform(0.0, 2 * math.pi, 2) * [1.0, 10.0 ** random.uniform(-3.0, 0.0)] + [0.3, 0.0]
+    lengths = np.array([1.0, 1.0 - 10.0 ** random.uniform(-9.0, -2.0)])
+    long, short = (lengths * [np.cos(angles), np.sin(angles)]).T
+    errors = {"v": np.array([short, [0.0, 0.0], long, [0.0, 0.0], short])}
+    found = pointing_indices(np.arange(5.0), errors, resolution=1)
+    assert found["extreme"].item() == pytest.approx(1.0, rel=1e-12, abs=0.0)
+
+
 # --- several runs ---
 
 

@@ -21,6 +21,9 @@ def scenario(*overrides, case="case3"):
     return load_scenario("bai2020", case=case, overrides=overrides)
 
 
+CONSTANT = "drives.own={kind='constant', joint='azimuth', value='1 N*m'}"
+HOLD = "controllers.hold={{kind='pid', acts_on='own', period=0.01, measures='{}', kp=1}}"
+
 REFUSALS = {
     "unknown joint of a drive": (
         ["drives.azimuth.joint=azimut"],
@@ -54,6 +57,18 @@ REFUSALS = {
     "stiffness of another exponent without a number": (
         ["clearance.elevation.normal.exponent=1.2"],
         ["clearance.elevation.normal.stiffness", "1.2"],
+    ),
+    "unknown joint of a controller": (
+        [CONSTANT, HOLD.format("angle azimut")],
+        ["controllers.hold.measures: moving joint 'azimut'", "did you mean azimuth"],
+    ),
+    "unknown contact of a controller": (
+        [CONSTANT, HOLD.format("force elevation.radial")],
+        ["controllers.hold.measures: contact 'elevation.radial'", "did you mean elevation.radial"],
+    ),
+    "unknown joint of an event": (
+        ["events.turned={kind='angle', joint='azimut', value='1 deg', action='stop'}"],
+        ["events.turned.joint: moving joint 'azimut'", "did you mean azimuth"],
     ),
     "negative mass": (["mechanism.links.reflector.mass=-1"], ["mechanism.links.reflector.mass", "-1"]),
     "impossible inertia where none may be": (
@@ -238,3 +253,32 @@ def test_inertia_that_no_body_has_is_said_kept_and_refused_only_if_strict(tmp_pa
     assert build_system(load_scenario(path, overrides=allowed)).mechanism.impossible == ()
     with pytest.raises(AntennaPinError, match="continuous joints have none, whatever theirs states: j"):
         load_scenario(path, overrides=["stops=true"])
+
+
+TWO_WHEELS = """<robot name="two"><link name="base"/>
+  <link name="a"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="b"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="lead" type="continuous"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint>
+  <joint name="follow" type="continuous"><parent link="base"/><child link="b"/><axis xyz="0 0 1"/></joint>
+</robot>"""
+
+
+@pytest.mark.parametrize(
+    ("more", "coupled"),
+    [
+        ([], True),
+        (["mechanism.joints.follow.kind=locked"], False),
+        (["mechanism.joints.lead.kind=ideal"], True),
+    ],
+)
+def test_a_coupling_whose_follower_is_locked_is_left_out(tmp_path, more, coupled):
+    (tmp_path / "two.urdf").write_text(TWO_WHEELS)
+    (tmp_path / "scenario.toml").write_text(
+        'format = 1\nduration = "1 s"\ndefault_case = "all"\n[mechanism]\nurdf = "two.urdf"\nbase = "fixed"\n'
+        '[couplings.mesh]\nleader = "lead"\nfollower = "follow"\nmultiplier = -2\n[cases.all]\n'
+    )
+    system = build_system(load_scenario(tmp_path / "scenario.toml", overrides=more))
+    assert set(system.couplings) == ({"mesh"} if coupled else set())
+    assert len(system.mechanism.joints) == (2 if coupled else 1)

@@ -140,6 +140,10 @@ def test_experiment_prints_the_errors_of_the_paper_and_of_every_law():
     for name in ELASTIC:
         assert row(text, name, "1") and row(text, name, "2")
     assert "What the data cannot decide" in text
+    # The rows that the text names are those with the remark.
+    off = [line.split()[0] for line in text.splitlines() if "(14) off by" in line]
+    assert f"but for rows {', '.join(off)}, which are off" in " ".join(text.split()) and len(off) == 3
+    assert "Row 6 does not fit" in " ".join(text.split())
 
 
 def test_experiment_draws_the_figures_of_the_paper(tmp_path):

@@ -67,3 +67,23 @@ def test_what_cannot_be_is_refused_in_one_line(cli, swept, name):
     assert said.code == 2
     assert words in said.err
     assert len(said.err.splitlines()) == 1
+
+
+def test_json_and_csv_hold_the_same_rows(cli, swept, tmp_path):
+    """Rows of each analysis in a file, and in an object that also says what they are of."""
+    for command, key, facts in (
+        ("response", "response", {"shake"}),
+        ("density", "density", {"of", "units", "bands"}),
+        ("shock", "spectrum", {"of", "units", "quality"}),
+    ):
+        file = tmp_path / f"{command}.csv"
+        said = cli("vibration", command, swept, "--json", "--csv", file)
+        assert said.code == 0, said.err
+        found = json.loads(said.out)
+        assert facts < found.keys(), command
+        rows = list(csv.DictReader(file.read_text().splitlines()))
+        assert len(rows) > 10
+        for row, one in zip(rows, found[key], strict=True):
+            assert row.keys() == one.keys()
+            for name, text in row.items():
+                assert text == "" if one[name] is None else float(text) == one[name]

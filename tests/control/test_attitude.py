@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.control import AttitudeFeedback, BangBang
+from antenna_pin.control.attitude import between_quaternions, product_of, quaternion_of, turned_back
 from antenna_pin.elements import ConstantDrive, RestToRest, SCurve
 from antenna_pin.errors import AntennaPinError
 
@@ -229,6 +230,23 @@ def test_two_commands_push_one_way_each():
     down = run.data.tick_signal.sel(signal="relay.command down").values
     assert set(up.tolist()) == {0.0, 1.0}
     assert ((up == 0.0) | (down == 0.0)).all()
+
+
+def test_quaternions_are_the_rotations_of_scipy():
+    """Products of turns that follow one another, the shorter turn between two, vectors in turned axes."""
+    random = np.random.default_rng(3)
+    for size in (0.0, 1e-9, 0.3, 2.0, 3.1):
+        vectors = random.normal(size=(2, 3))
+        vectors *= size / np.linalg.norm(vectors, axis=1)[:, None]
+        first, second = (quaternion_of(one) for one in vectors)
+        one, other = Rotation.from_rotvec(vectors)
+        assert (one.inv() * Rotation.from_quat(first)).magnitude() < 1e-15
+        assert ((one * other).inv() * Rotation.from_quat(product_of(first, second))).magnitude() < 1e-14
+        between = between_quaternions(first, -second)
+        assert between[3] >= 0.0
+        assert ((one.inv() * other).inv() * Rotation.from_quat(between)).magnitude() < 1e-14
+        vector = random.normal(size=3)
+        assert turned_back(first, vector) == pytest.approx(one.inv().apply(vector), abs=1e-14)
 
 
 @pytest.mark.parametrize(

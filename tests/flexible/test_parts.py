@@ -228,3 +228,33 @@ def test_a_mode_without_shapes_is_drawn_as_a_small_ball_where_its_body_is(place:
         assert ball.radius == pytest.approx(0.08 * np.sqrt(0.4) * size, rel=1e-14)
         expected = link.centre if place is None else np.array(place)
         np.testing.assert_array_equal(ball.placement[:3, 3], expected)
+
+
+@pytest.mark.parametrize("count", [2, 4, 8, 40])
+def test_a_petal_without_a_mesh_is_drawn_as_strips_over_the_paraboloid(count: int):
+    """They end on it, follow one another from hub to rim, and cover nearly their own sector alone."""
+    f, hub, rim = 0.12, 0.1, 0.486
+    dish = Petals(
+        petals=count,
+        mass=6.0,
+        rim_radius=rim,
+        hub_radius=hub,
+        focal_length=f,
+        boresight=(0.0, 0.0, 1.0),
+        frequency=20.0,
+    )
+    first, second, *_ = dish.parts("dish", MassProperties.of(20.0, (0, 0, 0), np.eye(3)))
+    at = hub
+    for box in first.drawn:
+        middle, half = box.placement[:3, 3], 0.5 * box.size[0] * box.placement[:3, 0]
+        for (x, y, z), r in ((middle - half, at), (middle + half, middle[0] + half[0])):
+            assert (x, y, z) == pytest.approx((r, 0.0, r**2 / (4.0 * f)), abs=1e-15)
+        at = middle[0] + half[0]
+        assert box.placement[:3, 1] == pytest.approx([0.0, 1.0, 0.0], abs=1e-15)
+        sector = 2.0 * middle[0] * np.tan(np.pi / count) if count > 2 else 4.0 * middle[0]
+        assert (0.9 if count > 2 else 0.5) * sector < box.size[1] < sector
+    assert at == pytest.approx(rim, rel=1e-14)
+    cos, sin = np.cos(2.0 * np.pi / count), np.sin(2.0 * np.pi / count)
+    for box, other in zip(first.drawn, second.drawn, strict=True):
+        x, _, z = box.placement[:3, 3]
+        assert other.placement[:3, 3] == pytest.approx([x * cos, x * sin, z], abs=1e-15)

@@ -5,6 +5,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+import pint
 import pytest
 from sessions import antenna
 
@@ -269,3 +270,15 @@ def test_a_pack_that_was_changed_is_refused_in_one_line(scenario, tmp_path, chan
 )
 def test_units_as_powers(unit_, powers):
     assert powers_of(unit_) == powers
+
+
+def test_units_by_name_have_the_powers_that_pint_gives_them():
+    """A master converts by them: a power that is off makes a torque an energy without a word."""
+    registry = pint.UnitRegistry()
+    dimensions = {"kg": "[mass]", "m": "[length]", "s": "[time]", "A": "[current]", "K": "[temperature]"}
+    for name in "N J W Pa Hz V H ohm kg m s A K rad".split():
+        plain = registry.Quantity(1.0, name).to_base_units()
+        powers = {one: plain.dimensionality.get(dimension, 0) for one, dimension in dimensions.items()}
+        assert powers_of(name) == ({one: power for one, power in powers.items() if power} or {"rad": 1})
+        assert powers_of(f"{name}^2/s^7") == powers_of(f"{name} {name}/(s^2 s^5)")
+        assert plain.magnitude == 1.0 or name == "kg"  # a base unit of FMI; pint's is the gram

@@ -159,3 +159,16 @@ def test_no_law_that_stiffens_with_depth_only_can_meet_rows_6_and_10(findings):
 def test_at_3000_newtons_two_plays_have_the_same_displacement():
     same = {point.depth for point in LIU_2013 if point.load == 3000.0}
     assert len(same) == 1
+
+
+def test_the_table_is_the_papers_digit_by_digit():
+    """Sums of its columns for each play, added by hand: loads, both printed columns [N], depths [10 nm]."""
+    sums = {
+        0.067e-3: (6500, 9494, 9728, 10689),
+        0.094e-3: (6500, 9934, 8568, 11180),
+        0.104e-3: (3140, 4159, 2555, 4682),
+    }
+    for play, expected in sums.items():
+        rows = [point for point in LIU_2013 if point.clearance == pytest.approx(play, rel=1e-12)]
+        found = [sum(getattr(row, name) for row in rows) for name in ("load", "hertz", "conformal")]
+        assert (*found, round(sum(1e8 * row.depth for row in rows))) == expected

@@ -7,6 +7,7 @@ import pytest
 from antenna_pin import list_scenarios, load_scenario
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.live import knobs_of
+from antenna_pin.live.knobs import Knob
 from antenna_pin.scenario import TouchingSpec
 
 CASES = [
@@ -68,6 +69,26 @@ def test_a_slider_goes_through_its_range_in_three_digits(scenario, knob):
             assert shown == pytest.approx(share, rel=0.0, abs=reach)
         else:
             assert value == pytest.approx(knob.low + share * (knob.high - knob.low), rel=0.0, abs=reach)
+
+
+@pytest.mark.parametrize("unit", ["m", "s", "N", "Hz", "Pa", "rad"])
+def test_a_small_number_is_shown_with_a_prefix_and_read_again(unit):
+    knob = Knob(group="g", name="n", place="p", unit=unit, value=2e-4, low=1e-5, high=4e-3, logarithmic=True)
+    assert knob.told(2.5e-4) in (f"0.25 m{unit}", f"250 \N{MICRO SIGN}{unit}")
+    assert knob.read(knob.told(2.5e-4)) == pytest.approx(2.5e-4, rel=1e-12)
+
+
+def test_a_slider_begins_at_its_middle_and_goes_as_far_either_way():
+    """Of stiffnesses and moduli a hundred times, of other positive numbers twenty times; plays end before."""
+    ranges = {}
+    for scenario, knob in (one.values for one in EVERY):
+        key = knob.place.rpartition(".")[2]
+        if knob.logarithmic and "play" not in knob.name:
+            assert knob.to_slider(knob.value) == pytest.approx(0.5, abs=1e-12), (scenario.name, knob.place)
+            ranges.setdefault(key, set()).add(round(knob.high / knob.value, 9))
+    assert {key for key, found in ranges.items() if found == {100.0}} >= {"stiffness", "young"}
+    assert {key for key, found in ranges.items() if found == {20.0}} >= {"damping", "least_rate"}
+    assert all(found in ({20.0}, {100.0}) for found in ranges.values())
 
 
 def test_an_angle_is_shown_in_the_unit_that_it_was_written_in():

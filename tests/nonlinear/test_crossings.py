@@ -1,6 +1,7 @@
 """Where branches of periodic solutions cross one another, and what happens about a fold: closed forms."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from scipy.optimize import brentq
 
 from antenna_pin import RunSettings
 from antenna_pin.nonlinear import Flow, continued
-from antenna_pin.nonlinear.hidden import is_torus
+from antenna_pin.nonlinear.hidden import hidden, is_torus
 
 WEIGHT = 9.0  # m g l of 1 kg at 1 m
 
@@ -119,3 +120,34 @@ def test_a_flip_beside_a_fold(mapped, x, arc, order):
 )
 def test_a_torus_is_told_from_two_real_multipliers(multipliers, torus):
     assert is_torus(np.array(multipliers)) == torus
+
+
+def cubic_step(turns, unit, low, high):
+    """A step whose parameter is a cubic that turns back at two places; nothing else happens to its orbit."""
+    value = np.polynomial.Polynomial.fromroots(turns).integ()
+    orbit = SimpleNamespace(onsets=(), multipliers=np.array([0.5 + 0.0j, -0.3 + 0.0j]), doubt=0.0)
+    node = SimpleNamespace(way=np.ones(3), crossing=1.0, point=SimpleNamespace(orbit=orbit))
+    return SimpleNamespace(
+        follower=SimpleNamespace(unit=unit),
+        node=lambda along: node,
+        nodes=lambda: {low: node, high: node, high + 1.0: node},
+        point=lambda along: SimpleNamespace(value=value(along)),
+        slope=lambda along: value.deriv()(along) / unit,
+    )
+
+
+def test_a_parameter_that_turns_twice_within_a_step_is_looked_at_between():
+    """Once back and forth, both ends go on in one way: only the cubic through them tells of it."""
+    random = np.random.default_rng(1)
+    seen = {True: 0, False: 0}
+    for _ in range(200):
+        low, size, unit = random.normal(), random.uniform(0.1, 2.0), random.choice([-0.5, 3.0])
+        shares = random.uniform(-0.7, 1.7, 2)
+        if min(abs(shares[1] - shares[0]), *abs(shares), *abs(shares - 1.0)) < 0.04:
+            continue  # between two places that are looked at, or as good as at an end
+        found = hidden(cubic_step(low + size * shares, unit, low, low + size), low, low + size)
+        twice = bool(((shares > 0.0) & (shares < 1.0)).all())
+        assert (found is not None) == twice, shares
+        assert found is None or low < found < low + size
+        seen[twice] += 1
+    assert min(seen.values()) > 20

@@ -9,6 +9,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+import umsgpack
 from scipy.spatial.transform import Rotation
 from value_classes import changeable
 
@@ -16,7 +17,7 @@ from antenna_pin.analysis import body_poses, quantity
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.mechanism import Urdf
 from antenna_pin.record import record, shared_head
-from antenna_pin.record._joint_picture import BEARING, JOURNAL, LOAD_COLOURS, drawn_axes
+from antenna_pin.record._joint_picture import BEARING, DIRECTION, JOURNAL, LOAD_COLOURS, drawn_axes
 from antenna_pin.record.curves import thinned
 from antenna_pin.record.framing import clearest
 from antenna_pin.record.shapes import visual_shapes
@@ -425,3 +426,32 @@ def test_the_same_run_gives_the_same_page(clearance_run, tmp_path):
 def test_values_are_frozen():
     """They stay what they were checked to be, and take no attribute of a misspelt name."""
     assert changeable("record") == set()
+
+
+def drawn_meshes(recording):
+    """Return the vertices (n, 3) [m] of what is drawn as triangles, by path."""
+    found = {}
+    for text in recording.data["commands"]:
+        command = umsgpack.unpackb(base64.b64decode(text))
+        for geometry in command.get("object", {}).get("geometries", ()):
+            position = geometry.get("data", {}).get("attributes", {}).get("position")
+            if position is not None:
+                array = np.frombuffer(position["array"].data, dtype="<f4").reshape(-1, 3).astype(float)
+                found[command["path"].lstrip("/").removeprefix("meshcat/")] = array
+    return found
+
+
+@pytest.mark.parametrize(("run", "hollow"), [("clearance_run", "bearing"), ("ball_run", "socket")])
+def test_of_the_bearing_the_half_towards_the_camera_is_cut_away(request, run, hollow):
+    """Both halves meet in the plane through its axis and across the view; only the one behind is solid."""
+    picture = record(request.getfixturevalue(run), view="joint")
+    parts = drawn_meshes(picture)
+    behind, before = parts[f"run/{hollow}"], parts[f"run/{hollow} cut away"]
+    towards = np.array(DIRECTION) @ np.array(picture.data["triad"]["axes"]).T
+    towards[2] = 0.0  # the bearing's axis is z
+    towards /= np.linalg.norm(towards)
+    radius = np.linalg.norm(behind[:, :2], axis=1).max()
+    assert (behind @ towards).max() == pytest.approx(0.0, abs=1e-6 * radius)
+    assert (before @ towards).min() == pytest.approx(0.0, abs=1e-6 * radius)
+    assert (behind @ towards).min() == pytest.approx(-radius, rel=1e-6)
+    assert (before @ towards).max() == pytest.approx(radius, rel=1e-6)

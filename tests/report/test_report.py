@@ -8,7 +8,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from antenna_pin import Outcome, Trajectory
+from antenna_pin import Outcome, Trajectory, load_scenario, simulate
 from antenna_pin.analysis import (
     deviation,
     dominant_frequencies,
@@ -22,6 +22,8 @@ from antenna_pin.analysis import (
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import LOOKS
 from antenna_pin.report import Report, report
+from antenna_pin.report._runs import ReportedRun
+from antenna_pin.report.results import warnings
 from antenna_pin.scenario import ClearanceSpec
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
@@ -254,6 +256,15 @@ def test_a_run_that_ended_early_is_flagged_on_top(ideal, play, shown):
     assert "cut too deep" in text and message in text and "of 0.1 s asked for" in text
     # Above everything else.
     assert page.tree.xpath("//main/section")[0].get("id") == "outcome"
+
+
+def test_two_samples_are_a_run():
+    """Its first and its last: there is something between them, and no warning that there is not."""
+    ends = simulate(load_scenario("pendulum", case="ideal", overrides={"output.rate": 1e3}), duration=1e-3)
+    assert ends.data.sizes["time"] == 2
+    assert not [text for text in warnings([ReportedRun("ends", ends)]) if "sample" in text]
+    one = ReportedRun("one", dataclasses.replace(ends, data=ends.data.isel(time=[0])))
+    assert warnings([one])[0] == "one: one sample only, so nothing is drawn or analysed over time."
 
 
 def test_one_sample_gives_what_there_is(ideal, single, shown):

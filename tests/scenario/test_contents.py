@@ -173,3 +173,19 @@ def test_json_has_the_shape_of_a_file(folder):
     document = json.loads(folder.load().model_dump_json())
     assert document["clearance"]["hinge"]["normal"] == {"law": "lankarani-nikravesh", "restitution": 0.9}
     assert document["clearance"]["hinge"]["axial"] == {"stiffness": 1e11}
+
+
+def test_a_torque_alone_acts_at_the_origin_of_its_link_and_forces_where_it_is_said(folder):
+    """A place is given, or that origin; a frame's name stands for its origin until the URDF has told."""
+    of = {
+        "spin": ({"link": "body"}, {"torque": [0, 0, 1]}, ("body", (0.0, 0.0, 0.0))),
+        "push": ({"link": "body", "point": [0, "1 mm", 2]}, {"force": [0, 0, 1]}, ("body", (0.0, 1e-3, 2.0))),
+        "tip": ({"frame": "tip"}, {"force": [0, 0, 1]}, ("tip", (0.0, 0.0, 0.0))),
+    }
+    tables = {f"forces.{name}": {"kind": "force", "at": at, **more} for name, (at, more, _) in of.items()}
+    forces = folder.load(tables).forces
+    for name, (*_, at) in of.items():
+        assert forces[name].build().at == at
+    spring = {"first": {"link": "world", "point": [1, 2, 3]}, "second": {"frame": "tip"}, "stiffness": 1}
+    built = folder.load({"springs.line": {**spring, "free_length": 1}}).springs["line"].build()
+    assert (built.first, built.second) == (("world", (1.0, 2.0, 3.0)), ("tip", (0.0, 0.0, 0.0)))

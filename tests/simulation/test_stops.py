@@ -306,3 +306,36 @@ def test_a_start_at_the_limit_has_its_own_rate_for_its_approach():
     stop = EndStop(joint="j", lower=0.0, stiffness=8000.0, restitution=0.5)
     run = simulate(system("prismatic", "fixed", stop), q=[0.0], v=[-0.3], duration=0.1, settings=TIGHT)
     assert float(run.data.v.values[-1, 0]) == pytest.approx(0.15, rel=1e-8)
+
+
+def test_arms_of_a_fast_rotor_rest_on_their_stops():
+    """Pressed on by 1e6 m/s^2, of which 1e-10 is left as round-off: no motion off the stops or into them.
+
+    Nothing else turns the rotor: it goes on at its rate, with its momentum and its energy.
+    """
+    inertia = '<inertia ixx="{0}" iyy="{0}" izz="{0}" ixy="0" ixz="0" iyz="0"/>'
+    arms, stops, rate = "", {}, 1000.0
+    for k in range(6):
+        turn, away = 0.7 + 1.03 * k, 0.3 + 0.07 * k
+        arms += f"""<link name="l{k}"><inertial><origin xyz="{0.2 + 0.03 * k} 0 0"/>
+            <mass value="{0.3 + 0.1 * k}"/>{inertia.format(0.01)}</inertial></link>
+            <joint name="arm{k}" type="revolute"><parent link="hub"/><child link="l{k}"/><axis xyz="0 0 1"/>
+            <origin xyz="{away * np.cos(turn)} {away * np.sin(turn)} 0" rpy="0 0 {turn}"/>
+            <limit lower="-9" upper="9" effort="1e9" velocity="1e9"/></joint>"""
+        stops[f"arm{k}"] = RigidStop(joint=f"arm{k}", lower=0.5, restitution=0.5)
+    text = f"""<robot name="rotor"><link name="base"/><link name="hub"><inertial><mass value="5"/>
+        {inertia.format(1.0)}</inertial></link><joint name="spin" type="revolute"><parent link="base"/>
+        <child link="hub"/><axis xyz="0 0 1"/>
+        <limit lower="-99" upper="99" effort="1e9" velocity="1e9"/></joint>{arms}</robot>"""
+    mechanism = build_mechanism(Urdf.from_text(text, "rotor.urdf"), "fixed", (0.0, 0.0, 0.0))
+    rotor = System(mechanism, elements={"stops": stops})
+    slot = rotor.mechanism.joint("spin")
+    q, v = np.full(7, 0.5), np.zeros(7)
+    q[slot.q], v[slot.v] = 0.0, rate
+    run = simulate(rotor, q=q, v=v, duration=0.01, settings=RunSettings(output_rate=1000.0))
+    assert run.completed and not run.data.change.size
+    angles = run.data.motion_angle.sel(joint=list(stops)).values
+    assert angles == pytest.approx(np.full_like(angles, 0.5), abs=1e-13)
+    turned = run.data.motion_angle.sel(joint="spin").values
+    assert turned == pytest.approx(rate * run.data.time.values, rel=1e-12)
+    assert np.abs(run.data.energy_error).max() < 1e-12 * run.data.kinetic_energy.values[0]

@@ -51,6 +51,13 @@ def test_processes_of_this_machine_make_the_store_of_one_process(write, tmp_path
     assert two.read_bytes() == here.read_bytes()
 
 
+def test_what_all_runs_share_is_with_every_process(cluster):
+    """Batches go where it is: with one process alone, that one would make all the runs."""
+    data = cluster._data(b"shared")
+    (holders,) = cluster._client.who_has([data]).values()
+    assert len(set(holders)) == cluster.width == 2
+
+
 def test_no_page_tells_what_the_processes_do(cluster):
     """Any user of this machine could read it; Dask makes one wherever Bokeh is installed."""
     process = psutil.Process()
