@@ -1,4 +1,4 @@
-"""The row of a motion at a joint that is free to swing too: its change along a displacement, in closed form."""
+"""The row of a motion at a joint that is free to swing too: its change along a displacement."""
 
 import numpy as np
 import pinocchio as pin

@@ -139,7 +139,7 @@ def test_damping_loses_what_it_takes():
 
 
 def test_derivatives_of_accelerations_are_stiffness_and_damping_over_mass():
-    """At rest, of which neither mass nor place has a share, over all freedoms of the joint and their rates."""
+    """At rest, where neither mass nor place has a share: over all freedoms of the joint and their rates."""
     own = system(StiffnessBearing(joint="axle", matrix=FULL.matrix, offset=-0.2, damping_time=0.01))
     field, nv, nq = Field(own, RunSettings(engine="compiled")), own.model.nv, own.model.nq
     rest = own.state(own.neutral(), np.zeros(nv))
