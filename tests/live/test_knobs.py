@@ -127,7 +127,7 @@ def test_a_restitution_goes_from_0_to_1():
     ],
 )
 def test_play_that_two_sizes_give_is_turned_at_one_of_them(model, case, changes, key, play, wider):
-    """The play is that of either side: half the difference of lengths and widths. Last: the size at 0.5 mm."""
+    """Of lengths and widths it is half their difference, that of either side. Last: the size at 0.5 mm."""
     scenario = load_scenario(model, case=case)
     ((joint, own),) = scenario.clearance.items()
     given = own.model_copy(update=changes)

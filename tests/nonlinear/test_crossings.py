@@ -172,5 +172,5 @@ def test_a_crossing_is_doubted_as_its_orbits_are():
     step = SimpleNamespace(arc=2.0, node=at, point=lambda along: at(along).point)
     found = where_crossed(step, -1.0, 1.0, 0.0)
     assert found.value == pytest.approx(2.3, abs=1e-12) and found.along == pytest.approx(off, abs=1e-12)
-    # The first orbits about it are made at an eighth of the step to either side; nearer ones are doubted more.
+    # The first orbits about it are an eighth of the step to either side; nearer ones are doubted more.
     assert found.doubt == pytest.approx(3.0 * (doubt + residual / 0.25), rel=1e-6)
