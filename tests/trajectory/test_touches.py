@@ -18,9 +18,7 @@ LOWER, UPPER = -0.2, 0.3
 def data():
     """A wheel that starts between its stops at 1 rad/s, up to the middle of the third touch."""
     stiffness = INERTIA * (math.pi / LASTS) ** 2
-    stop = EndStop(
-        joint="axle", lower=LOWER, upper=UPPER, stiffness=stiffness, exponent=1.0, law="elastic"
-    )
+    stop = EndStop(joint="axle", lower=LOWER, upper=UPPER, stiffness=stiffness, exponent=1.0, law="elastic")
     system = System(build_mechanism(wheel_urdf("revolute"), "fixed"), elements={"stops": {"ends": stop}})
     settings = RunSettings(rtol=1e-12, engine="compiled")
     return simulate(system, v=np.ones(1), duration=1.55, settings=settings).data
