@@ -12,6 +12,7 @@ from antenna_pin.base.units import any_quantity
 from antenna_pin.cli._study_tables import said_of_time
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.sweep import design_of, load_study, prepared, run_seconds
+from antenna_pin.sweep.responses import ResponseSpec
 from antenna_pin.trajectory import Counts
 
 SAMPLED = """
@@ -281,6 +282,39 @@ def test_numbers_are_those_of_single_runs(write, tmp_path):
         "000000.nc",
         "000001.nc",
     ]
+
+
+@pytest.mark.parametrize(
+    ("given", "unit", "meaning"),
+    [
+        ({"measure": "peak_force"}, "N", "largest normal force"),
+        ({"measure": "peak_force", "of": "bore"}, "N", "largest normal force, bore"),
+        ({"measure": "peak_effort", "units": "N"}, "N", "largest size of the torque that holds the motion"),
+        (
+            {"measure": "deviation_rms", "of": "a angle"},
+            "rad",
+            "root mean square deviation from the reference, a angle",
+        ),
+        ({"measure": "pointing"}, "rad", "largest APE of the pointing error, half-cone"),
+        (
+            {
+                "measure": "pointing",
+                "index": "RPE",
+                "component": "cross",
+                "value": "level",
+                "confidence": 0.95,
+            },
+            "rad",
+            "95 % level of the RPE of the pointing error, cross",
+        ),
+        ({"function": "own.py:f", "units": "kg"}, "kg", "own.py:f"),
+        ({"function": "own.py:f", "title": "mass"}, "", "mass"),
+    ],
+)
+def test_a_response_is_called_what_it_is(given, unit, meaning):
+    """In figures and tables: what is largest or which level, of what; in whose unit."""
+    response = ResponseSpec(**given)
+    assert response.unit == unit and response.meaning.startswith(meaning)
 
 
 @pytest.mark.parametrize(
