@@ -4,6 +4,7 @@ import dataclasses
 import re
 
 import pytest
+from value_classes import lacking
 
 import antenna_pin.contact
 from antenna_pin.contact import (
@@ -185,3 +186,8 @@ def test_public_names_exist():
 def test_every_registered_class_is_public():
     for cls in EVERYTHING.values():
         assert cls.__name__ in antenna_pin.contact.__all__, cls
+
+
+def test_a_law_is_a_value_that_is_given_by_names():
+    """Two numbers of which one is meant for the other, or one that is misspelt, make no law."""
+    assert lacking("contact") == {"Alias": {"kw_only"}}

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from value_classes import lacking
 
 from antenna_pin.elements import (
     ELEMENTS,
@@ -385,6 +386,11 @@ def test_a_force_has_its_own_kernels_and_words(kind):
         element.ask("it", 0.0, desk)
     found = (*links[-1].force, *links[-1].torque)
     assert found == pytest.approx(expected, rel=1e-14, abs=1e-15)
+
+
+def test_an_element_is_a_value_that_is_given_by_names():
+    """Nothing of it can be changed or added, as a number that is misspelt; beside what is passed in a row."""
+    assert lacking("elements") == {"OverTime": {"slots", "kw_only"}, "Integral": {"kw_only"}}
 
 
 def test_every_element_has_an_example():

@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from value_classes import lacking
 
 import antenna_pin.geometry
 from antenna_pin.base.records import CONTACT
@@ -13,6 +14,7 @@ from antenna_pin.geometry import (
     ContactPoint,
     PlanarClearance,
     RevoluteClearance,
+    SphericalClearance,
     pose_of,
 )
 from antenna_pin.geometry.revolute_kernels import bore_contact, flange_contact, nearest_on_ellipse
@@ -20,6 +22,7 @@ from antenna_pin.geometry.revolute_kernels import bore_contact, flange_contact, 
 from .conftest import Coal
 
 PLANAR = PlanarClearance(bearing_radius=0.010, journal_radius=0.0098)
+BALL = SphericalClearance(socket_radius=0.010, ball_radius=0.0098)
 
 
 def test_clearances_follow_from_dimensions(joint):
@@ -71,6 +74,21 @@ def test_planar_joint_is_a_circle_in_a_circle(geometry):
         assert contact.point == pytest.approx(
             [0.01 * x / eccentricity, 0.01 * y / eccentricity, 0.0], abs=1e-16
         )
+
+
+@pytest.mark.parametrize("geometry", [BALL, Coal(BALL)], ids=["closed-form", "coal"])
+def test_a_ball_in_a_socket_is_a_sphere_in_a_sphere(geometry):
+    """However the ball is turned: what opens along the line of centres is the play less the eccentricity."""
+    rng = np.random.default_rng(5)
+    assert BALL.radial_clearance == pytest.approx(2e-4, rel=1e-12, abs=0.0)
+    for _ in range(100):
+        centre = rng.uniform(-4e-4, 4e-4, 3)
+        (contact,) = geometry.contacts(centre, rng.normal(size=3))
+        eccentricity = np.linalg.norm(centre)
+        assert contact.gap == pytest.approx(2e-4 - eccentricity, abs=1e-17)  # round-off
+        # As above.
+        assert contact.normal == pytest.approx(-centre / eccentricity, abs=1e-13)
+        assert contact.point == pytest.approx(0.01 * centre / eccentricity, abs=1e-16)
 
 
 @pytest.mark.parametrize("geometry", [PLANAR, Coal(PLANAR)], ids=["closed-form", "coal"])
@@ -205,3 +223,7 @@ def test_kernels_equal_their_python(joint, pose_maker):
     for major, ratio, x, y in rng.uniform([1e-3, 0.1, -2e-2, -2e-2], [1e-2, 1.0, 2e-2, 2e-2], (500, 4)):
         arguments = (major, ratio * major, x, y)
         assert kernel(*arguments) == pytest.approx(kernel.py_func(*arguments), abs=1e-15)  # round-off
+
+
+def test_a_shape_is_a_value_that_is_given_by_names():
+    assert lacking("geometry") == {}
