@@ -193,8 +193,7 @@ class Workspace:
     def ask_laws(self, table: NDArray[Any], contact: int = -1) -> None:
         """Write the normal forces of a contact, or of all (-1), with laws asked in Python, to a table."""
         for path in self.asked_laws:
-            if contact < 0 or contact in path:
-                path.ask_laws(table, contact)
+            path.ask_laws(table, contact)
 
     def measure(self, y: Array) -> None:
         """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.

@@ -126,7 +126,7 @@ def figure_steady_force(
     start, end = min(run.time[0] for run in drawn), max(run.time[-1] for run in drawn)
     middle = 0.5 * (start + end)
     figure = new_figure(width, 110.0)
-    panels = figure.subplots(2, 1, squeeze=False).ravel()
+    panels = figure.subplots(2, 1)
     held = [np.where(run.time >= middle, force, 0.0) for run, force in zip(drawn, forces, strict=True)]
     hardest = max(range(len(drawn)), key=lambda k: float(np.nanmax(held[k])))
     peak = float(drawn[hardest].time[int(np.nanargmax(held[hardest]))])

@@ -113,3 +113,18 @@ def test_samples_thinned_out_are_refused(pair):
         impacts(run.data.isel(time=slice(0, 1)))
     with pytest.raises(FileFormatError, match="no variable 'depth_rate'"):
         impacts(run.data.drop_vars("depth_rate"))
+
+
+@pytest.mark.parametrize("later", [1.0, 1e4, -1e6])
+def test_impacts_long_after_time_zero_are_found_by_times_that_are_rounded(pair, later):
+    """An instant and its sample are off by round-off of the time, which grows with it."""
+    _, run = pair
+    moved = {name: run.data[name] + later for name in ("onset_time", "release_time", "peak_time")}
+    off = 2.0 * math.ulp(later)
+    moved["onset_time"] = moved["onset_time"] + off * (-1.0) ** np.arange(run.data.sizes["episode"])
+    data = run.data.assign(moved).assign_coords(time=run.data["time"] + later)
+    table, here = impacts(data), impacts(run)
+    # Two ends that meet at once, at speeds that are the same to 1e-9, may be told in the other order.
+    assert table["approach_speed"].values == pytest.approx(here["approach_speed"].values, rel=1e-8)
+    # Durations are of a hundredth of a second.
+    assert table["duration"].values == pytest.approx(here["duration"].values, abs=4.0 * off)

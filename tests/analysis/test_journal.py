@@ -1,5 +1,7 @@
 """The journal in its bearing: its orbit, the load around the bore, and its contact scenarios as spans."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -8,10 +10,12 @@ from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import (
     bore_load,
     clearance_shapes,
+    impacts,
     journal_motion,
     load_statistics,
     scenario_shares,
     scenario_spans,
+    settling,
 )
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.geometry import PrismaticClearance
@@ -121,7 +125,10 @@ def test_what_a_run_does_not_have_is_refused(space):
     for function in (journal_motion, bore_load, scenario_spans):
         with pytest.raises(InvalidParameterError, match="with a clearance joint"):
             function(ideal)
-        with pytest.raises(UnknownNameError, match="elevatoin"):
+    functions = journal_motion, bore_load, impacts, load_statistics, settling
+    for function in functions:
+        said = f"{function.__name__}: clearance joint 'elevatoin' is unknown; did you mean elevation? known: "
+        with pytest.raises(UnknownNameError, match=f"^{re.escape(said)}elevation$"):
             function(space, "elevatoin")
     with pytest.raises(InvalidParameterError, match="sectors must be at least 1"):
         bore_load(space, sectors=0)

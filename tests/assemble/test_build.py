@@ -9,6 +9,7 @@ import pytest
 
 from antenna_pin import AntennaPinError, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state, urdf_variant
+from antenna_pin.assemble.build import frictions_of
 from antenna_pin.base.records import POSE
 from antenna_pin.contact import MATERIALS, hertz_stiffness
 from antenna_pin.dynamics import JointMotion
@@ -227,6 +228,24 @@ def test_a_law_leaves_its_effective_mass_to_each_contact_unless_given():
     assert joint.radial.effective_mass is None and joint.axial.effective_mass is None
     given = build_system(scenario(overrides[0].replace("0.8", "0.8, effective_mass='2 kg'")))
     assert given.clearances[0].radial.effective_mass == 2.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "limit", "creep", "way_out"),
+    [
+        ("revolute", "0.251 N m", "0.713 mrad/s", "mechanism.joints.elevation.sticks = true holds it"),
+        ("planar", "0.251 N m", "0.713 mrad/s", "only a joint without play can stick"),
+    ],
+)
+def test_friction_that_is_rounded_off_says_how_fast_it_creeps(kind, limit, creep, way_out):
+    """Under half its torque a joint creeps at w_r / sqrt(3): at 1.2345 mrad/s 0.71274, in three digits."""
+    case = {"revolute": "case1", "planar": "case2-planar"}[kind]
+    friction = "mechanism.joints.elevation={friction=0.25149, regularisation_speed=1.2345e-3}"
+    found = frictions_of(one := scenario(friction, case=case), build_system(one).mechanism, ())
+    assert [*found.smooth] == ["elevation.dynamics"] and not found.sticking
+    (said,) = (" ".join(text.split()) for text in found.assumed)
+    assert said.startswith(f"elevation: its friction of {limit} is rounded off at rest")
+    assert f"under half that load it creeps at {creep}; {way_out}" in said
 
 
 ODD = """<robot name="odd"><link name="a"/><joint name="j" type="continuous"><parent link="a"/>

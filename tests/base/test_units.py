@@ -314,6 +314,7 @@ def test_pint_is_imported_on_first_use_only():
         "",
         "N/m**1.5",
         "N*s/m**2.11",
+        "N/m**1.3333333333333",
         "kg*m/s**2/rad",
         "1/s",
         "rad**2*m**-3",

@@ -122,6 +122,17 @@ def test_one_sample_has_an_absolute_error_only(cli, results):
     [
         ((), "there is nothing to compare with; add --ideal FILE or --direction X,Y,Z"),
         (("--direction", "1,0"), "pointing: --direction must be three numbers such as 1,0,0, got '1,0'"),
+        (
+            ("--direction", "1,0,0,0"),
+            "pointing: --direction must be three numbers such as 1,0,0, got '1,0,0,0'",
+        ),
+        *(
+            (
+                ("--direction", text),
+                f"pointing: --direction must be three numbers such as 1,0,0, got '{text}'",
+            )
+            for text in ("x,0,1", "1,x,0", "1,0,x", "1,,0", "1 m,0,0", ",,", "1;0;0")
+        ),
         (("--direction", "0,0,0"), "direction must be three finite numbers, not all zero"),
         (("--direction", "1,0,0", "--window", "1 m"), "--window must be a time [s], got '1 m' (length)"),
         (("--direction", "1,0,0", "--window", "1"), "window must be at most the run's 0.1 s, got 1.0"),

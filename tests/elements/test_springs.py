@@ -4,12 +4,23 @@ import math
 
 import numpy as np
 import pytest
-from wheel import INERTIA, wheel_text
+from wheel import INERTIA, wheel_text, wheel_urdf
 
 from antenna_pin import RunSettings, build_system, load_scenario, modes, simulate
-from antenna_pin.dynamics import SineDrive
-from antenna_pin.elements import SPRINGS, JointFriction, JointSpring, PointSpring
+from antenna_pin.dynamics import SineDrive, System, Workspace, audit
+from antenna_pin.elements import (
+    SPRINGS,
+    BoucWen,
+    ConstantSpring,
+    JointFriction,
+    JointSpring,
+    MaxwellSlip,
+    Motor,
+    PointSpring,
+    TableSpring,
+)
 from antenna_pin.errors import AntennaPinError
+from antenna_pin.mechanism import build_mechanism
 from antenna_pin.scenario import Scenario
 
 STIFFNESS = 2.0
@@ -25,6 +36,44 @@ rate = "1 rad/s"
 rtol = 1e-12
 [cases.all]
 """
+
+
+TABLE = {"joint": "axle", "angle": (-0.7, -0.2, 0.1, 0.5), "torque": (3.0, 1.0, -0.5, -4.0)}
+CONSERVATIVE = {
+    "spring": JointSpring(joint="axle", stiffness=5.0, rest_angle=0.25),
+    "constant up to an angle": ConstantSpring(joint="axle", torque=0.5, upper=0.3, ramp=0.25),
+    "constant down to an angle": ConstantSpring(joint="axle", torque=-0.5, lower=-0.3, ramp=0.25),
+    "constant between angles": ConstantSpring(joint="axle", torque=0.5, lower=-0.6, upper=0.3, ramp=0.25),
+    "cogging": Motor(joint="axle", value=0.0, torque_constant=0.5, resistance=2.0, cogging=0.25, cycles=3),
+    "Bouc-Wen": BoucWen(joint="axle", alpha=0.25, stiffness=4.0, yield_angle=0.5, rest_angle=0.1),
+    "Maxwell slip": MaxwellSlip(joint="axle", stiffness=(2.0, 8.0), slip=(10.0, 20.0)),
+} | {
+    f"{kind} table, {outside}": TableSpring(interpolation=kind, outside=outside, **TABLE)
+    for kind in ("cubic", "linear")
+    for outside in ("hold", "extend", "refuse")
+}
+
+
+@pytest.mark.parametrize("name", CONSERVATIVE)
+def test_at_rest_a_spring_pulls_with_the_slope_of_its_energy(name):
+    """Everywhere: on its table and beyond it, in its ramps, on either side of where it is at rest."""
+    mechanism = build_mechanism(wheel_urdf("revolute"), "fixed")
+    family = {"cogging": "drives"}.get(name, "springs")
+    system = System(mechanism, **{family: {"axle": CONSERVATIVE[name]}})
+    workspace, rates, step = Workspace(system), np.zeros(1 + system.manifold.nx), 1e-4
+    angles = np.linspace(-1.507, 1.501, 95)  # none within a step of a kink
+
+    def energy(angle):
+        return audit(workspace, system.state(np.array([angle]), np.zeros(1))).springs
+
+    torque = np.zeros(len(angles))
+    for k, angle in enumerate(angles):
+        workspace.apply_elements(0.0, system.state(np.array([angle]), np.zeros(1)), rates)
+        torque[k] = workspace.tau[0]
+    slope = np.array([energy(angle + step) - energy(angle - step) for angle in angles]) / (2.0 * step)
+    assert np.abs(torque).max() > 0.0
+    # The differences are off by the step's square.
+    np.testing.assert_allclose(torque, -slope, rtol=0, atol=1e-6 * np.abs(torque).max())
 
 
 @pytest.fixture

@@ -1,5 +1,8 @@
 """What a test can tell before anything is fitted."""
 
+import math
+import sys
+
 import numpy as np
 import pytest
 from known_curves import Curve, line, oscillator
@@ -7,6 +10,7 @@ from known_curves import Curve, line, oscillator
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.identifiable import identifiable
 from antenna_pin.fit.rank import rank_of
+from antenna_pin.fit.unknowns import size_of
 
 
 def test_expected_errors_are_those_of_the_fit_to_come(times):
@@ -104,3 +108,18 @@ def test_differences_that_are_no_numbers_are_refused(times):
         rank_of(jacobian, np.ones(2))
     with pytest.raises(InvalidParameterError, match=r"of 3 columns, one a parameter, got shape \(4, 2\)"):
         rank_of(jacobian, np.ones(3))
+
+
+@pytest.mark.parametrize(
+    ("start", "low", "high", "size"),
+    [
+        (-3.0, 0.0, 10.0, 3.0),
+        (0.0, -2.0, 5.0, 7.0),
+        (0.0, -math.inf, 5.0, 1.0),
+        (0.0, 2.0, math.inf, 1.0),
+        (0.0, -math.inf, math.inf, 1.0),
+        (0.0, -sys.float_info.max, sys.float_info.max, 1.0),  # as "no bounds" may be written
+    ],
+)
+def test_a_parameter_that_starts_at_zero_is_as_large_as_its_bounds_are_apart(start, low, high, size):
+    assert size_of(start, low, high) == size

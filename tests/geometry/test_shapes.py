@@ -26,6 +26,7 @@ from antenna_pin.geometry.revolute_kernels import bore_contact, flange_contact, 
 from .conftest import Coal, antenna
 
 PLANAR = PlanarClearance(bearing_radius=0.010, journal_radius=0.0098)
+BALL = SphericalClearance(socket_radius=0.010, ball_radius=0.0098)
 
 
 def test_clearances_follow_from_dimensions(joint):
@@ -77,6 +78,21 @@ def test_planar_joint_is_a_circle_in_a_circle(geometry):
         assert contact.point == pytest.approx(
             [0.01 * x / eccentricity, 0.01 * y / eccentricity, 0.0], abs=1e-16
         )
+
+
+@pytest.mark.parametrize("geometry", [BALL, Coal(BALL)], ids=["closed-form", "coal"])
+def test_a_ball_in_a_socket_is_a_sphere_in_a_sphere(geometry):
+    """However the ball is turned: what opens along the line of centres is the play less the eccentricity."""
+    rng = np.random.default_rng(5)
+    assert BALL.radial_clearance == pytest.approx(2e-4, rel=1e-12, abs=0.0)
+    for _ in range(100):
+        centre = rng.uniform(-4e-4, 4e-4, 3)
+        (contact,) = geometry.contacts(centre, rng.normal(size=3))
+        eccentricity = np.linalg.norm(centre)
+        assert contact.gap == pytest.approx(2e-4 - eccentricity, abs=1e-17)  # round-off
+        # As above.
+        assert contact.normal == pytest.approx(-centre / eccentricity, abs=1e-13)
+        assert contact.point == pytest.approx(0.01 * centre / eccentricity, abs=1e-16)
 
 
 @pytest.mark.parametrize("geometry", [PLANAR, Coal(PLANAR)], ids=["closed-form", "coal"])

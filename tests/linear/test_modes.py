@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from antenna_pin.assemble import urdf_variant
 from antenna_pin.dynamics import JointSpring, PointSpring
 from antenna_pin.elements import PrescribedMotion
 from antenna_pin.flexible import MassProperties
-from antenna_pin.linear import linearise, prepared
+from antenna_pin.linear import eigen, linearise, prepared
 
 TAU = 2.0 * np.pi
 
@@ -294,3 +295,19 @@ def test_a_free_spinning_body_nutates():
     found = modes(system, q=system.neutral(), v=[0, 0, 0, 0, 0, 4.0], moving=True)
     assert set(found.data["kind"].values) == {"rigid"}
     assert np.abs(found.frequency * TAU - (0.3 / 0.2 - 1.0) * 4.0).min() < 1e-12
+
+
+@pytest.mark.parametrize("off", [0.5, 1e-3, 2.5e-9, 0.0])
+def test_a_free_base_is_placed_by_its_velocity_however_near_its_spin_a_mode_is(off: float):
+    """In axes that turn, w = (lambda + D) s, singular at a mode of the spin itself: there the least place."""
+    spin = 3.0
+    drift = np.zeros((6, 6))
+    for first in (0, 3):
+        drift[first : first + 2, first : first + 2] = [[0.0, -spin], [spin, 0.0]]
+    # Across the spin it moves against the axes, so that its velocity nearly vanishes; along it anyhow.
+    place = np.array([1.0, 1j, 0.5, 1j, -1.0, 2.0]) if off else np.array([0.0, 0.0, 0.5, 0.0, 0.0, 2.0])
+    value = 1j * spin * (1.0 + off)
+    speed = (value * np.eye(6) + drift) @ place
+    found = eigen._base_place(SimpleNamespace(drift=drift), value, speed)
+    # Of the velocity, known to 1e-16, a part in 1e9 is left.
+    assert found == pytest.approx(place, abs=1e-6)

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from wheel import INERTIA, wheel_urdf
 
-from antenna_pin import AntennaPinError, System, load_scenario, modes
+from antenna_pin import AntennaPinError, System, build_mechanism, load_scenario, modes
 from antenna_pin.analysis import body_poses
 from antenna_pin.dynamics import ConstantDrive, JointSpring
+from antenna_pin.elements import LuGreFriction
 from antenna_pin.linear import frequency_response, swing
 from antenna_pin.plot import figure_response
 from antenna_pin.record import record_several
@@ -45,6 +47,23 @@ def test_two_masses_on_a_spring(chain: Any):
     peak = float(own["frequency"].values[int(own["gain"].values.argmax())])
     ratio = found.damping_ratio[-1]
     assert peak == pytest.approx(found.frequency[-1] * np.sqrt(1.0 - 2.0 * ratio**2), rel=0.02)
+
+
+def test_a_wheel_that_sticks_swings_on_its_bristles():
+    """A torque below friction turns it by 1 / (sigma_0 + i (sigma_1 + sigma_2) w - J w^2)."""
+    friction = LuGreFriction(
+        joint="axle", coulomb=2.0, static=3.0, stribeck_rate=0.1, stiffness=40.0, damping=0.6, viscous=0.5
+    )
+    system = System(
+        build_mechanism(wheel_urdf("revolute"), "fixed"),
+        springs={"friction": friction},
+        drives={"push": ConstantDrive(joint="axle", value=0.0)},
+    )
+    grid = np.geomspace(0.01, 100.0, 50)
+    answer = frequency_response(modes(system), "drives.push", ["axle"], grid)
+    w = TAU * grid
+    expected = 1.0 / (40.0 + 1j * (0.6 + 0.5) * w - INERTIA * w**2)
+    assert np.abs(answer["response"].values[:, 0] / expected - 1.0).max() < 1e-10
 
 
 def test_the_boresight_follows_the_elevation_drive():

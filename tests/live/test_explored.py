@@ -41,6 +41,26 @@ def made_by(explored):
     return told.made[-1]
 
 
+def test_a_scenario_that_cannot_be_made_is_answered_at_once():
+    """With why, and after how long; an error that is none of ours is one line too."""
+
+    def refused():
+        raise AntennaPinError("no such joint")
+
+    def failing():
+        raise ZeroDivisionError("of\nzero")
+
+    for scenario, said in ((refused, "no such joint"), (failing, "ZeroDivisionError: of zero")):
+        told, began = Told(), time.perf_counter()
+        runner = Runner(told)
+        number = runner.ask(scenario)
+        assert told.done.wait(60.0)  # which a thread that is not woken never ends
+        runner.close()
+        (made,) = told.made
+        assert (made.number, made.run, made.refused) == (number, None, said)
+        assert 0.0 <= made.wall <= time.perf_counter() - began
+
+
 def test_a_run_gets_on_however_slow_its_pieces_are(antenna, monkeypatch):
     """Where going on takes its time whatever the piece, shorter pieces would never come to the end."""
     from antenna_pin.live import runner

@@ -6,8 +6,7 @@ import pytest
 
 from antenna_pin import list_scenarios, load_scenario
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.live import knobs_of
-from antenna_pin.live.knobs import Knob
+from antenna_pin.live import Knob, knobs_of
 from antenna_pin.scenario import TouchingSpec
 
 CASES = [
@@ -124,16 +123,56 @@ def test_a_restitution_goes_from_0_to_1():
         assert found and {(one.low, one.high, one.logarithmic) for one in found} == {(0.0, 1.0, False)}, name
 
 
-def test_play_that_the_radii_give_is_turned_at_the_journal():
-    scenario = load_scenario("bai2020", case="case3")
-    own = scenario.clearance["elevation"]
-    text = {"radial_clearance": None, "journal_radius": 9.8e-3}
-    given = own.model_copy(update=text)
-    changed = scenario.model_copy(update={"clearance": {"elevation": given}})
-    knob = knobs_of(changed, "elevation")[0]
-    assert knob.place == "clearance.elevation.journal_radius"
-    assert knob.value == pytest.approx(0.2e-3, rel=1e-12, abs=0.0)  # a difference of radii of 0.01 m
-    assert knob.settings(0.5e-3) == {knob.place: own.bearing_radius - 0.5e-3}
+@pytest.mark.parametrize(
+    ("model", "case", "changes", "key", "play", "wider"),
+    [
+        (
+            "bai2020",
+            "case3",
+            {"radial_clearance": None, "journal_radius": 9.8e-3},
+            "journal_radius",
+            0.2e-3,
+            9.5e-3,
+        ),
+        (
+            "bai2020",
+            "case3",
+            {"axial_clearance": None, "flange_distance": 50.4e-3},
+            "flange_distance",
+            0.2e-3,
+            51e-3,
+        ),
+        ("slider", "rest", {}, "slider_width", 0.05e-3, 39.1e-3),
+        ("slider", "rest", {}, "slider_height", 0.1e-3, 39.2e-3),
+    ],
+)
+def test_play_that_two_sizes_give_is_turned_at_one_of_them(model, case, changes, key, play, wider):
+    """Of lengths and widths it is half their difference, that of either side. Last: the size at 0.5 mm."""
+    scenario = load_scenario(model, case=case)
+    ((joint, own),) = scenario.clearance.items()
+    given = own.model_copy(update=changes)
+    changed = scenario.model_copy(update={"clearance": {joint: given}})
+    (knob,) = (one for one in knobs_of(changed, joint) if one.place == f"clearance.{joint}.{key}")
+    assert knob.value == pytest.approx(play, rel=1e-11, abs=0.0)  # a difference of sizes of 0.01 m and more
+    assert knob.settings(0.5e-3) == {knob.place: pytest.approx(wider, rel=1e-14, abs=0.0)}
+
+
+@pytest.mark.parametrize(
+    ("unit", "value", "shown"),
+    [
+        ("N/m**1.5", 2.5e10, "2.5e+10 N/m^1.5"),
+        ("kg*m**2", 0.25, "0.25 kg*m^2"),
+        ("rad/s**2", 0.3, "0.3 rad/s^2"),
+        ("rad/s**2", math.radians(30.0), "30 deg/s^2"),
+        ("rad/s", 0.6 * math.pi, "18 rpm"),
+        ("N*m/rad", 36.0 / math.pi, "0.2 N*m/deg"),
+    ],
+)
+def test_powers_are_shown_as_they_are_typed(unit, value, shown):
+    """With a circumflex; and what is shown is read again."""
+    knob = Knob(group="", name="", place="here", unit=unit, value=value, low=0.0, high=1.0, logarithmic=False)
+    assert knob.told(value) == shown
+    assert knob.read(shown) == pytest.approx(value, rel=1e-14, abs=0.0)
 
 
 @pytest.mark.parametrize(

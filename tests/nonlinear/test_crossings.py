@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from antenna_pin import RunSettings
 from antenna_pin.nonlinear import Flow, continued
 from antenna_pin.nonlinear.hidden import hidden, is_torus
+from antenna_pin.nonlinear.locate import where_crossed
 
 WEIGHT = 9.0  # m g l of 1 kg at 1 m
 
@@ -151,3 +152,56 @@ def test_a_parameter_that_turns_twice_within_a_step_is_looked_at_between():
         assert found is None or low < found < low + size
         seen[twice] += 1
     assert min(seen.values()) > 20
+
+
+def node(multipliers, way=(1.0, 1.0), crossing=1.0, doubt=1e-9):
+    """Return of an orbit what is asked of it."""
+    orbit = SimpleNamespace(multipliers=np.array(multipliers, dtype=complex), doubt=doubt, onsets=1)
+    return SimpleNamespace(point=SimpleNamespace(orbit=orbit), way=np.array(way), crossing=crossing)
+
+
+def between(low, high, beside):
+    """Return a straight step from 0 to 1 between two orbits, behind a third."""
+    nodes = {-1.0: beside, 0.0: low, 1.0: high}
+    return SimpleNamespace(
+        follower=SimpleNamespace(unit=1.0),
+        node=nodes.__getitem__,
+        nodes=lambda: nodes,
+        slope=lambda along: 1.0,
+        point=lambda along: SimpleNamespace(value=along),
+    )
+
+
+@pytest.mark.parametrize(
+    ("last", "more", "where"),
+    [
+        ((0.6,), {}, None),  # all stay within the unit circle
+        ((1.5,), {"crossing": -1.0}, None),  # one has left it, through a branch point
+        ((1.5,), {}, 0.5),  # one has left it, and nothing says how
+        ((-1.5,), {}, None),  # through -1, where the period doubles
+        ((1.0,), {}, None),  # it is on neither side
+        ((1.5, 0.1), {}, None),  # a contact that lasted ends: of another map as many do not count
+    ],
+)
+def test_a_multiplier_does_not_leave_the_unit_circle_unseen(last, more, where):
+    """Where it has with no sign that says so, an orbit in between is looked at."""
+    assert hidden(between(node((0.5,)), node(last, **more), node((0.4,))), 0.0, 1.0) == where
+
+
+def test_a_crossing_is_doubted_as_its_orbits_are():
+    """By what the map's derivative is wrong by, and by what is left of an orbit over how far that is away.
+
+    Of a branch on which the determinant falls to zero at 0.1, evenly, as the least singular value does.
+    """
+    residual, doubt, off = 2e-9, 1e-9, 0.1
+
+    def at(along):
+        orbit = SimpleNamespace(doubt=doubt, residual=residual)
+        point = SimpleNamespace(orbit=orbit, value=2.0 + 3.0 * along)
+        return SimpleNamespace(point=point, crossing=5.0 * (along - off), margin=abs(along - off), told=True)
+
+    step = SimpleNamespace(arc=2.0, node=at, point=lambda along: at(along).point)
+    found = where_crossed(step, -1.0, 1.0, 0.0)
+    assert found.value == pytest.approx(2.3, abs=1e-12) and found.along == pytest.approx(off, abs=1e-12)
+    # The first orbits about it are an eighth of the step to either side; nearer ones are doubted more.
+    assert found.doubt == pytest.approx(3.0 * (doubt + residual / 0.25), rel=1e-6)

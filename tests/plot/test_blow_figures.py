@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.plot import figure_bore_load, figure_contact_forces
+from antenna_pin.plot import figure_bore_load, figure_contact_forces, figure_eccentricity
 
 
 @pytest.fixture(scope="module")
@@ -85,3 +85,15 @@ def test_where_the_bore_was_pressed_stands_over_time(run):
     assert near.min() < 1e-9
     assert load.name == "polar" and when.get_xlim() == (0.0, pytest.approx(float(run["time"][-1])))
     assert {axes.name for axes in figure_bore_load([("a", run), ("b", run)]).axes} == {"polar"}
+
+
+@pytest.mark.parametrize("figure", [figure_contact_forces, figure_eccentricity])
+def test_a_result_without_its_table_of_contacts_has_no_blows(run, figure):
+    """As another tool may leave it: the curves are drawn all the same."""
+    whole, bare = figure(("case3", run)), figure(("case3", run.drop_dims("episode")))
+    dots = [
+        sum(np.size(line.get_xdata()) for axes in one.axes for line in axes.lines if line.get_marker() == ".")
+        for one in (whole, bare)
+    ]
+    assert dots[0] > 0 and dots[1] == 0
+    assert not any("strongest blow" in axes.get_title("left") for axes in bare.axes)

@@ -401,7 +401,8 @@ def test_pointing_error_is_against_the_ideal_run(runs):
 
 def test_spectra_are_those_of_the_analysis(runs):
     figure = figure_spectra(runs)
-    assert len(figure.axes) == len(SIGNALS)
+    letters = [axes.get_title("left").partition(" ")[0] for axes in figure.axes]
+    assert letters == [rf"$\bf{{({letter})}}$" for letter, _ in zip("abc", SIGNALS, strict=True)]
     case, data = runs[1]
     values = data["motion_acceleration"].sel(joint="elevation").values
     expected = spectrum(data["time"].values, values, segment=0.5 * float(data["time"][-1]))

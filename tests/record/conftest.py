@@ -1,6 +1,9 @@
 """Short runs that recordings are made of."""
 
+import base64
+
 import pytest
+import umsgpack
 
 from antenna_pin import load_scenario, simulate
 
@@ -24,3 +27,13 @@ def planar_run():
 @pytest.fixture(scope="session")
 def ball_run():
     return simulate(load_scenario("spherical_pendulum", case="swing"), duration=0.05)
+
+
+def shapes_in(recording):
+    """Return the sizes of simple shapes in the scene, by path."""
+    found = {}
+    for text in recording.data["commands"]:
+        command = umsgpack.unpackb(base64.b64decode(text))
+        for shape in command.get("object", {}).get("geometries", ()):
+            found[command["path"].lstrip("/").removeprefix("meshcat/")] = shape
+    return found

@@ -9,6 +9,8 @@ import pytest
 from antenna_pin import load_scenario, simulate
 from antenna_pin.record import record
 
+from .conftest import shapes_in
+
 
 def tracks_of(run, **more):
     """Return the tracks of gears by name, (frames, 3, 4)."""
@@ -53,5 +55,10 @@ def test_strands_are_tangents_of_their_pulleys(crossed, name):
         assert np.array_equal(seen(taut), ~seen(slack))
         assert seen(taut).all() if crossed else seen(taut).all() == (side == "plus")
         drawn = np.where(seen(taut)[:, None], taut[:, :, 2], slack[:, :, 2])
-        # A cylinder of 1 m is drawn out to it; key frames are single precision.
+        # A thin cylinder of 1 m is drawn out to it; key frames are single precision.
         assert np.linalg.norm(drawn, axis=1) == pytest.approx(length, rel=1e-6)
+    shapes = shapes_in(record(run, fps=50))
+    for strand in ("plus", "minus"):
+        for colour in ("E69F00", "B8C4CE"):
+            part = shapes[f"gears/gears.{name} {strand} {colour}/part"]
+            assert part["height"] == 1.0 and 0.0 < part["radiusTop"] == part["radiusBottom"] < 0.02 * length

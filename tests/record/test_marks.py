@@ -12,6 +12,8 @@ from antenna_pin.analysis import body_poses
 from antenna_pin.linear import swing
 from antenna_pin.record import record
 
+from .conftest import shapes_in
+
 
 def placed(recording):
     """Return the placements of all things in the scene, (4, 4), by their paths."""
@@ -45,6 +47,22 @@ def test_stops_and_latches_are_shown_by_their_modes(array_run):
         (path,) = (one for one in shown if one.endswith(f"stops.second upper/{colour}"))
         changes = np.frombuffer(base64.b64decode(shown[path]), dtype="<f8")
         assert np.array_equal(np.searchsorted(changes, times, side="right") % 2 == 1, wanted)
+
+
+def test_a_pointer_reaches_to_the_stops_and_hides_none(array_run):
+    """It ends in the middle of a wedge, and is thinner than that each way: of both some is seen."""
+    recording = record(array_run)
+    shapes, scene = shapes_in(recording), placed(recording)
+    (pointer,) = (path for path in shapes if path.endswith("pointer root"))
+    wedges = [path for path in shapes if "stops.root " in path]
+    assert len(wedges) == 4  # lower and upper, each in two colours
+    size = "width", "height", "depth"
+    along, *across = (shapes[pointer][name] for name in size)
+    (joint,) = (path for path in listed(recording, "joints")["paths"] if path.endswith(" root"))
+    for path in wedges:
+        far = np.linalg.norm(scene[path][:3, 3] - scene[joint][:3, 3])
+        assert far == pytest.approx(along, rel=1e-9)
+        assert max(across) < min(shapes[path][name] for name in size)
 
 
 def test_joints_springs_and_frames_are_where_they_are(array_run):

@@ -112,6 +112,10 @@ def test_numbers_are_those_of_the_datasets(told, found):
     real, imaginary = float(orbit["multiplier_real"][0]), float(orbit["multiplier_imaginary"][0])
     size = np.hypot(real, imaginary)  # of one of a pair, told with its angle; a real one with its sign
     assert first == [real if imaginary == 0.0 else size, size, float(orbit["exponent"][0])]
+    said = told.said(key["orbit"])
+    onsets, events = int(orbit["onsets"].item()), int(orbit["events"].item())
+    assert said["in a period"] == f"{onsets} contacts that begin, {events} events"
+    assert said["ends of a period"].endswith("error scales apart")
     values = branch["value"].values
     assert told.numbers(f"{key['branch']}-stability", "stable")[:3] == [values[0], values[-1], len(values)]
     value, error = float(exponents["value"][0]), float(exponents["error"][0])

@@ -147,6 +147,39 @@ def test_deviation_impacts_loads_settling_and_frequencies_are_those_of_the_analy
     assert [f for f in shown if f is not None][: len(peaks)] == list(peaks)
 
 
+def test_impacts_are_told_in_the_units_of_the_analysis(both, play):
+    """Units stand in the head of a column, with a prefix that suits all its numbers."""
+    table = impacts(play)
+    hardest = np.argsort(-table["peak_force"].values, kind="stable")[:8]
+    (shown,) = both.tree.xpath("//figure[@id='table-largest-impacts-elevation-case3']")
+    heads = [" ".join(one.text_content().split()).partition(" [") for one in shown.xpath(".//thead//th")][1:]
+    names = [
+        *("onset", "peak_time", "approach_speed", "peak_force", "peak_depth"),
+        *("impulse", "duration", "restitution", "dissipated"),
+    ]
+    for k, (name, (_, _, unit)) in enumerate(zip(names, heads, strict=True), 1):
+        unit, own = unit.rstrip("]"), table[name].attrs["units"].replace("1", "")
+        assert unit == own or (unit[:1] in PREFIXES and unit[1:] == own), name
+        for cell, value in zip(shown.xpath(f".//tbody/tr/td[{k}]"), table[name].values[hardest], strict=True):
+            if np.isfinite(value):
+                assert read(cell.text_content(), unit) == pytest.approx(value, rel=5.01e-3, abs=0.0)
+
+
+def test_the_three_strongest_frequencies_are_told(ideal, shown):
+    """Of five sines in an acceleration, with their amplitudes; of a signal without any nothing stands out."""
+    time = ideal.data["time"].values
+    sines = {140.0: 5.0, 300.0: 4.0, 60.0: 3.0, 380.0: 2.0, 220.0: 1.0}
+    values = np.zeros_like(ideal.data["motion_acceleration"].values)
+    values[:, 0] = sum(size * np.sin(2.0 * np.pi * f * time) for f, size in sines.items())
+    data = ideal.data.assign(motion_acceleration=(("time", "joint"), values))
+    page = shown(report(dataclasses.replace(ideal, data=data), figures=False, recordings=False).html)
+    joint = str(data["joint"].values[0])
+    rows = {name: cells for name, cells in page.rows("frequencies").items() if f"of {joint}: " in name}
+    assert [cells[0][1] for cells in rows.values()] == pytest.approx([140.0, 300.0, 60.0], abs=1.0)
+    sizes = [float(cells[0][0].partition(", ")[2].split("\N{NO-BREAK SPACE}")[0]) for cells in rows.values()]
+    assert sizes == pytest.approx([5.0, 4.0, 3.0], rel=0.02)
+
+
 def test_pointing_indices_have_their_windows_said(both, ideal, play, shown):
     errors = pointing_error(play, ideal)
     time = errors["time"].values

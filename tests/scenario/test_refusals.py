@@ -5,7 +5,7 @@ import math
 import pytest
 from scenario_files import DELETED, FILE, H
 
-from antenna_pin import contact
+from antenna_pin import contact, load_scenario
 from antenna_pin.errors import ScenarioError, UnknownNameError
 
 
@@ -578,6 +578,27 @@ def test_an_unknown_case_names_the_known_ones(folder):
 def test_bad_torque_tables_are_refused_with_file_and_line(folder, text, message):
     (folder.path / "bad.csv").write_text(text)
     assert folder.refusal({"drives.slow.file": "bad.csv"}) == f"drives.slow.file: bad.csv, {message}"
+
+
+@pytest.mark.parametrize("frequency", [0.3, 15.0, 900.0])
+@pytest.mark.parametrize("share", [0.4999, 0.5, 2.0])
+def test_an_elastic_frequency_is_below_half_the_output_rate(frequency, share):
+    """Slower samples show another one; a result without samples may have any."""
+    mode = "flexible.reflector.modes"
+    overrides = {f"{mode}.nod.frequency": frequency, f"{mode}.bend.frequency": 0.5 * frequency}
+    overrides |= {"output.rate": frequency / share}
+
+    def load(**more):
+        return load_scenario("bai2020", case="flexible-ideal", overrides=overrides | more)
+
+    if share < 0.5:
+        assert load().output.rate == frequency / share
+    else:
+        with pytest.raises(
+            ScenarioError, match=r"flexible\.reflector\.modes\.nod\.frequency must be below half"
+        ):
+            load()
+    assert load(**{"output.form": "lean"}).output.rate == frequency / share
 
 
 def test_a_torque_table_may_have_comments_and_blanks(folder):

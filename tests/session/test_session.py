@@ -438,6 +438,14 @@ def test_a_step_costs_little_beyond_its_integration(short):
             lambda s: s.run_until(Angle("elevation", 1.0)),
             "run_until: timeout must be given beside a condition",
         ),
+        (
+            lambda s: s.run_until(Angle("elevation", 1.0), timeout="1 m"),
+            r"^run_until: timeout must be a time \[s\]",
+        ),
+        (
+            lambda s: s.run_until(Angle("elevation", 1.0), timeout=0.0),
+            "^run_until: timeout must be a positive",
+        ),
         (lambda s: s.run_until(Angle("elevaton", 1.0), timeout=1.0), "did you mean elevation"),
         (lambda s: s.command.__setitem__("elevaton", 1.0), "did you mean elevation"),
         (lambda s: s.command.__setitem__("elevation", float("nan")), "value"),

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from antenna_pin import load_scenario, run_study
+from antenna_pin import load_scenario, run_study, simulate
 from antenna_pin.base.units import any_quantity
 from antenna_pin.cli._study_tables import said_of_time
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.sweep import design_of, load_study, prepared, run_seconds
+from antenna_pin.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Counts
 
 SAMPLED = """
@@ -253,8 +254,6 @@ def test_refused_responses(write, tmp_path, response, said):
 
 def test_numbers_are_those_of_single_runs(write, tmp_path):
     """Kept values, of a function of the user's own too, are what each run by itself gives, bit for bit."""
-    from antenna_pin import simulate
-
     (tmp_path / "own.py").write_text(  # which may do as it likes with what it is given
         "def both(run, seed):\n"
         "    run.data['peak_force'] = 0.0 * run.data['peak_force']\n"
@@ -298,6 +297,39 @@ def test_runs_are_compared_with_a_full_reference(write, tmp_path):
     table = run_study(write(starts, reference, text), tmp_path / "full.study")
     # In 1 ms gravity turns one by some 5e-6 rad more than the other.
     assert table["off"].values == pytest.approx([0.0, 0.2], abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("given", "unit", "meaning"),
+    [
+        ({"measure": "peak_force"}, "N", "largest normal force"),
+        ({"measure": "peak_force", "of": "bore"}, "N", "largest normal force, bore"),
+        ({"measure": "peak_effort", "units": "N"}, "N", "largest size of the torque that holds the motion"),
+        (
+            {"measure": "deviation_rms", "of": "a angle"},
+            "rad",
+            "root mean square deviation from the reference, a angle",
+        ),
+        ({"measure": "pointing"}, "rad", "largest APE of the pointing error, half-cone"),
+        (
+            {
+                "measure": "pointing",
+                "index": "RPE",
+                "component": "cross",
+                "value": "level",
+                "confidence": 0.95,
+            },
+            "rad",
+            "95 % level of the RPE of the pointing error, cross",
+        ),
+        ({"function": "own.py:f", "units": "kg"}, "kg", "own.py:f"),
+        ({"function": "own.py:f", "title": "mass"}, "", "mass"),
+    ],
+)
+def test_a_response_is_called_what_it_is(given, unit, meaning):
+    """In figures and tables: what is largest or which level, of what; in whose unit."""
+    response = ResponseSpec(**given)
+    assert response.unit == unit and response.meaning.startswith(meaning)
 
 
 @pytest.mark.parametrize(
@@ -365,3 +397,27 @@ def test_a_response_that_is_no_number_of_a_run_is_said_of_it(write, tmp_path):
     table = run_study(write(PLAY + 'values = ["0.1 mm"]', text=text), tmp_path / "trial.study")
     assert np.isnan(table["own"].values).all()
     assert "response own: it is nan of this run, no number" in str(table["message"].values.ravel()[0])
+
+
+def test_measures_of_a_contact_are_of_its_own_blows():
+    """And of a joint of all its contacts'; of one that never touched nothing."""
+    run = simulate(load_scenario("bai2020", case="case3"), duration=0.05)
+    data = run.data
+    release = np.nan_to_num(data["release_time"].values, nan=0.05)
+    columns = {
+        "peak_force": (data["peak_force"].values, np.max),
+        "peak_depth": (data["peak_depth"].values, np.max),
+        "impulse": (data["impulse"].values, np.sum),
+        "dissipated": (data["dissipated"].values, np.sum),
+        "contact_time": (release - data["onset_time"].values, np.sum),
+        "impacts": (np.ones(len(release)), np.sum),
+    }
+    names = [str(name) for name in data["contact"].values]
+    of = {name: data["episode_contact"].values == k for k, name in enumerate(names)}
+    of |= {"elevation": np.ones(len(release), dtype=bool), None: np.ones(len(release), dtype=bool)}
+    assert 2 <= sum(mine.any() for name, mine in of.items() if name in names)
+    for measure, (values, over) in columns.items():
+        for name, mine in of.items():
+            found = evaluate("a", ResponseSpec(measure=measure, of=name), "", run, None, 0)
+            expected = over(values[mine]) if mine.any() else 0.0
+            assert found == pytest.approx(expected, rel=1e-14, abs=0.0), (measure, name)
