@@ -39,7 +39,7 @@ from antenna_pin.sensitivity import GrazeError
 from antenna_pin.sensitivity.by_equation import ByEquation
 from antenna_pin.sensitivity.by_runs import ByRuns
 from antenna_pin.sensitivity.parameters import parameters_of
-from antenna_pin.simulation.from_scenario import settings_of
+from antenna_pin.simulation.inputs import settings_of
 
 # In how many steps at least the runs are made that the equation is held against.
 _STEPS = (1, 2_000, 8_000)

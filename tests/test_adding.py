@@ -257,7 +257,7 @@ def test_a_figure_of_a_variable_that_is_new_and_an_event_of_ones_own(copy):
     )
     insert(
         copy,
-        "simulation/sources.py",
+        "simulation/variables.py",
         '"kinetic_energy": audit["kinetic"],',
         '"twice_the_energy": 2.0 * audit["kinetic"],',
     )

@@ -9,7 +9,7 @@ import time
 import pytest
 
 from antenna_pin.cli import _progress
-from antenna_pin.simulation.progress import Progress
+from antenna_pin.simulation.loop import Progress
 
 
 @pytest.mark.parametrize("bar", [False, True])

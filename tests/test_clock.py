@@ -24,7 +24,7 @@ def test_only_provenance_asks_what_time_it_is():
         and isinstance(node.value, ast.Name)
         and (node.value.id, node.attr) in _SET
     }
-    assert asking == {"simulation/finish.py"}
+    assert asking == {"simulation/run.py"}
 
 
 def test_a_run_while_the_clock_is_set_back_is_the_run(tmp_path, monkeypatch):

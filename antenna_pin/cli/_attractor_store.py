@@ -160,7 +160,7 @@ class AttractorStore:
 
         from antenna_pin.base.state import State
         from antenna_pin.simulation import simulate
-        from antenna_pin.simulation.run import settings_of
+        from antenna_pin.simulation.inputs import settings_of
         from antenna_pin.trajectory import Trajectory
 
         state = State.from_json(str(section.attrs["state"]))

@@ -15,10 +15,9 @@ from antenna_pin.base.interruption import interruptible
 from antenna_pin.base.state import State
 from antenna_pin.nonlinear import Flow
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation.from_scenario import controllers_of, events_of, settings_of
+from antenna_pin.simulation.inputs import RunStart, controllers_of, events_of, prepared, settings_of
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.record import labelled_at, open_ledger
-from antenna_pin.simulation.run import First, prepared
+from antenna_pin.simulation.recorder import labelled_at, open_ledger
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.trajectory import ENDED_WELL, Outcome
 
@@ -58,9 +57,9 @@ class Bench:
         self._latest: Run | None = None
 
     @cached_property
-    def _first(self) -> First:
+    def _first(self) -> RunStart:
         q, v = initial_state(self.scenario, self.system)
-        return First(q, v, initial_angles(self.scenario, self.system))
+        return RunStart(q, v, initial_angles(self.scenario, self.system))
 
     @cached_property
     def flow(self) -> Flow:
@@ -93,7 +92,7 @@ class Bench:
             output_times=tuple(times[(times >= begin) & (times <= until)].tolist()),
             output_form="full",
         )
-        given = self._first if start is None else First(start=start)
+        given = self._first if start is None else RunStart(start=start)
         events, controllers = events_of(self.scenario), controllers_of(self.scenario)
         ready = prepared("fit", self.system, given, settings, events, until - begin, None, controllers)
         run = Run(self.system, ready.first, until, settings, events, begin, controllers=controllers)

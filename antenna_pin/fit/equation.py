@@ -38,7 +38,7 @@ from antenna_pin.nonlinear.frames import Lift, Units
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.sensitivity import GrazeError, SensitivityError
-from antenna_pin.simulation.from_scenario import check_without_controllers
+from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.simulation.samples import Chunk
 
 __all__ = ["with_slopes"]

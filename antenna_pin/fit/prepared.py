@@ -25,7 +25,7 @@ from antenna_pin.fit.sensors import amount, check_sensor, noise_of, reading, uni
 from antenna_pin.fit.statistics import Target, target_of
 from antenna_pin.fit.unknowns import Unknowns, size_of
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation.from_scenario import check_without_controllers
+from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.sweep.design import put_value
 
 __all__ = ["Prepared", "prepared"]

@@ -18,7 +18,7 @@ from antenna_pin.linear.play import Play, prepared
 from antenna_pin.linear.result import Modes, modes_at
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.simulation import simulate
-from antenna_pin.simulation.first import check_sizes
+from antenna_pin.simulation.inputs import check_sizes
 from antenna_pin.trajectory import Trajectory, is_lean
 
 __all__ = ["modes"]

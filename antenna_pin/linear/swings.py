@@ -15,7 +15,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.linear.play import At
 from antenna_pin.linear.result import Modes
 from antenna_pin.linear.shares import bodies_of
-from antenna_pin.simulation.carried import mechanism_attributes
+from antenna_pin.simulation.attributes import mechanism_attributes
 from antenna_pin.trajectory import Counts, Outcome, Trajectory
 
 __all__ = ["swing"]

@@ -10,7 +10,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import OpenContact, State
 from antenna_pin.dynamics import Adjustments, System, Workspace, modes_in_another, modes_kept
-from antenna_pin.simulation.first import check_sizes
+from antenna_pin.simulation.inputs import check_sizes
 from antenna_pin.simulation.loop import Run
 
 __all__ = ["carried"]

@@ -19,7 +19,7 @@ from antenna_pin.elements import Modal
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.frames import MEMORIES, Units, frame_at, way_between
 from antenna_pin.nonlinear.kept import Kept
-from antenna_pin.simulation.first import check_sizes
+from antenna_pin.simulation.inputs import check_sizes
 
 __all__ = ["Chart", "NotAlikeError", "OutOfReachError"]
 

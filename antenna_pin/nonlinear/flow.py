@@ -24,9 +24,9 @@ from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.events import Event
-from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
+from antenna_pin.simulation.inputs import check_without_controllers, events_of, settings_of
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.run import settings_of, simulate
+from antenna_pin.simulation.run import simulate
 from antenna_pin.trajectory import Outcome, Trajectory
 
 __all__ = ["Flow", "FlowError", "Tangent", "flow_of"]
@@ -237,13 +237,13 @@ class Flow:
         carrier = Carrier(run, frame, ways, numbers, looks)
         if seen is not None:
             carrier.seen = functools.partial(seen, carrier)
-        run.advance(keep=carrier)
+        run.advance(observer=carrier)
         self.check_ended(run, span, start)
         return carrier, run.present()
 
     def begun(self, start: State, span: float) -> Run:
-        """Return the run of a span of time [s] from a state before its first step, whose steps are taped."""
-        return Run(self.system, start, start.time + span, self._sampled(span), self._events, taped=True)
+        """Return the run of a span of time [s] from a state before its first step, whose steps are logged."""
+        return Run(self.system, start, start.time + span, self._sampled(span), self._events, logged=True)
 
     def tangent_by_runs(
         self, start: State, span: float, chart: Chart | None = None, *, step: float | None = None

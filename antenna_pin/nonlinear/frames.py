@@ -15,7 +15,7 @@ from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.integrate import KINDS
 from antenna_pin.nonlinear.kept import Kept
-from antenna_pin.simulation.scales import scale_vector
+from antenna_pin.simulation.steps import scale_vector
 
 __all__ = [
     "CLOCK",

@@ -20,7 +20,7 @@ from antenna_pin.integrate import Stepper, method_named
 from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.frames import way_between
 from antenna_pin.nonlinear.instants import Carried
-from antenna_pin.simulation.stretches import stepper_of
+from antenna_pin.simulation.steps import stepper_of
 
 __all__ = ["Kink", "Missed", "StepAnew"]
 

@@ -15,8 +15,7 @@ from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear.frames import Units, parts_of
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.numbers import InPlace, Numbers
-from antenna_pin.simulation.scales import scale_vector
-from antenna_pin.simulation.stretches import stepper_of
+from antenna_pin.simulation.steps import scale_vector, stepper_of
 
 __all__ = ["STEP", "Function", "Near"]
 

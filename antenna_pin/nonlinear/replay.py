@@ -13,7 +13,7 @@ from antenna_pin.dynamics import Workspace, acting_in, impulse, kernels, reduced
 from antenna_pin.elements import Met
 from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.nonlinear.numbers import InPlace
-from antenna_pin.simulation.passages import Blow, Struck, Turned
+from antenna_pin.simulation.element_events import ImpulseEffect, ModeEffect, StruckElement
 
 __all__ = ["Meeting", "Replay"]
 
@@ -65,7 +65,7 @@ class Replay:
         }
 
     def __call__(
-        self, done: tuple[Turned | Blow, ...], time: float, y: Array, numbers: Array
+        self, done: tuple[ModeEffect | ImpulseEffect, ...], time: float, y: Array, numbers: Array
     ) -> tuple[Array, Array]:
         """Return velocity, (nv,), and what elements keep, (kept,), behind what was done.
 
@@ -81,7 +81,7 @@ class Replay:
         self.met.clear()
         try:
             for one in done:
-                if isinstance(one, Blow):
+                if isinstance(one, ImpulseEffect):
                     program[:] = one.program
                     if self._numbers is not None:
                         program += self._numbers.present @ self._numbers.program
@@ -92,7 +92,7 @@ class Replay:
             program[:] = present
         return state[nq : nq + nv], numbers
 
-    def _strike(self, blow: Blow, time: float, state: Array) -> None:
+    def _strike(self, blow: ImpulseEffect, time: float, state: Array) -> None:
         """Make impulses, and note what they do to the elements that they are of."""
         nq, nv = self._workspace.model.nq, self._workspace.model.nv
 
@@ -115,7 +115,7 @@ class Replay:
             loss = -0.5 * size * (rate + next_rate)
             self.met[k] = self.met[k]._replace(rate_after=next_rate, loss=loss, impulse=size)
 
-    def _back(self, one: Struck) -> float:
+    def _back(self, one: StruckElement) -> float:
         """Return the restitution of a blow, in a neighbour by its own number."""
         assert one.restitution is not None
         return one.restitution + self._displaced(one.element).get("restitution", 0.0)
@@ -124,7 +124,7 @@ class Replay:
         """Return by how much a neighbour's numbers of an element differ."""
         return {} if self._numbers is None else self._numbers.of_element(place)
 
-    def _turn(self, one: Turned, time: float, state: Array, numbers: Array) -> None:
+    def _turn(self, one: ModeEffect, time: float, state: Array, numbers: Array) -> None:
         """Let an element keep what it keeps of a change, in place."""
         own, nq = self._own[one.place], self._workspace.model.nq
         angle, rate, *_ = kernels.joint_motion(self._workspace.program, self._blocks[one.place], state, nq)

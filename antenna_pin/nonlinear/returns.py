@@ -17,8 +17,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Event, Progress, simulate
-from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
-from antenna_pin.simulation.run import settings_of
+from antenna_pin.simulation.inputs import check_without_controllers, events_of, settings_of
 from antenna_pin.trajectory import Outcome, Trajectory
 
 __all__ = ["Points", "Returns"]

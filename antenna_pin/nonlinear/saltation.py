@@ -17,9 +17,9 @@ from antenna_pin.nonlinear.instants import Carried
 from antenna_pin.nonlinear.near import Function
 from antenna_pin.nonlinear.replay import Replay
 from antenna_pin.simulation import Jump, Moment, Set, Time
+from antenna_pin.simulation.element_events import EventEffect
+from antenna_pin.simulation.events import Switch
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.own_actions import Switch
-from antenna_pin.simulation.passages import Passage
 
 __all__ = ["Passed", "Saltation"]
 
@@ -76,8 +76,8 @@ class Saltation:
         self._field = field
         self._moment = Moment(field.workspace)
         self._replay = Replay(field.workspace, field.kept, field.numbers)
-        self._passages: list[Passage] = []
-        run.actions.passages = self._passages
+        self._passages: list[EventEffect] = []
+        run.actions.effects = self._passages
         #: What has happened so far.
         self.passed: list[Passed] = []
         #: How many displacements there are, and how many directions changes of mode have left of them.
@@ -106,7 +106,7 @@ class Saltation:
 
     # --- events ---------------------------------------------------------------------------------------------
 
-    def _event(self, one: Passage, carried: Carried, time: float, y: Array) -> Carried:
+    def _event(self, one: EventEffect, carried: Carried, time: float, y: Array) -> Carried:
         """Carry displacements through an event."""
         event = one.event
         if not one.acts or not event.has(Set, Jump, Switch):
@@ -140,7 +140,7 @@ class Saltation:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(-slopes / rate)
 
-    def _jump(self, one: Passage, time: float, y: Array, up: Array, late: Array) -> _Way:
+    def _jump(self, one: EventEffect, time: float, y: Array, up: Array, late: Array) -> _Way:
         """Return what a jump does, or what elements do, and let the state jump, in place."""
         field, action = self._field, one.event.action
         nq, nv = field.system.model.nq, field.system.model.nv

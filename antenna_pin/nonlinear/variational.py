@@ -43,7 +43,7 @@ from antenna_pin.nonlinear.pieces import Piece, at_once
 from antenna_pin.nonlinear.saltation import Passed, Saltation
 from antenna_pin.nonlinear.within import Within
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.tape import Taped
+from antenna_pin.simulation.steps import LoggedStep
 
 __all__ = ["Carrier"]
 
@@ -120,7 +120,7 @@ class Carrier:
     """Carries displacements along a run: what the run shows itself to where something changes.
 
     Args:
-        run: Before its first step; its steps are taped.
+        run: Before its first step; its steps are logged.
         first: Axes in its first state.
         ways: Displacements to carry, in coordinates along these, (size, k), or what makes them of these; all
             of them if left out.
@@ -195,9 +195,9 @@ class Carrier:
         self._time, self._y = self._here = run.stepper.t, run.here.copy()
         self.within.take_over(run)
 
-    def look(self, run: Run) -> None:
+    def observe(self, run: Run) -> None:
         """Carry the displacements over the steps since the last look, and over what changes behind them."""
-        touching, steps = run.workspace.memory["touching"], run.steps.tape.steps
+        touching, steps = run.workspace.memory["touching"], run.steps.log.steps
         flipped = np.flatnonzero(self.within.touching != touching).tolist()
         happened, breaks = self._saltation.happened(), {one.last for one in run.watch.value()}
         for one in steps:
@@ -211,7 +211,7 @@ class Carrier:
             self._young = {c for c in {*self._young, *flipped} if touching[c] != 0.0}
             self._settle()
 
-    def _over(self, one: Taped, ends: tuple[bool, bool], parting: Sequence[int]) -> None:
+    def _over(self, one: LoggedStep, ends: tuple[bool, bool], parting: Sequence[int]) -> None:
         """Carry the displacements over a step, now or with those that follow.
 
         Args:
@@ -284,7 +284,7 @@ class Carrier:
 
     def end(self, run: Run) -> None:
         """Carry them to the end."""
-        self.look(run)
+        self.observe(run)
         self._go_along()
 
     def _goes_along(self, step: Step) -> bool:

@@ -16,7 +16,7 @@ from antenna_pin.nonlinear.frames import Frame
 from antenna_pin.nonlinear.missed import Kink
 from antenna_pin.nonlinear.pieces import Piece
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.stretches import stepper_of
+from antenna_pin.simulation.steps import stepper_of
 
 __all__ = ["Within", "kink_in"]
 

@@ -27,13 +27,11 @@ from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.nonlinear.within import Within
 from antenna_pin.sensitivity.parameters import GrazeError
 from antenna_pin.sensitivity.taken import Taken
-from antenna_pin.simulation.events import Jump, Set, Time
+from antenna_pin.simulation.element_events import EventEffect, ImpulseEffect, ModeEffect
+from antenna_pin.simulation.events import Jump, Moment, Set, Switch, Time
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.moment import Moment
-from antenna_pin.simulation.own_actions import Switch
-from antenna_pin.simulation.passages import Blow, Passage, Turned
 from antenna_pin.simulation.samples import Chunk
-from antenna_pin.simulation.tape import Taped
+from antenna_pin.simulation.steps import LoggedStep
 
 __all__ = ["Along", "Change", "Displaced", "Lasting"]
 
@@ -75,7 +73,7 @@ class Happenings:
         """Allocate once."""
         self._field, self._replay, self._moment = field, replay, Moment(field.workspace)
 
-    def of(self, one: Passage, time: float, y: Array, ways: Array, late: Array) -> Happened:
+    def of(self, one: EventEffect, time: float, y: Array, ways: Array, late: Array) -> Happened:
         """Return how an event is displaced.
 
         Args:
@@ -98,7 +96,7 @@ class Happenings:
 
         return Happened(name, time, late, field.along(brought, time, y, there)[0])
 
-    def _late(self, one: Passage, time: float, y: Array, ways: Array) -> Array:
+    def _late(self, one: EventEffect, time: float, y: Array, ways: Array) -> Array:
         """Return by how much later an event comes that changes nothing [s]."""
         if isinstance(one.event.when, Time):
             return np.zeros(ways.shape[1])
@@ -111,7 +109,7 @@ class Happenings:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(np.isfinite(slopes / rate), -slopes / rate, np.nan)
 
-    def _brought(self, one: Passage, base: Array, time: float, y: Array) -> float:
+    def _brought(self, one: EventEffect, base: Array, time: float, y: Array) -> float:
         """Return the energy that an event brings in, of a state before it [J]."""
         workspace, kept = self._field.workspace, self._field.kept.words
         numbers, present = self._field.numbers, workspace.program.copy()
@@ -158,7 +156,7 @@ class Deepest:
         self._table = np.zeros(len(within.workspace.table), CONTACT)
         self.found: list[tuple[int, float]] = []
 
-    def look(self, steps: Sequence[Taped]) -> list[float]:
+    def look(self, steps: Sequence[LoggedStep]) -> list[float]:
         """Look at steps that follow one another; return when contacts that touch in them are deepest [s]."""
         touching = np.flatnonzero(self._within.touching)
         if not steps or not len(touching):
@@ -331,18 +329,18 @@ class Along:
 
     # --- what a run shows itself to -------------------------------------------------------------------------
 
-    def look(self, run: Run) -> None:
+    def observe(self, run: Run) -> None:
         """Carry displacements over the step that was made, and note what changes there."""
-        self._go(run, self.carrier.look)
+        self._go(run, self.carrier.observe)
 
     def end(self, run: Run) -> None:
         """Likewise, at the end."""
         self._go(run, self.carrier.end)
 
     def _go(self, run: Run, carry: Callable[[Run], None]) -> None:
-        passages, noted = list(run.actions.passages or ()), len(self.carrier.passed)
+        passages, noted = list(run.actions.effects or ()), len(self.carrier.passed)
         words = self.carrier.field.numbers.program.copy() if passages and self.carrier.field.numbers else None
-        for time in self._deepest.look(run.steps.tape.steps):
+        for time in self._deepest.look(run.steps.log.steps):
             if time >= self._begin:
                 self.carrier.look_at(time)
         carry(run)
@@ -421,7 +419,7 @@ class Along:
     def _meet_all(
         self,
         mark: _Mark,
-        passages: list[Passage],
+        passages: list[EventEffect],
         new: list[Passed],
         words: Array | None,
     ) -> None:
@@ -439,7 +437,7 @@ class Along:
             if one.acts and one.done:
                 self._meet(one, time, y, there, late, books)
 
-    def _meet(self, one: Passage, time: float, y: Array, there: Array, late: Array, books: Array) -> None:
+    def _meet(self, one: EventEffect, time: float, y: Array, there: Array, late: Array, books: Array) -> None:
         """Note how elements meet their joints, and book what blows take."""
         field = self._field
         kept = field.kept.words
@@ -452,11 +450,11 @@ class Along:
         elements = list(self._replay.met)
         if not elements:
             return
-        turned = [step for step in one.done if isinstance(step, Turned)]
+        turned = [step for step in one.done if isinstance(step, ModeEffect)]
         own = books + np.outer(field.booked(time, y), late)
         slopes = field.along(met, time, y, there).reshape(len(elements), 6, -1)
         # A passage of rigid parts takes no time: rates before it do not jump at a neighbour's own instant.
-        struck = sum(isinstance(step, Blow) for step in one.done)
+        struck = sum(isinstance(step, ImpulseEffect) for step in one.done)
         for found, step, slope in zip(elements, turned, slopes, strict=True):
             self.changes.append(Change(found.place, time, found.angle, late.copy(), slope))
             if struck and found.place in self._losses:

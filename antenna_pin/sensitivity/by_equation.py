@@ -27,7 +27,7 @@ from antenna_pin.sensitivity.along import Along
 from antenna_pin.sensitivity.of_states import OfStates
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
-from antenna_pin.simulation.from_scenario import check_without_controllers, events_of
+from antenna_pin.simulation.inputs import check_without_controllers, events_of
 
 __all__ = ["ByEquation"]
 
@@ -158,6 +158,6 @@ class ByEquation:
         run = flow.begun(first, span)
         carrier = Carrier(run, Chart(flow.system, first).frame, self._start, self._numbers, samples)
         along = Along(run, carrier, self._numbers, begin, len(self.parameters))
-        run.advance(keep=along)
+        run.advance(observer=along)
         flow.check_ended(run, span, first)
         return along

@@ -21,7 +21,7 @@ from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
 from antenna_pin.sensitivity.starts import begun_from, is_of_start
 from antenna_pin.simulation import simulate
-from antenna_pin.simulation.from_scenario import controllers_of, events_of
+from antenna_pin.simulation.inputs import controllers_of, events_of
 from antenna_pin.trajectory import Column, Outcome, Trajectory, columns_of
 
 __all__ = ["ByRuns", "Slopes", "numbers_at"]

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.sensitivity.along import Along
 from antenna_pin.sensitivity.in_time import InTime
-from antenna_pin.simulation.sources import SIZES
+from antenna_pin.simulation.variables import SIZES
 
 __all__ = ["Peaks", "largest_of", "moments_of", "peaks_of"]
 

@@ -26,7 +26,7 @@ from antenna_pin.sensitivity.largest import moments_of
 from antenna_pin.sensitivity.named import by_names
 from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError, parameters_of
 from antenna_pin.sensitivity.starts import check_start_keys
-from antenna_pin.simulation.from_scenario import check_without_controllers, events_of, settings_of
+from antenna_pin.simulation.inputs import check_without_controllers, events_of, settings_of
 
 __all__ = ["Method", "sensitivities"]
 

@@ -15,7 +15,7 @@ from antenna_pin.sensitivity.by_runs import Slopes
 from antenna_pin.sensitivity.in_time import InTime
 from antenna_pin.sensitivity.largest import largest_of, peaks_of
 from antenna_pin.sensitivity.parameters import Parameter
-from antenna_pin.simulation.sources import TOTALS
+from antenna_pin.simulation.variables import TOTALS
 
 __all__ = ["by_names"]
 

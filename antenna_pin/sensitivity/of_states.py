@@ -18,9 +18,9 @@ from antenna_pin.nonlinear.displacer import Displacer
 from antenna_pin.nonlinear.near import Near
 from antenna_pin.sensitivity.along import Displaced
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.motors import MOTORS_SINCE_BEGIN
-from antenna_pin.simulation.record import series_at
+from antenna_pin.simulation.recorder import series_at
 from antenna_pin.simulation.samples import Chunk
+from antenna_pin.simulation.variables import MOTORS_SINCE_BEGIN
 from antenna_pin.trajectory.schema import VARIABLES
 
 __all__ = ["SIDES", "OfStates", "Row", "beside_one_another"]

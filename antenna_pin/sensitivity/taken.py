@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import Change, Met
 from antenna_pin.nonlinear.replay import Meeting
-from antenna_pin.simulation.passages import Turned
+from antenna_pin.simulation.element_events import ModeEffect
 
 __all__ = ["Taken"]
 
@@ -35,7 +35,7 @@ class Taken:
         #: Of each element how its integrals were displaced when it last kept them, (integrals, parameters).
         self._kept: dict[str, Array] = {}
 
-    def of(self, one: Turned, met: Meeting, time: float, x: Array, books: Array) -> Array:
+    def of(self, one: ModeEffect, met: Meeting, time: float, x: Array, books: Array) -> Array:
         """Return by how much more is lost, and what impulse is given, of a change, (2, parameters).
 
         Args:

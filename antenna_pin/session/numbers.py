@@ -23,9 +23,9 @@ from antenna_pin.base.parameters import parameters_of
 from antenna_pin.dynamics import acting_in
 from antenna_pin.elements import Element
 from antenna_pin.errors import AntennaPinError, UnknownNameError
+from antenna_pin.simulation.events import Moment
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.moment import Moment
-from antenna_pin.simulation.record import at_present
+from antenna_pin.simulation.recorder import at_present
 
 __all__ = ["Numbers", "slides"]
 

@@ -31,14 +31,18 @@ from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.session.numbers import Numbers, slides
 from antenna_pin.session.screen import on_screen
 from antenna_pin.simulation import Event, Mark, Moment, Set, Time
-from antenna_pin.simulation.events import check_events
-from antenna_pin.simulation.finish import finished
-from antenna_pin.simulation.first import check_sizes, check_spans
-from antenna_pin.simulation.from_scenario import as_run
+from antenna_pin.simulation.inputs import (
+    PreparedRun,
+    RunStart,
+    as_run,
+    check_events,
+    check_sizes,
+    check_spans,
+    prepared,
+)
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.marks import RecordMark
-from antenna_pin.simulation.open_run import OpenRun
-from antenna_pin.simulation.run import First, Ready, prepared
+from antenna_pin.simulation.open_run import OpenRun, RecordSnapshot
+from antenna_pin.simulation.run import result_of
 from antenna_pin.trajectory import Outcome, Trajectory
 
 __all__ = ["EndedError", "InUseError", "Session", "start"]
@@ -56,7 +60,7 @@ def sought(goal: Event | Callable[[Moment], float]) -> Event:
     return Event(name=_UNTIL, when=goal)
 
 
-def looked_to(ready: Ready, run: Run, end: float) -> float:
+def looked_to(ready: PreparedRun, run: Run, end: float) -> float:
     """Refuse to go to a time at which an element or a motion knows nothing, or leaves its limits.
 
     Args:
@@ -273,7 +277,7 @@ def start(
     Raises:
         AntennaPinError: The input is not valid.
     """
-    first = First(q, v, angles, start)
+    first = RunStart(q, v, angles, start)
     return Session(scenario_named(model), first, settings, tuple(events), record, controllers)
 
 
@@ -298,7 +302,7 @@ class Session(Exclusive):
     def __init__(
         self,
         model: Scenario | System,
-        first: First,
+        first: RunStart,
         settings: RunSettings | None,
         events: tuple[Event, ...],
         record: bool | float,
@@ -310,7 +314,7 @@ class Session(Exclusive):
             raise InvalidParameterError("start", "record", "true, false or a time, zero or more [s]", record)
         self._asked = model, first, settings, events, record, controllers
         self._window = (math.inf if record else 0.0) if isinstance(record, bool) else float(record)
-        self._ready: Ready = prepared("start", model, first, settings, events, None, None, controllers)
+        self._ready: PreparedRun = prepared("start", model, first, settings, events, None, None, controllers)
         self._closed = False
         self._began = first.told(self._ready.scenario)
         self._open = self._opened(self._ready.first)
@@ -481,7 +485,7 @@ class Session(Exclusive):
     def trajectory(self) -> Trajectory:
         """Return what is recorded so far, as a run that ends here has it; the session goes on."""
         run, ready, began = self._open.run, self._ready, clock.perf_counter()
-        kept, wall = RecordMark(run), run.wall
+        kept, wall = RecordSnapshot(run), run.wall
         told = self._began
         if run.begin > ready.begin:
             told = f"a session's state at {run.begin:.12g} s: the first sample"
@@ -491,10 +495,10 @@ class Session(Exclusive):
         try:
             run.judge()
             run.complete()
-            result = finished(run, scenario, told, None, began)
+            result = result_of(run, scenario, told, None, began)
         finally:
             run.samples.leave()
-            kept.go_back()
+            kept.restore()
             run.wall = wall
         if self._commanded:
             said = [[t, action.place, float(action.value)] for t, action in self._commanded]
@@ -517,7 +521,7 @@ class Session(Exclusive):
     def copy(self) -> Session:
         """Return another session that stands here; what is done to one the other does not see."""
         model, _, settings, events, record, controllers = self._asked
-        return Session(model, First(start=self.state), settings, events, record, controllers)
+        return Session(model, RunStart(start=self.state), settings, events, record, controllers)
 
     @exclusive
     def reset(
@@ -529,7 +533,7 @@ class Session(Exclusive):
         """Begin anew: where the session began, or at another configuration and velocity."""
         if q is not None or v is not None or angles is not None:
             model, _, settings, events, record, controllers = self._asked
-            first = First(q, v, angles)
+            first = RunStart(q, v, angles)
             self._ready = prepared("reset", model, first, settings, events, None, controllers=controllers)
             self._asked = model, first, settings, events, record, controllers
         self._begin_at(self._ready.first, self._asked[1].told(self._ready.scenario))

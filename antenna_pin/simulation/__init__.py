@@ -1,4 +1,4 @@
-"""The run: steps, contact memory, events, sampling, stopping rules."""
+"""Simulation: run loop, recorder, events, monitor."""
 
 from antenna_pin.base.lazy import exported
 

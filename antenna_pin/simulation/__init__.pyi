@@ -1,4 +1,6 @@
 from antenna_pin.simulation.checkpoint import Checkpoint as Checkpoint
+from antenna_pin.simulation.checkpoint import CheckpointsWaitedWarning as CheckpointsWaitedWarning
+from antenna_pin.simulation.checkpoint import NotKeptWarning as NotKeptWarning
 from antenna_pin.simulation.events import Angle as Angle
 from antenna_pin.simulation.events import ElementChange as ElementChange
 from antenna_pin.simulation.events import Event as Event
@@ -6,13 +8,11 @@ from antenna_pin.simulation.events import Force as Force
 from antenna_pin.simulation.events import Gap as Gap
 from antenna_pin.simulation.events import Jump as Jump
 from antenna_pin.simulation.events import Mark as Mark
+from antenna_pin.simulation.events import Moment as Moment
 from antenna_pin.simulation.events import Rate as Rate
 from antenna_pin.simulation.events import Set as Set
 from antenna_pin.simulation.events import Stop as Stop
 from antenna_pin.simulation.events import Time as Time
-from antenna_pin.simulation.finish import UnsavedError as UnsavedError
-from antenna_pin.simulation.keeper import CheckpointsWaitedWarning as CheckpointsWaitedWarning
-from antenna_pin.simulation.keeper import NotKeptWarning as NotKeptWarning
-from antenna_pin.simulation.moment import Moment as Moment
-from antenna_pin.simulation.progress import Progress as Progress
+from antenna_pin.simulation.loop import Progress as Progress
+from antenna_pin.simulation.run import UnsavedError as UnsavedError
 from antenna_pin.simulation.run import simulate as simulate

@@ -1,11 +1,16 @@
-"""A run in the middle, as a file: its state, and all that its record needs to become the same in the end."""
+"""Checkpoints of a run: state and record as a file, and the store that writes them."""
 
 from __future__ import annotations
 
 import dataclasses
 import hashlib
 import json
+import math
+import os
 import re
+import secrets
+import time
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,15 +25,17 @@ from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
-from antenna_pin.errors import AntennaPinError, FileFormatError, one_line
-from antenna_pin.simulation.actions import Happening
-from antenna_pin.simulation.carried import mechanism_attributes
+from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError, one_line
+from antenna_pin.simulation.attributes import mechanism_attributes
+from antenna_pin.simulation.element_events import ModeChange
+from antenna_pin.simulation.event_actions import EventRecord
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.parts import (
+from antenna_pin.simulation.sample_files import (
     CHECKPOINT,
     LATE,
     SAMPLED,
+    SampleFiles,
     changed_words,
     chunk_of,
     folder_of,
@@ -39,13 +46,23 @@ from antenna_pin.simulation.parts import (
     words_of,
     write_sealed,
 )
-from antenna_pin.simulation.switches import Changed
 from antenna_pin.trajectory import Outcome, library_versions
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-__all__ = ["Checkpoint", "about_run", "check_same"]
+__all__ = [
+    "Checkpoint",
+    "CheckpointStore",
+    "CheckpointsWaitedWarning",
+    "NotKeptWarning",
+    "about_run",
+    "check_same",
+]
+
+Array = NDArray[np.float64]
+
+# --- checkpoint ---------------------------------------------------------------------------------------------
 
 # What of a scenario tells where it came from, or may be another when a run goes on.
 _MAY_DIFFER = {"name", "description", "overrides", "folder", "duration"}
@@ -168,7 +185,7 @@ class Checkpoint:
         run.contacts.take_up_all(
             {name.removeprefix("book_"): array for name, array in self.numbers.items() if "book_" in name}
         )
-        run.ticks.take_up_record(self.numbers)
+        run.controllers.take_up_record(self.numbers)
         samples = run.samples
         samples.take_up(chunk_of(self.numbers, base))
         samples.late = late_of(self.numbers)
@@ -180,8 +197,8 @@ class Checkpoint:
         run.outcome, run.message = Outcome[how["outcome"]], how["message"]
         run.search.gap_difference = how["gap_difference"]
         run.control.paced = tuple(how["paced"])
-        run.actions.happened[:] = [Happening(*one) for one in how["happened"]]
-        run.actions.modes.changed[:] = [Changed(*one) for one in how["changed"]]
+        run.actions.happened[:] = [EventRecord(*one) for one in how["happened"]]
+        run.actions.modes.changed[:] = [ModeChange(*one) for one in how["changed"]]
         if run.singular is not None:
             run.singular.take_up(how["singular"])
         made = run.steps
@@ -283,7 +300,7 @@ def _arrays_of(run: Run) -> dict[str, NDArray[Any]]:
         **numbers_of(run.samples.held, run.system.program),
         **late_numbers(run.samples.late, run.system.manifold.size, len(run.contacts)),
         **{f"book_{name}": array for name, array in run.contacts.numbers().items()},
-        **run.ticks.numbers(),
+        **run.controllers.numbers(),
     }
 
 
@@ -376,3 +393,121 @@ def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
 def _of_any_patience(told: Any) -> Any:
     """Return settings without the wall time that a run may take, which may be another each time."""
     return {k: v for k, v in told.items() if k != "max_wall_time"} if isinstance(told, dict) else told
+
+
+# --- checkpoint store ---------------------------------------------------------------------------------------
+
+_PART = 16_000_000  # bytes of samples that make a part
+_TIMES = 9.0  # what a checkpoint took: so long the run goes on before the next: a tenth of its time
+_AGAIN = 10.0  # [s] of wall time from one vain try to write to the next
+
+
+class NotKeptWarning(UserWarning):
+    """What a run has recorded cannot be put on the disk; it stays in memory, and the run goes on."""
+
+
+class CheckpointsWaitedWarning(UserWarning):
+    """Checkpoints took so long that they were made more rarely than was asked."""
+
+
+class CheckpointStore:
+    """Puts what a run has recorded on the disk.
+
+    A run whose record is small, and whose checkpoints are never due, does not touch the disk.
+
+    Args:
+        path: Of the run's result.
+        system: The system.
+        about: What the run is of, for its checkpoints.
+        interval: Wall time from one checkpoint to the next [s], and at least nine times what the last one
+            took, which is said at the end; infinity for none but at an interruption.
+        checkpoint: That the run goes on from.
+
+    Attributes:
+        path: Of the run's result.
+        parts: What is on the disk.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        system: System,
+        about: Mapping[str, Any],
+        interval: float = math.inf,
+        checkpoint: Checkpoint | None = None,
+    ) -> None:
+        """Begin, or go on, with the parts that the checkpoint knows of."""
+        found = {} if checkpoint is None else checkpoint.about
+        identity = found.get("run", secrets.token_hex(8))
+        self.path = Path(path)
+        self.parts = SampleFiles(folder_of(path), system.program, identity)
+        self.parts.rows[:] = found.get("rows", ())
+        self._about = {**about, "run": identity}
+        self._interval = interval
+        self._asked = self._due = math.nan
+        self._wait = -math.inf
+        self._dearest, self._waited = 0.0, False
+        self._goes_on = checkpoint is not None
+
+    def __enter__(self) -> Self:
+        """Lock the folder of a run that goes on."""
+        if self._goes_on:
+            self.parts.open()
+            self.parts.drop_others()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Unlock the folder."""
+        self.parts.close()
+
+    def observe(self, run: Run) -> None:
+        """Write what is due."""
+        wall = run.wall
+        if math.isnan(self._due):
+            self._asked = self._due = wall + self._interval
+        self._waited |= self._asked <= wall < self._due
+        large = run.samples.size > _PART
+        if not (large or wall >= self._due) or wall < self._wait:
+            return
+        try:
+            if large:
+                self.parts.append(run.samples.held_but_last)
+                run.samples.hand_out()
+            if wall >= self._due:
+                cost = self.write(run)
+                self._dearest = max(self._dearest, cost)
+                self._asked = wall + cost + self._interval
+                self._due = wall + cost + max(self._interval, _TIMES * cost)
+        except OutputError as error:
+            if self._wait == -math.inf:
+                warnings.warn(
+                    f"{error}; the run goes on and keeps it in memory", NotKeptWarning, stacklevel=2
+                )
+            self._wait = wall + _AGAIN
+
+    def end(self, run: Run) -> None:
+        """Keep a run that may go on, or whose record is in parts; say if checkpoints waited."""
+        if run.outcome.may_go_on or self.parts.rows:
+            try:
+                self.write(run)
+            except OutputError as error:
+                warnings.warn(f"{error}; the run cannot be gone on with", NotKeptWarning, stacklevel=2)
+        if self._waited:
+            warnings.warn(
+                f"checkpoints took up to {self._dearest:.2g} s each, and so waited for up to "
+                f"{_TIMES * self._dearest:.2g} s instead of the {self._interval:.3g} s asked: they take a "
+                "tenth of the time at most",
+                CheckpointsWaitedWarning,
+                stacklevel=2,
+            )
+
+    def write(self, run: Run) -> float:
+        """Write a checkpoint, and return the time that it took [s].
+
+        Raises:
+            OutputError: It cannot be written.
+        """
+        began = time.perf_counter()
+        self.parts.open()
+        Checkpoint.of(run, {**self._about, "rows": self.parts.rows}).write(self.parts.folder)
+        return time.perf_counter() - began

@@ -1,7 +1,7 @@
-"""Events: a function of the state that passes zero, and what happens then.
+"""Events: zero crossings of functions of the state, with actions.
 
-A run finds them on the dense output of its steps, makes the step again to end there, and does what they ask
-for. Contacts that touch and part are events of their own kind, always looked for.
+Events are located on the dense output of steps; the step is repeated to end there, and the actions are
+carried out. Onsets and releases of contacts are events of a kind of their own, which are always detected.
 """
 
 from __future__ import annotations
@@ -17,15 +17,229 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.answers import AskedFunction, asked, check_takes
 from antenna_pin.base.arguments import fits, takes, unknown_type
 from antenna_pin.base.parameters import holds
-from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in
+from antenna_pin.base.records import PROGRAM, memory_numbers
+from antenna_pin.dynamics import (
+    JointMotion,
+    System,
+    Workspace,
+    acting_in,
+    kernels,
+    reduced_inertia,
+)
 from antenna_pin.elements import ForceElement, Modal
+from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.errors import FunctionError, InvalidParameterError, UnknownNameError
-from antenna_pin.simulation.moment import Moment
-from antenna_pin.simulation.own_actions import Edge, Kink, Switch
 
-__all__ = ["Angle", "ElementChange", "Event", "Force", "Gap", "Jump", "Mark", "Rate", "Set", "Stop", "Time"]
+__all__ = [
+    "Action",
+    "Angle",
+    "Condition",
+    "Edge",
+    "ElementChange",
+    "Event",
+    "Force",
+    "GRAZE",
+    "Gap",
+    "Jump",
+    "Kink",
+    "Mark",
+    "Moment",
+    "Rate",
+    "STILL",
+    "Set",
+    "Stop",
+    "Switch",
+    "Time",
+    "moment_text",
+]
 
 Array = NDArray[np.float64]
+
+# --- actions of the run itself ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Kink:
+    """A step ends there, unrecorded: where an element's effort has a kink."""
+
+
+#: Of a function of an element's: a rate that is none [1/s].
+STILL = 1e-11
+#: How far below zero it may come and go back unseen, as round-off [rad] ([m]).
+GRAZE = 1e-15
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """An element may change its mode.
+
+    Attributes:
+        place: Of the element, as ``latches.hinge``.
+        number: Of its function that passes zero.
+    """
+
+    place: str
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """An element changes by itself, at the instants that it names.
+
+    Attributes:
+        place: Of the element, as ``forces.jet``.
+    """
+
+    place: str
+
+
+# --- state passed to users' functions -----------------------------------------------------------------------
+
+
+class Moment:
+    """Time and state, and what follows from them; valid while the function that gets it runs.
+
+    Arrays are copies.
+
+    Args:
+        workspace: What the run works on.
+
+    Attributes:
+        time: [s].
+        system: The system.
+    """
+
+    def __init__(self, workspace: Workspace) -> None:
+        """Make it once; ``set`` gives it its state."""
+        self.time = 0.0
+        self.system: System = workspace.system
+        self._workspace = workspace
+        self._nq, self._nv = workspace.model.nq, workspace.model.nv
+        self._y = np.zeros(workspace.manifold.size)
+        self._rates = np.zeros(self._nv + workspace.manifold.nx)
+        self._motions: dict[str, JointMotion] = {}
+        self._found: dict[str, tuple[float, float]] = {}  # at the present time and state
+        self._loads: list[float] = []  # of the elements that hold, at the present time and state
+        self._contacts: Mapping[str, int] = {name: c for c, name in enumerate(self.system.contact_names)}
+        self._measured = self._evaluated = False
+
+    def set(self, time: float, y: Array) -> Moment:
+        """Bring it to another time and state; return it."""
+        self.time = time
+        self._y[:] = y
+        self._found.clear()
+        self._loads = []
+        self._measured = self._evaluated = False
+        return self
+
+    def acts(self, block: int) -> bool:
+        """Return whether the element at a place in the program is on."""
+        return bool(self._workspace.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["on"])
+
+    def kink(self, block: int, number: int) -> float:
+        """Return how far the effort of an element, by its place in the program, is past one of its kinks."""
+        if block >= int(self._workspace.program[: kernels.HEADER].view(PROGRAM)["points"][0]):
+            return self._workspace.kink_on_links(block, self.time, self._y)
+        return float(kernels.element_kink(self._workspace.program, block, number, self.time, self._y))
+
+    def load(self, hold: int) -> float:
+        """Return the torque [N m] (force [N]) that an element carries that holds its joint, by its number."""
+        if not self._loads:
+            self._workspace.derivative(self.time, self._y, self._rates)
+            self._evaluated, self._measured = True, False
+            assert self._workspace.constraints is not None
+            self._loads = self._workspace.constraints.loads().tolist()
+        return float(self._loads[hold])
+
+    def inertia(self, block: int) -> float:
+        """Return the reduced inertia of the joint of an element, by its place in the program [kg m^2]."""
+        return reduced_inertia(self._workspace, self.time, self._y, block)
+
+    def switch(self, block: int, number: int, hold: int) -> tuple[float, float]:
+        """Return a function of an element, by its place in the program, and its rate (0: not known)."""
+        if hold == WEIGHED:
+            load = self.inertia(block)
+        else:
+            load = self.load(hold) if hold >= 0 else 0.0
+        return kernels.element_switch(self._workspace.program, block, number, self.time, self._y, load)
+
+    @property
+    def q(self) -> Array:
+        """Configuration, (nq,)."""
+        return self._y[: self._nq].copy()
+
+    @property
+    def v(self) -> Array:
+        """Velocity, (nv,)."""
+        return self._y[self._nq : self._nq + self._nv].copy()
+
+    @property
+    def x(self) -> Array:
+        """Plain numbers: turned angles, integrals, bristles, (nx,)."""
+        return self._y[self._nq + self._nv :].copy()
+
+    @property
+    def memory(self) -> Array:
+        """Contact memory: touching, approach speed [m/s], effective mass [kg], (contacts, 3)."""
+        return memory_numbers(self._workspace.memory)
+
+    def angle(self, joint: str) -> float:
+        """Return the angle of a joint, with its whole turns [rad]; of a sliding one its position [m]."""
+        return self._motion(joint)[0]
+
+    def rate(self, joint: str) -> float:
+        """Return the rate of :meth:`angle` [rad/s] or [m/s]."""
+        return self._motion(joint)[1]
+
+    def _motion(self, joint: str) -> tuple[float, float]:
+        found = self._found.get(joint)
+        if found is None:
+            if joint not in self._motions:
+                self._motions[joint] = JointMotion(self.system, joint)
+            self._found[joint] = found = self._motions[joint](self._y)
+        return found
+
+    def contact_number(self, contact: str) -> int:
+        """Return the number of a contact.
+
+        Raises:
+            UnknownNameError: There is none of that name.
+        """
+        if contact not in self._contacts:
+            raise UnknownNameError("event", "contact", contact, self._contacts)
+        return self._contacts[contact]
+
+    def gap(self, contact: str) -> float:
+        """Return the distance of the surfaces at a contact, negative in contact [m]."""
+        return self._measure(contact, "gap")
+
+    def depth_rate(self, contact: str) -> float:
+        """Return the rate of penetration at a contact, positive closing [m/s]."""
+        return self._measure(contact, "rate")
+
+    def _measure(self, contact: str, field: str) -> float:
+        c = self.contact_number(contact)
+        if not self._measured:
+            self._workspace.measure(self._y)
+            self._measured = True
+        return float(self._workspace.table[field][c])
+
+    def touching(self, contact: str) -> bool:
+        """Return whether a contact touches."""
+        return bool(self._workspace.memory["touching"][self.contact_number(contact)])
+
+    def force(self, contact: str) -> float:
+        """Return the normal force at a contact [N]; zero if it does not touch."""
+        c = self.contact_number(contact)
+        if not self._workspace.memory[c].touching:
+            return 0.0
+        if not self._evaluated:
+            self._workspace.apply_elements(self.time, self._y, self._rates)
+            self._evaluated, self._measured = True, False
+        return max(0.0, float(self._workspace.table[c].force))
+
+
+# --- events of users ----------------------------------------------------------------------------------------
 
 
 @runtime_checkable
@@ -267,7 +481,7 @@ class Jump:
         """
         name, told, rule = (
             f"event {event!r}: change",
-            told_moment((moment,)),
+            moment_text((moment,)),
             "a configuration and a velocity",
         )
         answer = asked(name, told, rule, self.change, moment)
@@ -329,11 +543,11 @@ class Event:
         """Return its function as a run asks it, and that of its rate, None if it has none."""
         name = f"event {self.name!r}: "
         rate = (
-            AskedFunction(f"{name}rate", self.when.rate, told_moment)
+            AskedFunction(f"{name}rate", self.when.rate, moment_text)
             if isinstance(self.when, Rated)
             else None
         )
-        return AskedFunction(f"{name}when", self.when, told_moment), rate
+        return AskedFunction(f"{name}when", self.when, moment_text), rate
 
     @property
     def actions(self) -> tuple[Action, ...]:
@@ -358,34 +572,6 @@ class Event:
         return self.direction in (0, side)
 
 
-def told_moment(question: Sequence[Moment]) -> str:
+def moment_text(question: Sequence[Moment]) -> str:
     """Return in words what the function of an event is asked."""
     return f"the moment t = {question[0].time:.9g} s"
-
-
-def check_events(events: Sequence[Event], system: System, y: ArrayLike) -> None:
-    """Refuse events that do not fit a system, by asking each in its initial state [q, v, x].
-
-    Raises:
-        AntennaPinError: Names that there are not, places that cannot be set, a function without an answer.
-    """
-    names = [event.name for event in events]
-    if len(set(names)) != len(names):
-        raise InvalidParameterError("simulate", "events", "of different names", names)
-    if not events:
-        return
-    workspace = Workspace(system)
-    moment = Moment(workspace)
-    trial = Adjustments(system, workspace.program.copy())
-    for event in events:
-        moment.set(0.0, y)  # type: ignore[arg-type]
-        if isinstance(event.when, Force):
-            moment.contact_number(event.when.contact)
-        if isinstance(event.when, ElementChange):
-            event.when.check(f"event {event.name!r}", system)
-        for function in event.asked():
-            if function is not None:
-                function(moment)
-        for action in event.actions:
-            if isinstance(action, Set):
-                trial.set(action.place, action.value)

@@ -36,11 +36,10 @@ from numpy.typing import NDArray
 from antenna_pin.base.readable import number, readable
 from antenna_pin.simulation.events import Jump
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.seen import Seen
+from antenna_pin.simulation.variables import SampleBlock
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = ["FIXED_STEP", "GROWTH", "MOST", "Audit"]
-
+__all__ = ["Audit", "FIXED_STEP", "GROWTH", "MOST"]
 
 Array = NDArray[np.float64]
 
@@ -62,7 +61,7 @@ class Opening(NamedTuple):
     text: str
 
 
-class First(NamedTuple):
+class FirstExcess(NamedTuple):
     """The first sample at which an error is larger than explained.
 
     Attributes:
@@ -79,7 +78,7 @@ class First(NamedTuple):
     movers: tuple[int, ...]
 
 
-class Trail:
+class ErrorTrail:
     """Samples at which an error grew beyond all before, and beyond what was known to be explained then."""
 
     def __init__(self) -> None:
@@ -95,12 +94,14 @@ class Trail:
         if grown.any():
             self._found.append((times[grown], before[grown], errors[grown], movers[grown]))
 
-    def first_beyond(self, bound: float) -> First | None:
+    def first_beyond(self, bound: float) -> FirstExcess | None:
         """Return the first sample whose error is above a bound; None if there is none."""
         for times, before, errors, movers in self._found:
             if (errors > bound).any():
                 k = int(np.argmax(errors > bound))
-                return First(float(times[k]), float(before[k]), float(errors[k]), tuple(movers[k].tolist()))
+                return FirstExcess(
+                    float(times[k]), float(before[k]), float(errors[k]), tuple(movers[k].tolist())
+                )
         return None
 
 
@@ -200,36 +201,36 @@ class Audit:
             ("round_off", "kinetic", "stored", "gross", "slip", "energy_error", "distance"), 0.0
         )
         self._most |= {f"{name}_{of}": 0.0 for name in _MOMENTA for of in ("drift", "scale", "size")}
-        self._energy, self._momenta = Trail(), {name: Trail() for name in _MOMENTA}
+        self._energy, self._momenta = ErrorTrail(), {name: ErrorTrail() for name in _MOMENTA}
         self._names: list[str] = []
         self._last = math.nan
 
     # --- block by block -------------------------------------------------------------------------------------
 
-    def add(self, seen: Seen, values: Values, labels: Mapping[str, Any]) -> None:
+    def add(self, block: SampleBlock, values: Values, labels: Mapping[str, Any]) -> None:
         """Take up a block of samples.
 
         Args:
-            seen: The samples.
+            block: The samples.
             values: Their series by name.
             labels: Names along the dimensions of the series.
         """
-        audit, kept = seen.found.audit, seen.found.kept.sum(axis=1)
+        audit, kept = block.found.audit, block.found.kept.sum(axis=1)
         if not self._start:
-            self._begin(seen, float(audit["gravity"][0]), float(kept[0]))
+            self._begin(block, float(audit["gravity"][0]), float(kept[0]))
         start = self._start
         gross = values["drive_gross_work"].sum(axis=1) + values["force_gross_work"].sum(axis=1)
         springs = np.abs(audit["contacts"]) + np.abs(audit["springs"] - kept)
         potential = np.abs(audit["gravity"] - start["gravity"]) + np.abs(kept - start["kept"])
-        slip = (np.abs(seen.v) * start["slip"]).sum(axis=1)
-        self._extend(seen, values["a"])
+        slip = (np.abs(block.v) * start["slip"]).sum(axis=1)
+        self._extend(block, values["a"])
         error = np.abs(values["energy_error"])
         self._raise(
             gross=gross,
             kinetic=audit["kinetic"],
             stored=np.maximum(springs, potential),
             slip=slip,
-            distance=np.linalg.norm(seen.q[:, :3], axis=1),
+            distance=np.linalg.norm(block.q[:, :3], axis=1),
             energy_error=error,
             round_off=np.array(
                 [np.abs(values[name]).max(initial=0.0) for name in _ENERGIES if name in values]
@@ -237,39 +238,39 @@ class Audit:
         )
         times = values["time"]
         before = np.concatenate([[self._last], times[:-1]])
-        movers = self._movers(seen, values, labels)
+        movers = self._movers(block, values, labels)
         self._energy.add(times, before, error, self.energy_bound(), movers)
         for name, trail in self._momenta.items():
-            drift = np.abs(seen.kept_momentum(name) - start[name]).max(axis=1)
+            drift = np.abs(block.kept_momentum(name) - start[name]).max(axis=1)
             size = np.abs(audit[name]).max(axis=1)
             scale = audit[f"{name}_scale"]
             self._raise(**{f"{name}_drift": drift, f"{name}_scale": scale, f"{name}_size": size})
             trail.add(times, before, drift, self.momentum_bound(name), movers)
         self._last = float(times[-1])
 
-    def _begin(self, seen: Seen, gravity: float, kept: float) -> None:
+    def _begin(self, block: SampleBlock, gravity: float, kept: float) -> None:
         """Keep what the ledger starts from, and what velocities count at their error scales."""
         system = self._run.system
         model, nv = system.model, system.model.nv
         scales = self._run.stepper.scales
-        inertia = np.diag(pin.crba(model, model.createData(), np.ascontiguousarray(seen.q[0])))
+        inertia = np.diag(pin.crba(model, model.createData(), np.ascontiguousarray(block.q[0])))
         self._start = {
             "gravity": gravity,
             "kept": kept,
             "inertia": inertia,
             "slip": inertia * scales[nv : 2 * nv],
             "scales": (scales[:nv], scales[nv : 2 * nv]),
-            "q": seen.q[0].copy(),
+            "q": block.q[0].copy(),
             "farthest": np.zeros(nv),
             "sharpest": np.zeros(nv),
             "entries": None,
-            **{name: seen.kept_momentum(name)[0] for name in _MOMENTA},
+            **{name: block.kept_momentum(name)[0] for name in _MOMENTA},
         }
 
-    def _extend(self, seen: Seen, accelerations: Array) -> None:
+    def _extend(self, block: SampleBlock, accelerations: Array) -> None:
         """Take up how far coordinates went, at some samples, and how sharply they were accelerated."""
         start, model = self._start, self._run.system.model
-        for q in seen.q[:: max(len(seen.q) // _PLACES, 1)]:
+        for q in block.q[:: max(len(block.q) // _PLACES, 1)]:
             way = pin.difference(model, start["q"], np.ascontiguousarray(q))
             start["farthest"] = np.fmax(start["farthest"], np.abs(way))
         start["sharpest"] = np.fmax(start["sharpest"], np.nan_to_num(np.abs(accelerations)).max(axis=0))
@@ -278,19 +279,19 @@ class Audit:
         for name, of in sizes.items():
             self._most[name] = float(np.fmax(self._most[name], of.max(initial=0.0)))
 
-    def _movers(self, seen: Seen, values: Values, labels: Mapping[str, Any]) -> NDArray[np.intp]:
+    def _movers(self, block: SampleBlock, values: Values, labels: Mapping[str, Any]) -> NDArray[np.intp]:
         """Return which coordinate and which element changed most since the sample before, -1 for none.
 
         A coordinate by the kinetic energy of its change, an element by its largest entry.
         """
         self._names, columns = entries_of(values, labels)
-        table = np.column_stack([seen.v, *columns])
+        table = np.column_stack([block.v, *columns])
         first = self._start["entries"]
         self._start["entries"] = table[-1]
         steps = np.abs(np.diff(table, axis=0, prepend=table[:1] if first is None else first[np.newaxis]))
-        nv = seen.v.shape[1]
+        nv = block.v.shape[1]
         steps[:, :nv] *= steps[:, :nv] * (0.5 * self._start["inertia"])
-        self._names = [f"the motion of {name}" for name in seen.system.names_v] + self._names
+        self._names = [f"the motion of {name}" for name in block.system.names_v] + self._names
         found = []
         for part, begin in ((steps[:, :nv], 0), (steps[:, nv:], nv)):
             part = np.nan_to_num(part)
@@ -421,7 +422,7 @@ class Audit:
                 found.append(self._opening(first, text, readable(bound, unit, 2)))
         return min(found, key=lambda one: one.time, default=None)
 
-    def _opening(self, first: First, text: str, bound: str) -> Opening:
+    def _opening(self, first: FirstExcess, text: str, bound: str) -> Opening:
         settings = self._run.settings
         by = "integrator.ledger_tolerance allows" if settings.ledger_tolerance else "integrator.rtol explains"
         said = events_between(self._run, first.before, first.time)

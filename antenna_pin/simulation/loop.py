@@ -1,52 +1,142 @@
-"""A run around the compiled loop: what begins and ends it, and what is seen to between and inside its steps.
+"""Run of a system: the loop around the compiled steps, and its three services.
 
-Steps are made, searched for contacts that change, sampled and accepted in
-:mod:`antenna_pin.engine.loop_kernels`, whatever engine it is; here is what is Python's: events of the user's
-and what they do, progress, limits, checkpoints, and how a run ends.
+Steps are made, searched for changes of contact, sampled and accepted in
+:mod:`antenna_pin.engine.loop_kernels`, for every engine, in batches (:class:`steps.StepBatches`). A batch
+ends with a reason that :meth:`Run._handle` passes to a service:
+
+- recorder: samples (``Run.samples``), contact episodes (``Run.contacts``); an observer between batches stores
+  checkpoints; :mod:`recorder` derives the variables of the result.
+- events: users' and elements' events (``Run.watch``), their actions and changes of mode (``Run.actions``),
+  controllers' sample times (``Run.controllers``).
+- monitor: limits, pace, interrupts, stiffness, checks of users' functions (``Run.monitor``), singular
+  positions (``Run.singular``).
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.records import memory_numbers
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.control import Controller
-from antenna_pin.dynamics import System, Workspace
+from antenna_pin.dynamics import System, Workspace, acting_in
 from antenna_pin.dynamics.workspace import ON_SURFACE
 from antenna_pin.engine import change_kernels
 from antenna_pin.engine import loop_kernels as kernels
 from antenna_pin.errors import MechanismError
 from antenna_pin.integrate import method_named
-from antenna_pin.simulation.actions import Actions
-from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.ending import NeverSettlesError, message_of, no_step, too_deep, undetermined
-from antenna_pin.simulation.episodes import Episodes
+from antenna_pin.simulation.constraints import Singularities
+from antenna_pin.simulation.contacts import ContactSearch, Episodes
+from antenna_pin.simulation.controllers import Controllers
+from antenna_pin.simulation.element_events import NeverSettlesError, own_events
+from antenna_pin.simulation.event_actions import Actions
+from antenna_pin.simulation.event_watch import Crossing, EventWatch
 from antenna_pin.simulation.events import Event, Set
-from antenna_pin.simulation.oversight import Oversight
-from antenna_pin.simulation.progress import Foreseeing, Keeping, Progress, Reporter
+from antenna_pin.simulation.monitor import Monitor
 from antenna_pin.simulation.samples import Samples
-from antenna_pin.simulation.scales import scale_vector
-from antenna_pin.simulation.search import ContactSearch
-from antenna_pin.simulation.singular import Singularities
-from antenna_pin.simulation.standing import state_of, take_up
-from antenna_pin.simulation.stretches import Parts, Stretches, stepper_of
-from antenna_pin.simulation.switches import own_events
-from antenna_pin.simulation.ticks import Ticks
-from antenna_pin.simulation.watch import Crossing, Watch
+from antenna_pin.simulation.steps import LoopParts, StepBatches, StepControl, scale_vector, stepper_of
 from antenna_pin.trajectory import Counts, Outcome
 
-__all__ = ["Run"]
+__all__ = ["Progress", "Run"]
 
 Array = NDArray[np.float64]
+
+# --- progress -----------------------------------------------------------------------------------------------
+
+_INTERVAL = 0.1  # [s] of wall time between reports
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a run is.
+
+    Attributes:
+        time: Simulated so far [s].
+        end: To be simulated [s].
+        step: Size of the last step [s].
+        steps: Steps accepted.
+        wall: Wall time so far [s].
+    """
+
+    time: float
+    end: float
+    step: float
+    steps: int
+    wall: float
+
+
+class RunObserver(Protocol):
+    """What keeps a run's record, and so much of it that it can be taken up."""
+
+    def observe(self, run: Any) -> None:
+        """See a run between two steps."""
+
+    def end(self, run: Any) -> None:
+        """See it after its last step, before its record is completed."""
+
+
+class StepListener(Protocol):
+    """What is told of things to come in a run, before it comes to them."""
+
+    def step(self) -> None:
+        """Hear that a step is made, and more are to come."""
+
+    def end(self) -> State:
+        """Hear that the next step is the first that the run's end cuts; return the state there."""
+
+    def events(self, ahead: Sequence[Sequence[Any]]) -> None:
+        """Hear which events are in the step that was tried: as they come, those at one instant together."""
+
+
+class ProgressReporter:
+    """Tells of a run's progress now and then.
+
+    Args:
+        progress: Whom; None for nobody.
+        end: Of the run [s].
+        before: Wall time that it took already [s].
+    """
+
+    def __init__(self, progress: Callable[[Progress], None] | None, end: float, before: float = 0.0) -> None:
+        """Begin to take the time."""
+        self._progress = progress
+        self._end = end
+        self._told = time.perf_counter()
+        self._began = self._told - before
+
+    @property
+    def wall(self) -> float:
+        """Wall time since the beginning [s]."""
+        return time.perf_counter() - self._began
+
+    def __call__(self, t: float, h: float, accepted: int, *, last: bool = False) -> None:
+        """Tell that the run is at t [s], with steps of h [s] and so many made, if it is time to."""
+        if self._progress is None:
+            return
+        now = time.perf_counter()
+        if last or now - self._told > _INTERVAL:
+            self._told = now
+            self._progress(Progress(t, self._end, h, accepted, now - self._began))
+
+
+# --- outcome ------------------------------------------------------------------------------------------------
+
+
+# --- state between two steps --------------------------------------------------------------------------------
+
+
+# --- the run ------------------------------------------------------------------------------------------------
 
 
 class Run:
@@ -61,7 +151,7 @@ class Run:
         events: What to look for besides contacts.
         since: From when on it records [s]; when ``start`` was reached, if not given.
         singly: Whether what keeps it looks at it after each step.
-        taped: Whether that looks where contacts change and events happen, at the steps up to there.
+        logged: Whether that looks where contacts change and events happen, at the steps up to there.
         controllers: That command it, by name.
     """
 
@@ -74,7 +164,7 @@ class Run:
         events: Sequence[Event] = (),
         since: float | None = None,
         singly: bool = False,
-        taped: bool = False,
+        logged: bool = False,
         controllers: Mapping[str, Controller] = MappingProxyType({}),
     ) -> None:
         """Prepare the stepper, the search of its steps, and the contacts that touch at the start."""
@@ -82,7 +172,7 @@ class Run:
         self.workspace = Workspace(system)
         self.duration = end
         #: Told of the first step that the run's end cuts, before it is made, and of events that are foreseen.
-        self.foreseen: Foreseeing | None = None
+        self.listener: StepListener | None = None
         #: From when on it records [s].
         self.begin = since if since is not None else start.reached if isinstance(start, State) else 0.0
         method = method_named(settings.method)
@@ -95,26 +185,26 @@ class Run:
         self.contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
         self.search = ContactSearch(self.workspace, self.stepper, self.contacts)
         self.events = tuple(events)
-        self.watch = Watch((*self.events, *own_events(system)), self.workspace, self.stepper)
+        self.watch = EventWatch((*self.events, *own_events(system)), self.workspace, self.stepper)
         self.control.end_at(self.watch.instants)
         worked_on = self.workspace, self.stepper, self.control, self.samples
         self.actions = Actions(self.watch, *worked_on, self.after)
-        self.ticks = Ticks(controllers, system, self.actions, self.begin)
-        self.watch.tick = self.ticks.next
-        self.oversight = Oversight(self.workspace, self.control, self.events)
+        self.controllers = Controllers(controllers, self.workspace, self.actions, self.begin)
+        self.watch.tick = self.controllers.next
+        self.monitor = Monitor(self.workspace, self.control, self.events)
         self.singular = None if system.plan is None else Singularities(Workspace(system))
-        self.steps = Stretches(self.stepper, self._parts(), singly, taped)
+        self.steps = StepBatches(self.stepper, self._parts(), singly, logged)
         self._ahead: list[list[Crossing]] = []
         self.outcome, self.message = Outcome.COMPLETED, Outcome.COMPLETED.value
         self.wall = 0.0
         self.left: State | None = None
         if isinstance(start, State):
-            take_up(self, start)
+            self.take_up(start)
         else:
             self._start(start)
 
-    def _parts(self) -> Parts:
-        return Parts(self.control, self.samples, self.contacts, self.search, self.watch, self.singular)
+    def _parts(self) -> LoopParts:
+        return LoopParts(self.control, self.samples, self.contacts, self.search, self.watch, self.singular)
 
     def _start(self, y: Array) -> None:
         self.stepper.restart(0.0, y)
@@ -149,8 +239,43 @@ class Run:
         return Counts(made.accepted, made.rejected, made.relocated, self.stepper.evaluations, self.wall)
 
     def present(self) -> State:
-        """Return the state at this moment."""
-        return state_of(self)
+        """Return the state between the last step and the next."""
+        nq, nv, y = self.system.model.nq, self.system.model.nv, self.here
+        return State(
+            time=self.stepper.t,
+            reached=self.stepper.t,
+            q=y[:nq].copy(),
+            v=y[nq : nq + nv].copy(),
+            x=y[nq + nv :].copy(),
+            memory=memory_numbers(self.workspace.memory),
+            contacts=self.contacts.value(),
+            step=self.following,
+            error=self.control.error,
+            sizes=self.control.sizes.value(),
+            changed=tuple(self.search.ignore.tolist()),
+            events=self.watch.value(),
+            adjusted=tuple(self.actions.adjustments.values.items()),
+            controllers=self.controllers.value(),
+        )
+
+    def take_up(self, state: State) -> None:
+        """Continue from a state, between two steps."""
+        self.contacts.take_up(state)
+        for place, value in state.adjusted:
+            if self.actions.adjustments.values.get(place) != value:
+                self.actions.set(place, value)
+        self.stepper.restart(state.time, state.y)
+        self.actions.motions.renew(state.time)
+        self.control.spin = self.system.turn_on(self.stepper.start)
+        self.control.sizes.take_up(state.sizes)
+        self.search.ignore[:] = state.changed
+        self.following = state.step
+        self.control.error = state.error
+        self.watch.take_up(state.events, state.time)
+        self.watch.renew()
+        self.controllers.take_up(state.controllers, state.reached)
+        if state.time == state.reached:
+            self.samples.add(state.time, state.y)
 
     @property
     def following(self) -> float:
@@ -172,49 +297,49 @@ class Run:
         self,
         progress: Callable[[Progress], None] | None = None,
         interrupted: Callable[[], bool] = lambda: False,
-        keep: Keeping | None = None,
+        observer: RunObserver | None = None,
     ) -> None:
         """Run to the end, or to what ends it earlier.
 
         Args:
             progress: Called now and then.
             interrupted: Asked between steps.
-            keep: Shown the run between steps, and at its end.
+            observer: Called between batches of steps, and at the end.
         """
-        report = Reporter(progress, self.duration, self.wall)
-        with self.oversight.listening(self._stop):
-            self.oversight.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))
+        report = ProgressReporter(progress, self.duration, self.wall)
+        with self.monitor.guarded(self._stop):
+            self.monitor.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))
             self.tick()
-            for _ in self._way(lambda: report.wall, interrupted):
+            for _ in self._batches(lambda: report.wall, interrupted):
                 report(self.stepper.t, self.steps.following, self.steps.accepted)
-                if keep is not None:
-                    keep.look(self)
-                    self.steps.tape.steps.clear()
+                if observer is not None:
+                    observer.observe(self)
+                    self.steps.log.steps.clear()
         self.judge()
-        if keep is not None:
-            keep.end(self)
+        if observer is not None:
+            observer.end(self)
         self.complete()
         self.wall = report.wall
         report(self.stepper.t, self.steps.following, self.steps.accepted, last=True)
 
     def go_to(self, end: float, interrupted: Callable[[], bool] = lambda: False) -> None:
         """Run up to a time [s], from which it may go on to another, or to what ends it earlier."""
-        clock = Reporter(None, end, self.wall)
+        clock = ProgressReporter(None, end, self.wall)
         self.duration = end
         self.control.move_end(end)
         self.steps.move_end(end)
-        with self.oversight.listening(self._stop):
+        with self.monitor.guarded(self._stop):
             if not self.steps.made:
-                self.oversight.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))
+                self.monitor.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))
             self.tick()
-            for _ in self._way(lambda: clock.wall, interrupted):
-                if self.foreseen is not None:
-                    self.foreseen.step()
+            for _ in self._batches(lambda: clock.wall, interrupted):
+                if self.listener is not None:
+                    self.listener.step()
 
     def judge(self) -> None:
         """Look whether what the run has come to means nothing after all."""
-        with self.oversight.listening(self._stop):
-            self._stop(*self.oversight.end(self.outcome))
+        with self.monitor.guarded(self._stop):
+            self._stop(*self.monitor.end(self.outcome))
 
     def complete(self) -> None:
         """Complete the record of a run that has come to its end."""
@@ -222,64 +347,64 @@ class Run:
         self.contacts.close()
         self.samples.finish(self.stepper.t, self.here.copy())
         if self.singular is not None:
-            self.message += self.singular.words()
-        self.message += undetermined(self) + self.oversight.words(self.outcome)
+            self.message += self.singular.text()
+        self.message += _undetermined(self) + self.monitor.text(self.outcome)
 
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here."""
-        with self.oversight.listening(self._stop), self._settling():
+        with self.monitor.guarded(self._stop), self._settling():
             self.actions.obey(name, action)
 
     def look_for(self, events: Sequence[Event], singly: bool) -> None:
         """Look from now on for these events beside those that the system has; what is known of them stays."""
         known = self.watch.value()
         self.events = tuple(events)
-        self.watch = Watch((*self.events, *own_events(self.system)), self.workspace, self.stepper)
+        self.watch = EventWatch((*self.events, *own_events(self.system)), self.workspace, self.stepper)
         self.watch.take_up(known, self.stepper.t)
-        self.watch.tick = self.ticks.next
+        self.watch.tick = self.controllers.next
         self.control.end_at(self.watch.instants)
         self.actions.look_by(self.watch)
         steps = self.steps
-        self.steps = Stretches(self.stepper, self._parts(), singly)
+        self.steps = StepBatches(self.stepper, self._parts(), singly)
         self.steps.take_up(steps)
         self.watch.renew()
 
-    def _way(self, wall: Callable[[], float], interrupted: Callable[[], bool]) -> Iterator[None]:
+    def _batches(self, wall: Callable[[], float], interrupted: Callable[[], bool]) -> Iterator[None]:
         """Make steps to the end, or to what ends the run earlier; yield between them."""
         while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
             self._step()
             self.wall = wall()
             here = self.stepper.t, self.here, self.steps.so_far(self.wall)
-            if self.outcome is Outcome.COMPLETED and self._stop(*self.oversight.look(*here, interrupted())):
+            if self.outcome is Outcome.COMPLETED and self._stop(*self.monitor.check(*here, interrupted())):
                 yield
 
     def _step(self) -> None:
         """Make steps up to the end of one that is seen to here, or of a stretch."""
-        self._see_to(self.steps.go_on())
+        self._handle(self.steps.go_on())
         while not self.steps.at_rest:
-            self._see_to(self.steps.finish_step())
+            self._handle(self.steps.finish_step())
 
-    def _see_to(self, reason: int) -> None:
+    def _handle(self, reason: int) -> None:
         """See to what the loop cannot."""
         if self.watch and (reason == kernels.MOVED_ON or self.steps.has_moved):
             self.watch.renew()
         if reason == kernels.CUT_BY_END:
             if self.left is None:
-                self.left = self.present() if self.foreseen is None else self.foreseen.end()
+                self.left = self.present() if self.listener is None else self.listener.end()
         elif reason == kernels.TRIAL_STANDS:
             self._ahead = self.watch.ahead()
-            if self.foreseen is not None:
-                self.foreseen.events(self._ahead)
+            if self.listener is not None:
+                self.listener.events(self._ahead)
             self.steps.search_until(self._ahead[0][0].theta if self._ahead else 2.0)
         elif reason == kernels.EVENT:
             self._happen(self._ahead)
         elif reason == kernels.MOVED_ON:
             self._due()
         elif reason == kernels.TOO_DEEP:
-            self._stop(*too_deep(self))
+            self._stop(*_too_deep(self))
         elif reason in (kernels.STANDS_STILL, kernels.NO_WAY, change_kernels.HOPELESS):
             self.steps.rest()
-            self._stop(*no_step(self, reason))
+            self._stop(*_no_step(self, reason))
 
     def _happen(self, ahead: list[list[Crossing]]) -> None:
         """Let events happen, one instant after the other, where they do.
@@ -299,7 +424,7 @@ class Run:
                 if reason != kernels.MOVED_ON:
                     if k > 0:
                         watch.renew()
-                    self._see_to(reason)
+                    self._handle(reason)
                     return
                 if len(ahead) == 1:
                     watch.renew()
@@ -316,13 +441,13 @@ class Run:
 
     def tick(self) -> None:
         """Ask controllers whose instant has come, and let the next step that must end at one end there."""
-        following, t = self.ticks.next, self.stepper.t
+        following, t = self.controllers.next, self.stepper.t
         if following is None or self.outcome is not Outcome.COMPLETED:
             return
         if following <= t:
             with self._settling():
-                self.ticks.happen(t, self.here)
-            following = self.ticks.next
+                self.controllers.happen(t, self.here)
+            following = self.controllers.next
         if following is not None:
             self.watch.tick = following
             self.control.end_next_at(t, following)
@@ -349,5 +474,69 @@ class Run:
         """End the run for a reason; return whether there is none."""
         if outcome is None:
             return True
-        self.outcome, self.message = message_of(self, outcome, what)
+        self.outcome, self.message = _message_of(self, outcome, what)
         return False
+
+
+# --- outcome ------------------------------------------------------------------------------------------------
+
+
+def _no_step(run: Run, reason: int) -> tuple[Outcome, str]:
+    """Return how a run ends whose step does not come about, and what is to be said of it.
+
+    Args:
+        run: The run.
+        reason: Why the loop came back.
+    """
+    tried, error, refused = run.steps.tried
+    if reason == kernels.NO_WAY:
+        return Outcome.NO_PROGRESS, ""
+    if reason == kernels.STANDS_STILL:
+        return Outcome.STEP_TOO_SMALL, ""
+    failure = run.stepper.answers.refusal if refused else run.monitor.failure_in(run.stepper, tried)
+    if failure is not None:
+        return Outcome.FUNCTION_FAILED, f", {failure.seen}"
+    return (Outcome.STEP_TOO_SMALL if math.isfinite(error) else Outcome.NOT_FINITE), ""
+
+
+def _too_deep(run: Run) -> tuple[Outcome, str]:
+    """Return how a run ends whose contact has come to a limit of its depth, and what is to be said of it."""
+    c = run.steps.contact
+    of_joint = run.search.reasons[c] == "maximum_depth"
+    return (Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE), f", {run.search.depth_text(c)}"
+
+
+def _undetermined(run: Run) -> str:
+    """Return of which elements the load is not determined while their joint stands; "" if of none."""
+    names = [
+        one.label
+        for one in acting_in(run.system)
+        if getattr(run.actions.adjustments.elements[one.place], "prescribed", False)
+    ]
+    said = (
+        f"; {', '.join(names)}: the joint is held to a motion, and while it stands the torque of friction is "
+        "not determined: recorded is that of the way it came"
+        if names
+        else ""
+    )
+    if shares := sorted(run.actions.modes.shares):
+        said += (
+            f"; {', '.join(shares)}: one freedom is held by several, the share of its load is not determined"
+        )
+    return said
+
+
+def _message_of(run: Run, outcome: Outcome, what: str) -> tuple[Outcome, str]:
+    """Return an outcome as it is once what a run was near to is known, and the message.
+
+    Args:
+        run: The run.
+        outcome: How it ends.
+        what: What is to be said of that, from a comma on.
+    """
+    found = outcome
+    if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL) and run.singular and run.singular.near:
+        found, what = Outcome.NOT_CLOSED, run.singular.near
+    if outcome is Outcome.NOT_FINITE and (jammed := run.actions.modes.jammed(run.stepper.t, run.here)):
+        what = jammed
+    return found, f"at t = {run.stepper.t:.9g} s{what}: {found.value}"

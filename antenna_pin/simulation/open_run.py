@@ -1,9 +1,8 @@
-"""A run without an end of its own: it goes as far as it is told, from there as if it had not been told.
+"""Run with a moving end, and the snapshots to which it returns.
 
-A step that a run's end cuts is not the one that a longer run makes. So where the run is told to go on, and
-nothing was changed meanwhile, it first goes back to where its end began to cut steps: however finely it is
-told, its numbers are those of one run. What is commanded at its end stands, with the steps that were cut: one
-run whose steps end there makes them too.
+A step that the end of a run cuts differs from the step of a longer run. A run that continues without a change
+therefore first returns to the snapshot before the cut: its numbers are those of one run, however often it
+stops. After a command at its end the cut steps stay, as in one run whose steps end there.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +20,87 @@ from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
+from antenna_pin.simulation.event_watch import Crossing
 from antenna_pin.simulation.events import Event, Set, Stop
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.marks import Mark
-from antenna_pin.simulation.watch import Crossing
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["OpenRun"]
+__all__ = ["OpenRun", "RecordSnapshot"]
+
+Array = NDArray[np.float64]
+
+# --- snapshots ----------------------------------------------------------------------------------------------
+
+
+class RecordSnapshot:
+    """The record of a run as it stands, to go back to; its steps stay where they are.
+
+    Args:
+        run: The run, between two steps.
+    """
+
+    def __init__(self, run: Run) -> None:
+        """Keep what is not kept by anything that comes."""
+        self._run = run
+        self._samples, self._contacts = run.samples.snapshot(), run.contacts.snapshot()
+        self._singular: Any = None if run.singular is None else run.singular.value()
+        self._happened, self._changed = len(run.actions.happened), len(run.actions.modes.changed)
+        self._ticks = run.controllers.counts()
+        self._ended = run.outcome, run.message, run.left
+
+    def restore(self) -> None:
+        """Let the run have the record that it had."""
+        run = self._run
+        run.samples.restore(self._samples)
+        run.contacts.restore(self._contacts)
+        if run.singular is not None:
+            run.singular.take_up(self._singular)
+        del run.actions.happened[self._happened :], run.actions.modes.changed[self._changed :]
+        run.controllers.cut(self._ticks)
+        run.outcome, run.message, run.left = self._ended
+
+
+class RunSnapshot:
+    """A run as it stood at the beginning of a step, to go back to.
+
+    Args:
+        run: The run.
+        state: Its state then; what is recorded since is nothing yet.
+    """
+
+    def __init__(self, run: Run, state: State) -> None:
+        """Keep all of it."""
+        self._run, self.state = run, state
+        self._record = RecordSnapshot(run)
+        self._numbers = run.actions.adjustments.kept()
+        made = run.steps
+        self._made = made.accepted, made.rejected, made.relocated, run.stepper.evaluations
+        self._seen = run.control.paced, run.search.gap_difference
+
+    def is_here(self) -> bool:
+        """Whether the run stands at this state, with this record."""
+        made = self._run.steps
+        now = made.accepted, made.rejected, made.relocated, self._run.stepper.evaluations
+        return now == self._made and self._run.stepper.t == self.state.time
+
+    def left(self) -> State:
+        """Return the state that the run leaves where it is now, if it goes on from here."""
+        return dataclasses.replace(self.state, reached=self._run.stepper.t)
+
+    def restore(self) -> None:
+        """Let the run stand where it stood."""
+        run = self._run
+        run.actions.adjustments.go_back(self._numbers)
+        run.take_up(self.state)
+        self._record.restore()
+        made = run.steps
+        made.accepted, made.rejected, made.relocated, run.stepper.evaluations = self._made
+        run.control.paced, run.search.gap_difference = self._seen
+        run.control.renew(run.actions.adjustments.elements.values())
+        run.left = None
+
+
+# --- run with a moving end ----------------------------------------------------------------------------------
 
 _MANY = 256  # samples from which on it is worth to let go of the old ones
 
@@ -57,11 +131,11 @@ class OpenRun:
     ) -> None:
         """Bring it to where the state was reached that it starts from."""
         self.run = Run(system, start, math.inf, settings, events, controllers=controllers)
-        self.run.foreseen = self
+        self.run.listener = self
         self._events, self._window = tuple(events), window
         #: Where its present end began to cut steps, if it has; where it has just gone back to.
-        self._mark: Mark | None = None
-        self._again: Mark | None = None
+        self._cut: RunSnapshot | None = None
+        self._again: RunSnapshot | None = None
         self._sought = -1  # number of the event that it is to end at
         self._error = 0.0  # scaled, of the last step but one that is tried
         if isinstance(start, State) and start.time < start.reached:
@@ -75,7 +149,7 @@ class OpenRun:
     @property
     def state(self) -> State:
         """The state that it leaves: one to go on from."""
-        return self.run.present() if self._mark is None else self._mark.left()
+        return self.run.present() if self._cut is None else self._cut.left()
 
     def go_to(self, end: float, interrupted: Callable[[], bool] = lambda: False) -> None:
         """Go to a time [s] later than the present one, or to what ends the run earlier."""
@@ -111,16 +185,16 @@ class OpenRun:
             AntennaPinError: There is no such number, or it cannot have this value; nothing is changed.
         """
         self.run.obey(name, action)
-        self._mark = self._again = self.run.left = None
+        self._cut = self._again = self.run.left = None
 
     def may_go_on(self) -> None:
         """Let it go on that was ended by its user."""
         self.run.outcome, self.run.message = Outcome.COMPLETED, Outcome.COMPLETED.value
 
     def _go_back(self) -> None:
-        if self._mark is not None:
-            self._mark.go_back()
-        self._mark, self._again = None, self._mark
+        if self._cut is not None:
+            self._cut.restore()
+        self._cut, self._again = None, self._cut
 
     # --- what the run foresees ------------------------------------------------------------------------------
 
@@ -133,16 +207,16 @@ class OpenRun:
         if self._again is None or not self._again.is_here():
             if self._window < math.inf:
                 self._forget()
-            self._again = Mark(self.run, self.run.present())
-        self._mark = self._again
-        return self._mark.state
+            self._again = RunSnapshot(self.run, self.run.present())
+        self._cut = self._again
+        return self._cut.state
 
     def events(self, ahead: Sequence[Sequence[Crossing]]) -> None:
         """Keep the run as it stands, if what it is to end at is in the next step."""
         sought = any(one.event == self._sought for group in ahead for one in group)
-        if sought and self._mark is None:
+        if sought and self._cut is None:
             state = dataclasses.replace(self.run.present(), error=self._error)
-            self._mark = Mark(self.run, state)
+            self._cut = RunSnapshot(self.run, state)
             self.run.left = state
 
     def _forget(self) -> None:
@@ -154,7 +228,7 @@ class OpenRun:
         run.begin = run.after = begin = run.samples.forget_before(begin)
         run.contacts.forget_before(begin)
         run.steps.record_from(begin)
-        run.ticks.forget_before(begin)
+        run.controllers.forget_before(begin)
         actions = run.actions
         actions.happened[:] = [one for one in actions.happened if one.time > begin]
         actions.modes.changed[:] = [one for one in actions.modes.changed if one.time > begin]

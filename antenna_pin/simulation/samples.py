@@ -1,4 +1,4 @@
-"""What a run keeps of its states: those at its output times, at events and at the peaks of contacts."""
+"""Samples of a run: states at output times, events and peaks of contacts."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from antenna_pin.base.capacity import check_fits
 from antenna_pin.base.records import MEMORY
 from antenna_pin.dynamics import System, Workspace
 
-__all__ = ["Chunk", "Kept", "Late", "Samples", "check_room"]
+__all__ = ["Chunk", "LateSample", "Samples", "check_room"]
+
+Array = NDArray[np.float64]
 
 # Numbers of a result for each of a state, and the copies of it while it is made; measured on what ships.
 _OF_STATE = 8.0
 
-Array = NDArray[np.float64]
 
 _ROOM = 256
 
@@ -34,7 +35,7 @@ def check_room(system: System, count: float) -> None:
     )
 
 
-class Late(NamedTuple):
+class LateSample(NamedTuple):
     """A sample of an earlier time, to be put between others that are elsewhere.
 
     Attributes:
@@ -81,7 +82,7 @@ class Chunk(NamedTuple):
         )
 
 
-class Kept(NamedTuple):
+class SamplesSnapshot(NamedTuple):
     """What samples can go back to.
 
     Attributes:
@@ -132,7 +133,7 @@ class Samples:
         self._memories = np.zeros((_ROOM, self._memory.nbytes), np.uint8)
         self.programs: list[Array] = []
         self.program = workspace.program.copy()
-        self.late: list[Late] = []
+        self.late: list[LateSample] = []
         self._handed = -math.inf
         self._before: Array | None = None
         self._inserted: list[int] = []  # places of those that were put between others, in their order
@@ -264,7 +265,7 @@ class Samples:
     def insert(self, t: float, y: Array, memory: NDArray[Any]) -> None:
         """Put a sample with its contact memory between others in time; one that is there already stays."""
         if t <= self._handed:
-            self.late.append(Late(t, y.copy(), memory.copy()))
+            self.late.append(LateSample(t, y.copy(), memory.copy()))
             return
         place = int(np.searchsorted(self.times, t))
         if place < self._count and self._times[place] == t:
@@ -281,32 +282,32 @@ class Samples:
 
     # --- to go back -----------------------------------------------------------------------------------------
 
-    def kept(self) -> Kept:
+    def snapshot(self) -> SamplesSnapshot:
         """Return what is needed to go back to what is held now, whatever samples come."""
         last = self.held.part(-1, None) if self._count else None
         if last is not None:
             last = Chunk(last.times.copy(), last.states.copy(), last.memories.copy(), list(last.programs))
-        return Kept(self._count, len(self._inserted), last, self.program, self.begin)
+        return SamplesSnapshot(self._count, len(self._inserted), last, self.program, self.begin)
 
     def leave(self) -> None:
         """Leave the samples to a result that was made of them: what comes changes copies."""
         for name in ("_times", "_states", "_memories"):
             setattr(self, name, getattr(self, name).copy())
 
-    def go_back(self, kept: Kept) -> None:
+    def restore(self, snapshot: SamplesSnapshot) -> None:
         """Hold what was held when this was kept."""
-        for place in reversed(self._inserted[kept.inserted :]):
+        for place in reversed(self._inserted[snapshot.inserted :]):
             for array in (self._times, self._states, self._memories):
                 array[place : self._count - 1] = array[place + 1 : self._count]
             del self.programs[place]
             self._count -= 1
-        del self._inserted[kept.inserted :], self.programs[kept.number :]
-        self._count, self.program, self.begin = kept.number, kept.program, kept.begin
-        if kept.last is not None:
-            place = kept.number - 1
-            self._times[place], self._states[place] = kept.last.times[0], kept.last.states[0]
-            self._memories[place] = kept.last.memories.view(np.uint8).reshape(-1)
-            self.programs[place] = kept.last.programs[0]
+        del self._inserted[snapshot.inserted :], self.programs[snapshot.number :]
+        self._count, self.program, self.begin = snapshot.number, snapshot.program, snapshot.begin
+        if snapshot.last is not None:
+            place = snapshot.number - 1
+            self._times[place], self._states[place] = snapshot.last.times[0], snapshot.last.states[0]
+            self._memories[place] = snapshot.last.memories.view(np.uint8).reshape(-1)
+            self.programs[place] = snapshot.last.programs[0]
 
     def forget_before(self, t: float) -> float:
         """Let go of what is not needed to know the samples from a time on [s]; return that of the first left.

@@ -45,11 +45,10 @@ from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.elements.rigid_stop import LOADED
 from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK, UNDECIDED
-from antenna_pin.simulation.due import met_at
-from antenna_pin.simulation.ending import NeverSettlesError
-from antenna_pin.simulation.own_actions import Switch
+from antenna_pin.simulation.element_events import NeverSettlesError, met_at
+from antenna_pin.simulation.events import Switch
 
-__all__ = ["Settling", "Shift"]
+__all__ = ["RestingJoints"]
 
 Array = NDArray[np.float64]
 
@@ -72,7 +71,7 @@ _LOCATED = 1e-9
 _HELD = 1e-9
 
 
-class Shift(NamedTuple):
+class RestingChange(NamedTuple):
     """A change of mode that has come about: which element's, as it was before, and what it met."""
 
     place: str
@@ -80,7 +79,7 @@ class Shift(NamedTuple):
     met: Met
 
 
-class Settling:
+class RestingJoints:
     """The joints with dry friction, and those with rigid stops, of a run.
 
     Args:
@@ -128,7 +127,7 @@ class Settling:
         assert isinstance(element, RigidStop)
         return element
 
-    def settle(self, t: float, y: Array, located: Sequence[Switch] = ()) -> list[Shift]:
+    def settle(self, t: float, y: Array, located: Sequence[Switch] = ()) -> list[RestingChange]:
         """Bring those that are at rest into modes that agree; y is changed in place, by round-off.
 
         Args:
@@ -191,7 +190,7 @@ class Settling:
         self._stop(t, y, [place for place in sides if self._stop_of(place).mode != FREE])
         after = {place: self._adjustments.elements[place] for place in before}
         return [
-            Shift(place, one, met[place])
+            RestingChange(place, one, met[place])
             for place, one in before.items()
             if isinstance(one, StickingFriction | RigidStop) and one != after[place]
         ]

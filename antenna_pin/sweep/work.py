@@ -18,7 +18,7 @@ from typing import Any
 from antenna_pin.errors import AntennaPinError, AssumedWarning, LedgerOpenWarning, MissingToolError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
-from antenna_pin.simulation.run import check_scenario
+from antenna_pin.simulation.inputs import check_scenario
 from antenna_pin.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Trajectory, library_versions
 

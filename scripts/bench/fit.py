@@ -25,7 +25,7 @@ from fit_coverage import FIT, TIMES, TRUTH, record, write_record  # noqa: E402
 from antenna_pin import Scenario, simulate  # noqa: E402
 from antenna_pin.fit import Problem, load_fit, run_fit  # noqa: E402
 from antenna_pin.fit.sensors import instants  # noqa: E402
-from antenna_pin.simulation.from_scenario import settings_of  # noqa: E402
+from antenna_pin.simulation.inputs import settings_of  # noqa: E402
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 

@@ -27,8 +27,8 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.engine import Compiled, CompiledStepper
 from antenna_pin.engine.step_kernels import attempt
 from antenna_pin.integrate import METHODS
-from antenna_pin.simulation import stretches
-from antenna_pin.simulation.scales import scale_vector
+from antenna_pin.simulation import steps
+from antenna_pin.simulation.steps import scale_vector
 
 SPAN = 1.0  # [s]
 RTOL, STEP = 1e-4, 1e-6  # errors of a run at an accuracy of 1e-3; of the bare steps [s]
@@ -94,7 +94,7 @@ class Timed:
 
 def main() -> int:
     """Time all of them in turns."""
-    inside = stretches.loop_kernels.go_on = Timed(stretches.loop_kernels.go_on)
+    inside = steps.loop_kernels.go_on = Timed(steps.loop_kernels.go_on)
     report = Report("loop", __doc__ or "")
     repeats = 1 if report.parse().quick else 7
     limit = near_limit_of(scenario("case3", CLOSED_FORM, "integrator.engine=compiled"))

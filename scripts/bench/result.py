@@ -18,9 +18,9 @@ from bench_tools import CLOSED_FORM, Report, scenario
 
 from antenna_pin import Trajectory, build_system, simulate
 from antenna_pin.assemble import initial_angles, initial_state
+from antenna_pin.simulation.inputs import settings_of
 from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.record import dataset
-from antenna_pin.simulation.run import settings_of
+from antenna_pin.simulation.recorder import result_data
 
 SPAN = 5.0  # [s]
 BEFORE = "the same, before"
@@ -57,7 +57,7 @@ def main() -> int:
         run = finished(backend, span)
 
         def record(run: Run = run) -> Any:
-            return dataset(run, "", "", {})
+            return result_data(run, "", "", {})
 
         record()
         taken = least(record, repeats)

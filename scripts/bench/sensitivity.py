@@ -81,12 +81,12 @@ class Made:
         self.steps: list[tuple[float, float, NDArray[np.float64], NDArray[np.void]]] = []
         self._memory = run.workspace.memory.copy()
 
-    def look(self, run: Run) -> None:
+    def observe(self, run: Run) -> None:
         """Look at the steps that the run has made since it was shown last."""
-        self.steps += [(one.time, one.size, one.y, self._memory) for one in run.steps.tape.steps]
+        self.steps += [(one.time, one.size, one.y, self._memory) for one in run.steps.log.steps]
         self._memory = run.workspace.memory.copy()
 
-    end = look
+    end = observe
 
 
 def displaced_by(model: Scenario, one: Parameter, s: float) -> System:
@@ -103,7 +103,7 @@ def at_best(model: Scenario, keys: dict[str, str | float | None], span: float) -
     carrying, run = field.carrying(), flow.begun(start, span)
     assert carrying is not None
     made = Made(run)
-    run.advance(keep=made)
+    run.advance(observer=made)
     # Each displacement has all of the state, and one number.
     state, own, count = slice(field.parts[2].stop), field.parts[-3], len(parameters)
     ways = np.zeros((field.displacement, count))

@@ -36,8 +36,7 @@ from antenna_pin.nonlinear.near import Near
 from antenna_pin.nonlinear.numbers import Numbers
 from antenna_pin.scenario import with_number
 from antenna_pin.sensitivity.parameters import parameters_of
-from antenna_pin.simulation.scales import scale_vector
-from antenna_pin.simulation.stretches import stepper_of
+from antenna_pin.simulation.steps import scale_vector, stepper_of
 
 COMPILED = {"integrator.engine": "compiled"}
 # Model, case, joint with play, from when on [s], how long [s], step of differences.

@@ -14,7 +14,7 @@ import numpy as np
 from antenna_pin import load_scenario, simulate, start
 from antenna_pin.base.state import State
 from antenna_pin.base.units import shown
-from antenna_pin.simulation.parts import read_sealed, write_sealed
+from antenna_pin.simulation.sample_files import read_sealed, write_sealed
 from fuzzing.documents import SHORT
 from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import made, stopped

@@ -6,7 +6,7 @@ import pytest
 from antenna_pin import load_scenario
 from antenna_pin.nonlinear import flow_of
 from antenna_pin.nonlinear.field import Field
-from antenna_pin.simulation.from_scenario import settings_of
+from antenna_pin.simulation.inputs import settings_of
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-2, 1e-3])

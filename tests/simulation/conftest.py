@@ -11,7 +11,7 @@ import pytest
 from antenna_pin import ErrorScales, RunSettings, System, Urdf, build_mechanism
 from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.simulation import keeper, progress, stretches
+from antenna_pin.simulation import checkpoint, loop, steps
 
 # Scales beside which any step's error is small: steps are as long as they are asked to be.
 ANY_ERROR = ErrorScales(
@@ -78,6 +78,6 @@ def final(run: Any) -> np.ndarray:
 @pytest.fixture
 def small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a record go to the disk every few samples, and a run be looked at every few steps."""
-    monkeypatch.setattr(keeper, "_PART", 40_000)
-    monkeypatch.setattr(stretches, "_BUDGET", 2)
-    monkeypatch.setattr(progress, "_INTERVAL", -1.0)
+    monkeypatch.setattr(checkpoint, "_PART", 40_000)
+    monkeypatch.setattr(steps, "_BUDGET", 2)
+    monkeypatch.setattr(loop, "_INTERVAL", -1.0)

@@ -17,7 +17,7 @@ from interruptions import in_pieces, same
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.elements import Motion
 from antenna_pin.scenario.clearance import TouchingSpec
-from antenna_pin.simulation import Set, Time, keeper
+from antenna_pin.simulation import Set, Time, checkpoint
 from antenna_pin.simulation.events import Event
 
 pytestmark = pytest.mark.filterwarnings("ignore::antenna_pin.simulation.CheckpointsWaitedWarning")
@@ -85,7 +85,7 @@ def drawn(draw_scenario, number):
 def test_however_a_run_is_interrupted_it_ends_the_same(
     draw_scenario, number, tmp_path, small_parts, monkeypatch
 ):
-    monkeypatch.setattr(keeper, "_TIMES", 0.0)  # many checkpoints, whatever they cost
+    monkeypatch.setattr(checkpoint, "_TIMES", 0.0)  # many checkpoints, whatever they cost
     scenario, span, events, rng = drawn(draw_scenario, number)
     seen = []
     whole = simulate(scenario, duration=span, events=events, progress=seen.append)

@@ -26,10 +26,11 @@ from antenna_pin.simulation import (
     Rate,
     Stop,
     checkpoint,
-    finish,
-    keeper,
 )
-from antenna_pin.simulation.parts import read_sealed, write_sealed
+from antenna_pin.simulation import (
+    run as run_module,
+)
+from antenna_pin.simulation.sample_files import read_sealed, write_sealed
 
 BRISTLES = (
     "clearance.elevation.friction={law='lugre', static=0.2, dynamic=0.1, stribeck_speed='1 mm/s',"
@@ -156,7 +157,7 @@ def test_what_is_no_checkpoint_of_the_run_is_refused(stopped, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(checkpoint, "FORMAT", "antenna_pin checkpoint 7")
         refused("the format must be 'antenna_pin checkpoint 7', got 'antenna_pin checkpoint 4'")
-    with keeper.Parts(folder, np.zeros(0), "") as other:
+    with checkpoint.SampleFiles(folder, np.zeros(0), "") as other:
         other.open()
         refused("another run writes into it")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
@@ -187,14 +188,14 @@ def test_a_damaged_checkpoint_or_part_is_refused(stopped, name):
 
 def test_a_full_disk_costs_nothing(tmp_path, small_parts, monkeypatch):
     """The run goes on in memory; parts that were written before are used, and so it is the whole run."""
-    written = keeper.Parts.append
+    written = checkpoint.SampleFiles.append
 
     def full(self, chunk):
         if len(self.rows) >= 2:
             raise OutputError(f"{self.folder}: cannot be written: No space left on device")
         written(self, chunk)
 
-    monkeypatch.setattr(keeper.Parts, "append", full)
+    monkeypatch.setattr(checkpoint.SampleFiles, "append", full)
     with pytest.warns(NotKeptWarning, match="No space left on device; the run goes on"):
         ran = simulate(antenna(), duration=0.03, out=tmp_path / "run.nc")
     same(simulate(antenna(), duration=0.03), ran)
@@ -207,7 +208,7 @@ def no_room(*given):
 def test_a_result_without_room_is_made_of_what_was_kept(tmp_path, small_parts, monkeypatch):
     """No step is made again: the record is there, with a checkpoint at its end."""
     with monkeypatch.context() as patch:
-        patch.setattr(finish, "write_blocks", no_room)
+        patch.setattr(run_module, "write_blocks", no_room)
         with pytest.raises(OutputError, match=r"No space left; what the run has .* is in '.*run.nc.parts'"):
             simulate(antenna(), duration=0.03, out=tmp_path / "run.nc")
     again = simulate(antenna(), out=tmp_path / "run.nc", resume=True)
@@ -227,16 +228,16 @@ def test_checkpoints_take_a_tenth_of_the_time_at_most(tmp_path, monkeypatch, ask
         now[0] += 0.04 * rng.random()
         written.append((began, now[0]))
 
-    monkeypatch.setattr(keeper, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    monkeypatch.setattr(checkpoint, "time", SimpleNamespace(perf_counter=lambda: now[0]))
     monkeypatch.setattr(Checkpoint, "of", lambda run, about: Checkpoint)
     monkeypatch.setattr(Checkpoint, "write", classmethod(write))
     system = build_system(antenna())
     run = SimpleNamespace(samples=SimpleNamespace(size=0), outcome=Outcome.COMPLETED)
-    with keeper.Keeper(tmp_path / "run.nc", system, {}, asked) as kept:
+    with checkpoint.CheckpointStore(tmp_path / "run.nc", system, {}, asked) as kept:
         while now[0] < 20.0:
             now[0] += 1e-3
             run.wall = now[0]
-            kept.look(run)
+            kept.observe(run)
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             kept.end(run)

@@ -11,8 +11,8 @@ import pytest
 from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.elements import CallableDrive, ConstantDrive
 from antenna_pin.errors import LongRunWarning
-from antenna_pin.simulation import expected, progress, stretches
-from antenna_pin.simulation.stretches import Made
+from antenna_pin.simulation import loop, monitor, steps
+from antenna_pin.simulation.steps import StepCounts
 
 WHEEL = """<robot name="wheel"><link name="hub"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -30,14 +30,14 @@ def wheel(**drives):
 def slow_clock(monkeypatch):
     """A clock of which each look takes a second: a run seems to take one for each step."""
     ticks = itertools.count()
-    monkeypatch.setattr(stretches, "_BUDGET", 1)
-    monkeypatch.setattr(progress, "time", types.SimpleNamespace(perf_counter=lambda: float(next(ticks))))
+    monkeypatch.setattr(steps, "_BUDGET", 1)
+    monkeypatch.setattr(loop, "time", types.SimpleNamespace(perf_counter=lambda: float(next(ticks))))
 
 
 @pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
 def test_a_long_run_is_told_of_once_and_is_the_same_run(monkeypatch, engine):
     """500 steps, and a minute from one look at the clock to the next."""
-    monkeypatch.setattr(stretches, "_BUDGET", 16)
+    monkeypatch.setattr(steps, "_BUDGET", 16)
     system, settings = (
         wheel(motor=ConstantDrive(joint="axle", value=0.1)),
         RunSettings(engine=engine, **FIXED),
@@ -46,7 +46,7 @@ def test_a_long_run_is_told_of_once_and_is_the_same_run(monkeypatch, engine):
         warnings.simplefilter("always")
         before = simulate(system, duration=0.5, settings=settings)
     ticks = itertools.count(0, 60)
-    monkeypatch.setattr(progress, "time", types.SimpleNamespace(perf_counter=lambda: float(next(ticks))))
+    monkeypatch.setattr(loop, "time", types.SimpleNamespace(perf_counter=lambda: float(next(ticks))))
     with pytest.warns(LongRunWarning) as told:
         run = simulate(system, duration=0.5, settings=settings)
     assert not quick and len(told) <= 2 and run.completed
@@ -57,39 +57,41 @@ def test_a_long_run_is_told_of_once_and_is_the_same_run(monkeypatch, engine):
 
 def test_an_estimate_is_told_again_if_it_is_another():
     """Steps of 1 ms a second, of 50 s; then a hundred times as slow, then as before."""
-    watch, told, wall = expected.Expected(50.0), [], 7.0
-    watch.begin(0.0, Made(0, 0, 0, 0, wall))
+    watch, told, wall = monitor.TimeEstimate(50.0), [], 7.0
+    watch.begin(0.0, StepCounts(0, 0, 0, 0, wall))
     for k in range(1, 8193):
         wall += 100.0 if 1024 < k <= 1100 else 1.0
-        if watch.look(1e-3 * k, Made(k, 0, 0, 0, wall)):
-            told.append((k, watch.words(1e-3 * k)))
+        if watch.update(1e-3 * k, StepCounts(k, 0, 0, 0, wall)):
+            told.append((k, watch.text(1e-3 * k)))
     assert 15 <= [k for k, _ in told][0] <= 24 and 2 <= len(told) <= 4
     assert "s, the run will take another 14 h at its present pace, with steps of 0.001 s" in told[0][1]
     # Slow for a while only: 13 h remain, as the pace before says, and not the 6 days of the last look alone.
     assert told[1][0] > 1024
     assert re.search(r"another 14 h to \d+ days, as its pace changes", told[1][1]), told[1]
-    assert not expected.Expected(1.0).look(0.5, Made(9, 0, 0, 0, 1e9))  # nothing before the beginning
+    assert not monitor.TimeEstimate(1.0).update(
+        0.5, StepCounts(9, 0, 0, 0, 1e9)
+    )  # nothing before the beginning
 
 
 def test_a_burst_is_not_told_of():
     """Fast up to 90 %, then for 4 s hardly any way, then fast again; it is told of where it stays slow."""
     for slow in (4, 40):
-        watch, told, t = expected.Expected(100.0), [], 0.0
-        watch.begin(t, Made(0, 0, 0, 0, 0.0))
+        watch, told, t = monitor.TimeEstimate(100.0), [], 0.0
+        watch.begin(t, StepCounts(0, 0, 0, 0, 0.0))
         for k in range(1, 401):
             t += 1e-4 if 25 < k <= 25 + 10 * slow else 3.6
-            if t < 100.0 and watch.look(t, Made(k, 0, 0, 0, 0.1 * k)):
+            if t < 100.0 and watch.update(t, StepCounts(k, 0, 0, 0, 0.1 * k)):
                 told.append(0.1 * k)
         assert len(told) == (slow == 40) and all(when <= 10.1 for when in told)
 
 
 def test_first_steps_that_load_what_they_call_are_no_pace():
     """28 steps in 7 s, as kernels are loaded; then a thousand a second, and the whole is done in 10 s."""
-    watch, told, wall = expected.Expected(1.0), [], 0.0
-    watch.begin(0.0, Made(0, 0, 0, 0, wall))
+    watch, told, wall = monitor.TimeEstimate(1.0), [], 0.0
+    watch.begin(0.0, StepCounts(0, 0, 0, 0, wall))
     for k in range(1, 3000):
         wall += 0.25 if k <= 28 else 1e-3
-        told += [watch.words(k / 3e3)] * watch.look(k / 3e3, Made(k, 0, 0, 0, wall))
+        told += [watch.text(k / 3e3)] * watch.update(k / 3e3, StepCounts(k, 0, 0, 0, wall))
     assert not told
 
 

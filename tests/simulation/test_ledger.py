@@ -14,7 +14,7 @@ from antenna_pin import Outcome, RunSettings, System, Trajectory, Urdf, build_me
 from antenna_pin.analysis import answer
 from antenna_pin.elements import CallableElement, JointSpring, PrescribedMotion
 from antenna_pin.errors import InvalidParameterError, LedgerOpenWarning
-from antenna_pin.simulation import Event, Set, Time, keeper
+from antenna_pin.simulation import Event, Set, Time, checkpoint
 from antenna_pin.simulation.ledger import FIXED_STEP, GROWTH, MOST
 
 INERTIA, STIFFNESS = 0.6, 600.0
@@ -209,7 +209,7 @@ def test_a_result_is_the_same_however_it_is_kept(tmp_path, monkeypatch):
     whole = opened(system)
     lean = opened(system, settings=RunSettings(output_form="lean"))
     assert (lean.outcome, lean.message) == (whole.outcome, whole.message)
-    monkeypatch.setattr(keeper, "_PART", 10_000)
+    monkeypatch.setattr(checkpoint, "_PART", 10_000)
     with pytest.warns(LedgerOpenWarning):
         parts = simulate(system, **how, out=tmp_path / "a.nc")
     assert (parts.outcome, parts.message) == (whole.outcome, whole.message)

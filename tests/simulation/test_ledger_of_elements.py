@@ -12,7 +12,7 @@ from antenna_pin import Outcome, Scenario, System, Trajectory, load_scenario, si
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.elements import FAMILIES, CallableDrive, CallableElement, CallableForce, CallableMotion
 from antenna_pin.errors import LedgerOpenWarning
-from antenna_pin.simulation import record, seen
+from antenna_pin.simulation import recorder, variables
 
 LINK = """
   <link name="{name}">
@@ -218,22 +218,22 @@ def misstate(monkeypatch: pytest.MonkeyPatch, part: str) -> None:
     What is integrated along a run and what is stored act on nothing: the motion is the same.
     """
     if part in STORED:
-        right = record.observed
+        right = recorder.observed
 
         def observed(*given: Any) -> Any:
             found = right(*given)
             found.audit[part] *= WRONG
             return found
 
-        monkeypatch.setattr(record, "observed", observed)
+        monkeypatch.setattr(recorder, "observed", observed)
         return
-    ledger = seen.Seen.ledger.func
+    ledger = variables.SampleBlock.ledger.func
 
-    def wrong(one: seen.Seen) -> dict[str, Any]:
+    def wrong(one: variables.SampleBlock) -> dict[str, Any]:
         names = PARTS.get(part, (part,))
         return {name: (WRONG if name in names else 1.0) * of for name, of in ledger(one).items()}
 
-    monkeypatch.setattr(seen.Seen, "ledger", property(wrong))
+    monkeypatch.setattr(variables.SampleBlock, "ledger", property(wrong))
 
 
 def parts_of(run: Trajectory) -> list[str]:

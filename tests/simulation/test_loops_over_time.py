@@ -12,7 +12,7 @@ from single_loops import GRAVITY, bricard, four_bar, spatial_slider_crank, urdf_
 
 from antenna_pin import RunSettings, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.simulation import Angle, Event, Stop, progress
+from antenna_pin.simulation import Angle, Event, Stop, loop
 
 LOOPS = {"four_bar": four_bar, "bricard": bricard, "spatial_slider_crank": spatial_slider_crank}
 
@@ -144,7 +144,7 @@ def test_singular_positions_are_passed_as_the_motion_goes(tmp_path, rtol):
 
 def test_singular_positions_are_those_of_the_whole_run_when_it_goes_on(tmp_path, monkeypatch):
     """What looks for them has a memory of its own: a run that is stopped three times has it too."""
-    monkeypatch.setattr(progress, "_INTERVAL", -1.0)
+    monkeypatch.setattr(loop, "_INTERVAL", -1.0)
     row = row_of_squares(tmp_path, 2)
     whole = simulate(row)
     for k in range(4):

@@ -12,7 +12,7 @@ import pytest
 from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.contact import CustomFriction, CustomNormal, Hertz, NoFriction
 from antenna_pin.elements import CallableDrive, CallableMotion, JointSpring, SineDrive
-from antenna_pin.simulation import Event, repeatable
+from antenna_pin.simulation import Event, function_checks
 
 ARM = """<robot name="arm"><link name="base"><inertial><mass value="1"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -137,7 +137,7 @@ def test_what_keeps_nothing_runs_as_before_bit_for_bit(monkeypatch):
 
     asked = driven(held, duration=5.0)
     most = next(calls)
-    monkeypatch.setattr(repeatable, "asked_functions", lambda workspace, events: ())
+    monkeypatch.setattr(function_checks, "user_functions", lambda workspace, events: ())
     calls = itertools.count()
     plain = driven(held, duration=5.0)
     assert asked.completed and plain.completed

@@ -227,7 +227,7 @@ def test_a_sliding_joint_is_recorded():
 @pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
 def test_a_run_is_looked_at_however_much_it_samples(monkeypatch, engine):
     """Steps of ten samples pause within, where the buffer is full: they are ended, and it is looked at."""
-    monkeypatch.setattr("antenna_pin.simulation.progress._INTERVAL", 0.0)
+    monkeypatch.setattr("antenna_pin.simulation.loop._INTERVAL", 0.0)
     scenario = load_scenario("bai2020", case="case1", overrides=[f"integrator.engine={engine}"])
     seen = [0]
     run = simulate(scenario, duration=120.0, progress=lambda now: seen.append(now.steps))

@@ -16,7 +16,7 @@ from antenna_pin.geometry import RevoluteClearance, pose_of
 from antenna_pin.geometry.shape import asked
 from antenna_pin.law_studies import closed_form_restitution
 from antenna_pin.mechanism import frame_aligning_z
-from antenna_pin.simulation import control
+from antenna_pin.simulation import steps
 
 # A slender pin in a long bore: 10 mm and 40 mm, with 50 um of play.
 SLENDER = (
@@ -197,7 +197,7 @@ def test_steps_and_wall_time_can_be_limited():
 @pytest.mark.parametrize(("expected", "made"), [(899, 100), (901, 1000)])
 def test_a_run_is_given_up_at_the_steps_it_would_take(monkeypatch, expected, made):
     """1000 fixed steps: after the first 100, in a tenth of the time, 900 are left to be expected."""
-    monkeypatch.setattr(control, "_PACE_STEPS", 100)
+    monkeypatch.setattr(steps, "_PACE_STEPS", 100)
     settings = RunSettings(method="rk4", step=1e-3, max_steps=10_000, max_expected_steps=expected)
     run = simulate(wheel(lambda t, angle, rate: 0.0), duration=1.0, settings=settings)
     assert run.outcome is (Outcome.COMPLETED if made == 1000 else Outcome.NO_PROGRESS)

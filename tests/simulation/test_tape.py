@@ -5,7 +5,8 @@ import pytest
 
 from antenna_pin import RunSettings
 from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.simulation import Angle, Event, stretches
+from antenna_pin.simulation import Angle, Event
+from antenna_pin.simulation import steps as stepping
 from antenna_pin.simulation.loop import Run
 from tests.simulation.test_events import EXACT, oscillator, with_events
 
@@ -15,33 +16,33 @@ class Seen:
 
     def __init__(self, run):
         self.changes, self.events, self.steps, self.ends = [], [], [], []
-        self._passages = run.actions.passages = []
+        self._passages = run.actions.effects = []
         self._touched = run.workspace.memory["touching"].copy()
 
-    def look(self, run):
+    def observe(self, run):
         touching = run.workspace.memory["touching"]
         self.changes.append(int(np.count_nonzero(touching != self._touched)))
         self.events.append([one.time for one in self._passages])
-        self.steps.append(list(run.steps.tape.steps))
+        self.steps.append(list(run.steps.log.steps))
         self.ends.append((run.stepper.t, run.here.copy()))
         self._touched = touching.copy()
         self._passages.clear()
 
-    end = look
+    end = observe
 
 
 def shown(system, y, span, events=()):
     """The run as it is shown, and what was seen."""
-    run = Run(system, y, span, RunSettings(output_rate=100.0), events, taped=True)
+    run = Run(system, y, span, RunSettings(output_rate=100.0), events, logged=True)
     seen = Seen(run)
-    run.advance(keep=seen)
+    run.advance(observer=seen)
     return run, seen
 
 
-@pytest.mark.parametrize("most", [stretches._TAPED, 3])
+@pytest.mark.parametrize("most", [stepping._LOGGED, 3])
 def test_a_taped_run_is_the_run(monkeypatch, most):
     """To the last bit; steps go from where the last ended, and nothing changes but where one ends."""
-    monkeypatch.setattr(stretches, "_TAPED", most)
+    monkeypatch.setattr(stepping, "_LOGGED", most)
     asked, events = with_events()
     system = build_system(asked)
     y = system.state(*initial_state(asked, system))

@@ -1,26 +1,122 @@
-"""The search of a trial step for events of the user's, and what they remember."""
+"""Search of a trial step for events, their discrete states, and their table for the compiled loop."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.roots import least_between, root_between
 from antenna_pin.base.state import EventMemory
-from antenna_pin.dynamics import Workspace
+from antenna_pin.dynamics import Workspace, motion_block
 from antenna_pin.elements import ForceElement
+from antenna_pin.engine import watch_kernels as kernels
 from antenna_pin.engine.watch_kernels import CHECK_POINT, FIRST_POINT, SECOND_POINT, THIRD_POINT
 from antenna_pin.integrate import Stepper
-from antenna_pin.simulation.crossing import Bracket, Crossing, Looks, Memory
-from antenna_pin.simulation.events import ElementChange, Event, Time
-from antenna_pin.simulation.moment import Moment
-from antenna_pin.simulation.own_actions import GRAZE, STILL, Switch
+from antenna_pin.simulation.element_events import KinkFunction, ModeFunction
+from antenna_pin.simulation.events import (
+    GRAZE,
+    STILL,
+    Angle,
+    ElementChange,
+    Event,
+    Force,
+    Gap,
+    Moment,
+    Rate,
+    Switch,
+    Time,
+)
 
-__all__ = ["Crossing", "Watch"]
+__all__ = ["Crossing", "EventWatch", "WatchTable", "is_known"]
 
+Array = NDArray[np.float64]
+
+# --- zero crossings -----------------------------------------------------------------------------------------
+
+
+class Crossing(NamedTuple):
+    """Where an event's function passes zero.
+
+    Attributes:
+        event: Number of the event.
+        theta: At which fraction of the trial step.
+        side: The sign that it has passed to, if it has done so already; 0 if it is zero there.
+        slope: Of the function there, per second; 0 if it has none.
+        noise: What it may be off by there.
+        until: Up to which fraction the event is known to do nothing else.
+    """
+
+    event: int
+    theta: float
+    side: float = 0.0
+    slope: float = 0.0
+    noise: float = 0.0
+    until: float = math.inf
+
+
+class Bracket(NamedTuple):
+    """Where an event's function passes zero: between two fractions of a trial step, with its values there.
+
+    Further what it may be off by, up to which fraction the event does nothing else, and the side it has
+    passed to, if it has done so already.
+    """
+
+    event: int
+    a: float
+    b: float
+    fa: float
+    fb: float
+    noise: float
+    until: float
+    side: float = 0.0
+
+    @property
+    def guess(self) -> float:
+        """About where."""
+        return (
+            self.a + (self.b - self.a) * self.fa / (self.fa - self.fb) if self.fa * self.fb < 0.0 else self.a
+        )
+
+
+class StepScan(NamedTuple):
+    """A function at some fractions of a trial step: its values and rates there."""
+
+    thetas: list[float]
+    values: list[float]
+    rates: list[float]
+
+    def stays(self, i: int, side: float) -> float:
+        """Return up to which fraction it stays on the side that it has come to in the i-th part."""
+        for j in range(i + 1, len(self.thetas)):
+            back = side * self.rates[j - 1] < 0.0 < side * self.rates[j]
+            if not side * self.values[j] > 0.0 or back:
+                return self.thetas[j - 1]
+        return math.inf
+
+
+class WatchMemory:
+    """What one event remembers, in use (see :class:`EventMemory`)."""
+
+    __slots__ = ("count", "last", "noise", "side")
+
+    def __init__(self) -> None:
+        """Begin with an event that has never happened."""
+        self.count = 0
+        self.last = -math.inf
+        self.side = self.noise = 0.0
+
+    def sign(self, value: float) -> float:
+        """Return the side that a value tells of: 0 if none."""
+        if not abs(value) > (self.noise if self.side == 0.0 else 0.0):  # nor does NaN
+            return 0.0
+        return math.copysign(1.0, value)
+
+
+# --- search of trial steps ----------------------------------------------------------------------------------
 
 # Share of the spread of values that an interpolation may be off by, and how many points are taken at most.
 _OFF, _MOST = 0.01, 512
@@ -29,7 +125,7 @@ _OFF, _MOST = 0.01, 512
 # --- least values of a function in a step, of which no rate is known: a load near what it may be ---
 
 
-def with_dips(f: Callable[[float], float], look: Looks) -> Looks:
+def with_least_values(f: Callable[[float], float], look: StepScan) -> StepScan:
     """Return a function whose rate is not known at as many points of a step as show where it is least.
 
     Points are doubled until a cubic spline through them foretells those between; then each least value among
@@ -60,10 +156,8 @@ def with_dips(f: Callable[[float], float], look: Looks) -> Looks:
         if value < values[i]:
             at = int(np.searchsorted(thetas, low))
             thetas, values = np.insert(thetas, at, low), np.insert(values, at, value)
-    return Looks(thetas.tolist(), values.tolist(), [0.0] * len(thetas))
+    return StepScan(thetas.tolist(), values.tolist(), [0.0] * len(thetas))
 
-
-Array = NDArray[np.float64]
 
 # Where in the first part of a step the side is looked up that an event is on after it has happened.
 _PROBE = 1.0 / 64.0
@@ -79,7 +173,7 @@ _LEAST, _HALVINGS = 1e-16, 40
 _NEAR = 1e-6  # likewise: what is nearer to a zero, by its slope, is not taken to come later unseen
 
 
-class Watch:
+class EventWatch:
     """Looks for events inside trial steps.
 
     The sides on which the functions are change with their passages only, so that of two events at one instant
@@ -104,7 +198,7 @@ class Watch:
         self.moment = Moment(workspace)
         self._y = np.zeros(workspace.manifold.size)
         self._theta = math.nan  # the fraction of the trial step that the moment is at, if any
-        self._memories = [Memory() for _ in events]
+        self._memories = [WatchMemory() for _ in events]
         self._values = [0.0] * len(self.events)
         self._times = [k for k, event in enumerate(self.events) if isinstance(event.when, Time)]
         self._on_changes = [k for k, event in enumerate(self.events) if isinstance(event.when, ElementChange)]
@@ -252,13 +346,13 @@ class Watch:
         that changes something, or after something else may happen of an event that has been found already.
         """
         self._theta = math.nan
-        looks: dict[int, Looks] = {}
+        looks: dict[int, StepScan] = {}
         for nodes in dict.fromkeys(self.events[k].nodes for k in self._functions):
             self._look(nodes, looks)
         for k in self._functions:
             look = looks[k]
             if isinstance(self.events[k].action, Switch) and not any(look.rates):
-                looks[k] = with_dips(lambda theta, k=k: self._whens[k](self._at(theta)), look)  # type: ignore[misc]
+                looks[k] = with_least_values(lambda theta, k=k: self._whens[k](self._at(theta)), look)  # type: ignore[misc]
         brackets = [bracket for k in self._functions if (bracket := self._bracket(k, looks[k])) is not None]
         brackets.sort(key=lambda bracket: bracket.guess)
         found: list[Crossing] = []
@@ -291,11 +385,11 @@ class Watch:
         value = self._whens[one.event](self._at(theta))
         return value * one.fa > 0.0 and abs(value) > _NEAR * abs(one.fb - one.fa) / (one.b - one.a)
 
-    def _look(self, nodes: int, looks: dict[int, Looks]) -> None:
+    def _look(self, nodes: int, looks: dict[int, StepScan]) -> None:
         """Ask the functions that are looked at in so many parts of a step at the ends of these."""
         mine = [k for k in self._functions if self.events[k].nodes == nodes]
         for k in mine:
-            looks[k] = Looks([0.0], [self._values[k]], [])
+            looks[k] = StepScan([0.0], [self._values[k]], [])
         for i in range(nodes + 1):
             moment = self._at(i / nodes)
             for k in mine:
@@ -305,7 +399,7 @@ class Watch:
                     look.values.append(self._whens[k](moment))
                 look.rates.append(0.0 if rated is None else rated(moment))
 
-    def _bracket(self, k: int, look: Looks) -> Bracket | None:
+    def _bracket(self, k: int, look: StepScan) -> Bracket | None:
         """Return where in the trial step an event's function passes zero first; None if nowhere."""
         event, memory = self.events[k], self._memories[k]
 
@@ -436,3 +530,65 @@ class Watch:
 
 def _order(crossing: Crossing) -> tuple[float, int]:
     return crossing.theta, crossing.event
+
+
+# --- table for the compiled loop ----------------------------------------------------------------------------
+
+
+def is_known(event: Event) -> bool:
+    """Whether compiled code knows an event's function: those of one's own it does not."""
+    return isinstance(
+        event.when, Angle | Rate | Gap | Force | Time | ElementChange | KinkFunction | ModeFunction
+    )
+
+
+class WatchTable:
+    """The events of a run as compiled code sees them: a step may be one of those that it does not know.
+
+    Args:
+        watch: The run's.
+
+    Attributes:
+        numbers: As the kernels take them.
+    """
+
+    def __init__(self, watch: EventWatch) -> None:
+        """Lay them out."""
+        system = watch.moment.system
+        self._watch = watch
+        known = [k for k, event in enumerate(watch.events) if is_known(event)]
+        self._places = [k for k in known if not isinstance(watch.events[k].when, Time | ElementChange)]
+        functions = np.zeros(len(self._places), kernels.WATCHED)
+        blocks = [system.program]
+        for row, k in zip(functions, self._places, strict=True):
+            event = watch.events[k]
+            when = event.when
+            row["parts"] = event.nodes
+            if isinstance(when, KinkFunction):
+                row["what"], row["where"], row["number"] = kernels.KINK, when.block, when.number
+            elif isinstance(when, ModeFunction):
+                row["what"], row["where"] = kernels.SWITCH, when.block
+                row["number"], row["hold"] = when.number, when.hold
+            elif isinstance(when, Angle | Rate):
+                row["what"] = kernels.ANGLE if isinstance(when, Angle) else kernels.RATE
+                row["where"], row["value"] = sum(map(len, blocks)), when.value
+                blocks.append(motion_block(system, when.joint))
+            elif isinstance(when, Gap | Force):
+                row["what"] = kernels.GAP if isinstance(when, Gap) else kernels.FORCE
+                row["where"], row["value"] = watch.moment.contact_number(when.contact), when.value
+        self.numbers = kernels.Watched(
+            functions=functions,
+            program=np.concatenate(blocks),
+            rates=np.zeros(system.model.nv + system.manifold.nx),
+            instants=np.array([*watch.instants, *[np.inf] * (watch.tick is not None)], dtype=float),
+            values=np.zeros(2),
+            dips=np.zeros(6),
+            unknown=len(watch.events) - len(known),
+        )
+
+    def renew(self) -> None:
+        """Take over on which sides the functions are, and when controllers are called next."""
+        if self._watch.tick is not None:
+            self.numbers.instants[-1] = self._watch.tick
+        for row, k in zip(self.numbers.functions, self._places, strict=True):
+            row["side"] = self._watch.side(k)

@@ -1,7 +1,7 @@
-"""What a run that goes on has recorded already, in sealed files of a folder beside its result.
+"""Samples on the disk: sealed files in a folder beside the result, and all samples block by block.
 
-``NAME.nc.parts`` holds parts of samples, written once each, and one checkpoint, which is replaced. A part
-that no checkpoint names yet is written anew after a kill.
+``NAME.nc.parts`` has parts of samples, written once each, and one checkpoint, which is replaced. A part that
+no checkpoint lists yet is written anew after a kill.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 import os
 import re
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
@@ -24,15 +24,17 @@ from antenna_pin.base.files import has_whole_seal, replacing, seal
 from antenna_pin.base.records import MEMORY
 from antenna_pin.base.units import shown
 from antenna_pin.errors import FileFormatError, OutputError
-from antenna_pin.simulation.samples import Chunk, Late
+from antenna_pin.simulation.samples import Chunk, LateSample, Samples
 
 __all__ = [
     "CHECKPOINT",
     "LATE",
     "SAMPLED",
-    "Parts",
+    "SampleFiles",
+    "blocks_of",
     "changed_words",
     "chunk_of",
+    "count_of",
     "folder_of",
     "late_numbers",
     "late_of",
@@ -187,7 +189,7 @@ def chunk_of(numbers: Mapping[str, NDArray[Any]], base: Array) -> Chunk:
     )
 
 
-def late_numbers(late: Iterable[Late], size: int, contacts: int) -> dict[str, NDArray[Any]]:
+def late_numbers(late: Iterable[LateSample], size: int, contacts: int) -> dict[str, NDArray[Any]]:
     """Return late samples as arrays."""
     late = list(late)
     memories = np.zeros((len(late), contacts), MEMORY)
@@ -200,16 +202,16 @@ def late_numbers(late: Iterable[Late], size: int, contacts: int) -> dict[str, ND
     }
 
 
-def late_of(numbers: Mapping[str, NDArray[Any]]) -> list[Late]:
+def late_of(numbers: Mapping[str, NDArray[Any]]) -> list[LateSample]:
     """Return the samples that :func:`late_numbers` has made arrays of."""
     rows = zip(numbers["late_times"].tolist(), numbers["late_states"], numbers["late_memories"], strict=True)
-    return [Late(*row) for row in rows]
+    return [LateSample(*row) for row in rows]
 
 
 # --- the folder -----------------------------------------------------------------------------------------
 
 
-class Parts:
+class SampleFiles:
     """The parts of one run, in their folder.
 
     The folder is locked as long as this lives: two runs do not write into one.
@@ -315,3 +317,89 @@ class Parts:
             with contextlib.suppress(OSError):  # what others have put there stays
                 self.folder.rmdir()
         self.close()
+
+
+# --- all samples of a run, block by block -------------------------------------------------------------------
+
+#: Samples of a block: few enough that all which they imply takes little room. Blocks are the same ones
+#: however a record is spread over disk and memory, or round-off might tell.
+BLOCK = 8192
+
+
+def _chunks(samples: Samples, parts: SampleFiles | None) -> Iterator[Chunk]:
+    if parts is not None:
+        yield from map(parts.read, range(len(parts.rows)))
+    yield samples.held
+
+
+def _with_late(chunk: Chunk, late: Sequence[LateSample], samples: Samples) -> Chunk:
+    """Return a chunk with late samples at their places; where there is one of their time that one stays."""
+    there = set(chunk.times[np.searchsorted(chunk.times, [one.time for one in late])].tolist())
+    new = [one for one in late if one.time not in there]
+    if not new:
+        return chunk
+    places = np.searchsorted(chunk.times, [one.time for one in new])
+    programs = list(chunk.programs)
+    # What held at the sample before holds on to the next event.
+    states = [one.state.copy() for one in new]
+    for place, one, state in zip(places.tolist(), new, states, strict=True):
+        samples.hold(one.time, state, programs[max(place - 1, 0)])
+    for place, _ in sorted(zip(places.tolist(), new, strict=True), key=lambda one: -one[0]):
+        programs.insert(place, programs[max(place - 1, 0)])
+    return Chunk(
+        np.insert(chunk.times, places, [one.time for one in new]),
+        np.insert(chunk.states, places, states, axis=0),
+        np.insert(chunk.memories, places, np.array([one.memory for one in new]), axis=0),
+        programs,
+    )
+
+
+def _merged(samples: Samples, parts: SampleFiles | None) -> Iterator[Chunk]:
+    first = {one.time: one for one in reversed(samples.late)}  # of those of one time the first
+    late = [first[time] for time in sorted(first)]
+    before: Chunk | None = None
+    for chunk in _chunks(samples, parts):
+        if not len(chunk.times):
+            continue
+        if late and late[0].time <= chunk.times[-1]:
+            count = sum(one.time <= chunk.times[-1] for one in late)
+            mine, late = late[:count], late[count:]
+            if before is not None:  # whose last program goes on before this chunk's first sample
+                chunk = Chunk.joined([before.part(-1, None), chunk])
+            chunk = _with_late(chunk, mine, samples)
+            if before is not None:
+                chunk = chunk.part(1, None)
+        before = chunk
+        yield chunk
+
+
+def blocks_of(samples: Samples, parts: SampleFiles | None = None) -> Iterator[Chunk]:
+    """Yield the samples of a run, in blocks of :data:`BLOCK` and one of the rest.
+
+    Args:
+        samples: Those in memory.
+        parts: Those before them.
+
+    Raises:
+        FileFormatError: A part is not as it was written.
+    """
+    waiting: list[Chunk] = []
+    for chunk in _merged(samples, parts):
+        waiting.append(chunk)
+        count = sum(len(one.times) for one in waiting)
+        if count < BLOCK:
+            continue
+        whole = Chunk.joined(waiting)
+        for first in range(0, count - BLOCK + 1, BLOCK):
+            yield whole.part(first, first + BLOCK)
+        waiting = [whole.part(count - count % BLOCK, None)]
+    rest = Chunk.joined(waiting)
+    if len(rest.times):
+        yield rest
+
+
+def count_of(samples: Samples, parts: SampleFiles | None = None) -> int:
+    """Return how many samples a run has."""
+    if not samples.late:
+        return len(samples.times) + (0 if parts is None else sum(parts.rows))
+    return sum(len(chunk.times) for chunk in _merged(samples, parts))

@@ -1,13 +1,14 @@
-"""The mechanism as a result carries it: its URDF, where bearings and journals sit on its links, their laws.
+"""Attributes of a result: URDF, bearings and journals on links, laws, elements, constraints.
 
-With it a reader needs neither the scenario nor the files it came from, meshes excepted, and builds nothing:
-parameters that were derived, such as a stiffness from materials and radii, stand there as they were used.
+With them a reader needs neither the scenario nor its files, except meshes, and builds nothing: derived
+parameters, such as a stiffness from materials and radii, are given as used.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -15,15 +16,18 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.files import path_as_text
 from antenna_pin.base.readable import number
+from antenna_pin.constraints import Anchor
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, DampedContact
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import System, constraint_counts, facts_of_couplings
 from antenna_pin.elements import BetweenJoints, Element, JointFriction, Modal, Motion, Shake
 from antenna_pin.flexible import Takes
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import frame_aligning_z, quaternion
+from antenna_pin.simulation.constraints import SingularPosition
 
-__all__ = ["carried_joints", "mechanism_attributes"]
+__all__ = ["constraint_attributes", "mechanism_attributes"]
 
+Array = NDArray[np.float64]
 
 # By the full name of the class: none is loaded that is not used.
 _NAMES = {
@@ -255,3 +259,71 @@ def _place(system: System, joint: ClearanceJoint) -> dict[str, Any]:
 
 def _seven(placement: NDArray[np.float64]) -> list[float]:
     return [*placement[:3, 3].tolist(), *quaternion(placement[:3, :3]).tolist()]
+
+
+# --- constraints --------------------------------------------------------------------------------------------
+
+# Of positions, angles and their rates, in the order of ``Observed.residual``.
+_RESIDUALS = ("position_residual", "angle_residual", "velocity_residual", "rate_residual")
+
+
+def constraint_attributes(
+    system: System, first: Array, last: Array, residual: Array, passed: Sequence[SingularPosition]
+) -> dict[str, str]:
+    """Return the attributes of a dataset that describe its constraints; none of a tree that nothing holds.
+
+    ``closures`` (JSON) has of each closure its ``kind``, how many ``equations`` it is, whether it has an
+    ``axis`` (z of the placements) and, of its two sides, ``first_body``,
+    ``first_placement``, ``second_body`` and ``second_placement``: the link and the frame there, position [m]
+    and attitude (quaternion xyzw). If there are couplings, ``couplings`` (JSON) has of each its ``follower``
+    and ``leader`` (joints), ``multiplier`` and ``offset``, whether its follower ``slides``, and its leader
+    (``leader_slides``). ``constraints`` (JSON) has how many equations there are, of closures and couplings
+    and of motions, how many are independent at the start, the freedoms of the tree, those that closures and
+    couplings leave and those that are left, where redundant equations are
+    (:func:`antenna_pin.dynamics.constraint_counts`),
+    the largest residuals at samples [m, rad, m/s, rad/s], the energy that corrections of the state after each
+    step put in, in all [J], and the singular positions passed: ``time`` [s] and ``share``, what is left of
+    the least independent equation there.
+
+    Args:
+        system: What was run.
+        first: [q, v, x] at the first sample.
+        last: At the last.
+        residual: The largest at samples, (4,), as of ``Observed.residual``.
+        passed: The singular positions.
+    """
+    if system.plan is None:
+        return {}
+    booked = system.model.nq + system.model.nv + system.projection_x[0]
+    put_in = last[booked] - first[booked]
+    couplings = facts_of_couplings(system.mechanism, system.couplings)
+    return {
+        "closures": json.dumps(
+            {
+                name: {
+                    "kind": one.kind,
+                    "equations": one.holds.rows,
+                    "axis": one.holds.axis,
+                    **_side("first", one.first),
+                    **_side("second", one.second),
+                }
+                for name, one in system.closures.items()
+            }
+        ),
+        **({"couplings": json.dumps(couplings)} if couplings else {}),
+        "constraints": json.dumps(
+            {
+                **constraint_counts(system, first),
+                **dict(zip(_RESIDUALS, residual.tolist(), strict=True)),
+                "projection_energy": float(put_in),
+                "singular": [one._asdict() for one in passed],
+            }
+        ),
+    }
+
+
+def _side(name: str, anchor: Anchor) -> dict[str, Any]:
+    return {
+        f"{name}_body": anchor.link,
+        f"{name}_placement": [*map(float, anchor.origin), *quaternion(anchor.rotation).tolist()],
+    }

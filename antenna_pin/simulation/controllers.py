@@ -1,8 +1,4 @@
-"""The controllers of a run: when they are asked, what they command, what is kept of that.
-
-At one instant all are asked, in their order, before anything is written; then what is due is written, what
-was commanded earlier first. Events of the same instant come before.
-"""
+"""Controllers of a run: sample times, commands, record."""
 
 from __future__ import annotations
 
@@ -15,26 +11,136 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.answers import asked, number_in
 from antenna_pin.base.arguments import unknown_type
+from antenna_pin.base.directions import direction as unit_of
 from antenna_pin.base.state import ControllerMemory
-from antenna_pin.control import Controller, Instants, kept, remembered
-from antenna_pin.dynamics import System, actuators_of, settled
-from antenna_pin.errors import AntennaPinError, FunctionError
-from antenna_pin.simulation.actions import Actions
-from antenna_pin.simulation.now import Sight
+from antenna_pin.control import Controller, Instants, check_controller, kept, measures_of, remembered
+from antenna_pin.dynamics import JointMotion, System, Workspace, acting_on_links, actuators_of, settled
+from antenna_pin.errors import AntennaPinError, FunctionError, InvalidParameterError, UnknownNameError
+from antenna_pin.simulation.event_actions import Actions
+from antenna_pin.simulation.events import Moment
 
-__all__ = ["Ticked", "Ticks"]
+__all__ = ["ControllerRecord", "Controllers", "check_controllers"]
 
 Array = NDArray[np.float64]
+
+# --- state passed to controllers ----------------------------------------------------------------------------
+
+
+class ControllerView(Moment):
+    """What :class:`antenna_pin.control.Now` says, at a moment of a run.
+
+    Args:
+        workspace: What the run works on.
+
+    Attributes:
+        tick: Number of the instant, of the controller that looks.
+        noted: What it has noted.
+    """
+
+    def __init__(self, workspace: Workspace) -> None:
+        """Make it once; ``set`` and ``look`` bring it to an instant."""
+        super().__init__(workspace)
+        self.tick = 0
+        self.noted: dict[str, float] = {}
+        self._commands: Mapping[str, Callable[[], float]] = {}
+        self._data = self.system.mechanism.model.createData()
+        self._placed = False
+
+    def set(self, time: float, y: Array) -> ControllerView:
+        """Bring it to another time and state; return it."""
+        self._placed = False
+        super().set(time, y)
+        return self
+
+    def begin(self, tick: int, commands: Mapping[str, Callable[[], float]]) -> None:
+        """Let a controller look: which of its instants it is, and who tells what is commanded, by name."""
+        self.tick, self._commands, self.noted = tick, commands, {}
+
+    def note(self, **signals: float) -> None:
+        """Keep numbers beside the commands of this instant."""
+        self.noted.update(signals)
+
+    def command(self, name: str) -> float:
+        """Return the command that an actuator follows up to now."""
+        if name not in self._commands:
+            raise UnknownNameError("controller", "actuator", name, self._commands)
+        return self._commands[name]()
+
+    # --- the base -------------------------------------------------------------------------------------------
+
+    def _check_base(self, what: str) -> None:
+        if self.system.mechanism.base != "free":
+            rule = "asked of a free base only; set mechanism.base"
+            raise InvalidParameterError("controller", what, rule, "fixed")
+
+    def base_quaternion(self) -> Array:
+        """Return the base's attitude in the world, xyzw, (4,)."""
+        self._check_base("base_quaternion")
+        return self.q[3:7]
+
+    def base_rotation(self) -> Array:
+        """Return the base's attitude as a rotation vector, (3,), world axes [rad]."""
+        self._check_base("base_rotation")
+        return np.asarray(pin.log3(pin.Quaternion(self.q[3:7]).toRotationMatrix()))
+
+    def base_rate(self) -> Array:
+        """Return the base's angular velocity, (3,), in its own axes [rad/s]."""
+        self._check_base("base_rate")
+        return self.v[3:6]
+
+    # --- links and joints -----------------------------------------------------------------------------------
+
+    def direction(self, link: str, axis: ArrayLike) -> Array:
+        """Return an axis of a link, (3,), in the world, of length 1."""
+        mechanism = self.system.mechanism
+        frame = mechanism.model.frames[mechanism.frame(link)]
+        if not self._placed:
+            pin.forwardKinematics(mechanism.model, self._data, self.q)
+            self._placed = True
+        turned: Array = self._data.oMi[frame.parentJoint].rotation @ frame.placement.rotation
+        return turned @ unit_of(axis, "controller", "axis")
+
+    def off_axis(self, link: str, axis: ArrayLike, target: ArrayLike) -> float:
+        """Return the angle between an axis of a link and a direction of the world [rad]."""
+        here, there = self.direction(link, axis), unit_of(target, "controller", "target")
+        return math.atan2(float(np.linalg.norm(np.cross(here, there))), float(here @ there))
+
+    def joint_load(self, joint: str) -> Array:
+        """Return force [N] and moment [N m] that a joint passes to its child, (6,), in the joint's axes.
+
+        What drives and springs at the joint do is in it. It follows from the motion of all that the joint
+        carries, less what forces on links do to that; there may be no closures and no springs between points.
+        """
+        system = self.system
+        if system.closures or system.point_springs:
+            rule = "asked where there are no closures and no springs between points"
+            raise InvalidParameterError("controller", "joint_load", rule, joint)
+        slot = system.mechanism.joint(joint)
+        self._workspace.derivative(self.time, self._y, self._rates)
+        self._evaluated, self._measured, self._placed = True, False, False
+        model, data = system.mechanism.model, self._data
+        pin.forwardKinematics(model, data, self.q)
+        outside = [pin.Force.Zero() for _ in range(model.njoints)]
+        for link, wrench in acting_on_links(system, self._workspace.program):
+            if link != "world":
+                carries = model.frames[system.mechanism.frame(link)].parentJoint
+                outside[carries] += data.oMi[carries].actInv(pin.Force(wrench))
+        pin.rnea(model, data, self.q, self.v, self._rates[: self._nv].copy(), outside)
+        return np.asarray(data.f[slot.joint_id].vector).copy()
+
+
+# --- sample times -------------------------------------------------------------------------------------------
 
 # Instants that are nearer are one: what phase and period leave where they are no decimals [ulp].
 _SAME = 4.0
 
 
-class Ticked(NamedTuple):
+class ControllerRecord(NamedTuple):
     """What is kept of the instants of one controller.
 
     Attributes:
@@ -52,7 +158,7 @@ class Ticked(NamedTuple):
     values: Array
 
 
-class _Loop:
+class _ControlLoop:
     """One controller in a run."""
 
     def __init__(self, name: str, controller: Controller, places: Mapping[str, str]) -> None:
@@ -73,16 +179,16 @@ class _Loop:
     def state_set(self, state: Any) -> None:
         object.__setattr__(self.controller, "state", state)  # of frozen ones too
 
-    def asked(self, sight: Sight) -> dict[str, float]:
+    def asked(self, view: ControllerView) -> dict[str, float]:
         """Ask the controller; return its commands."""
         place = f"controller {self.name!r}: update"
-        told = f"instant {self.tick}, t = {sight.time:.9g} s"
-        answer = asked(place, told, "commands by name", self.controller.update, sight)
+        told = f"instant {self.tick}, t = {view.time:.9g} s"
+        answer = asked(place, told, "commands by name", self.controller.update, view)
         if not isinstance(answer, Mapping):
             raise FunctionError(place, told, "commands by name", unknown_type(answer))
         for what, numbers, known in (
             ("commands", answer, self.controller.commands),
-            ("signals", sight.noted, self.controller.signals),
+            ("signals", view.noted, self.controller.signals),
         ):
             for name, value in numbers.items():
                 if name not in known:
@@ -93,36 +199,38 @@ class _Loop:
                     raise FunctionError(place, told, f"a finite number for {name}", unknown_type(value))
         return {name: float(value) for name, value in answer.items()}
 
-    def keep(self, sight: Sight, commands: Mapping[str, float]) -> None:
-        self.times.append(sight.time)
-        self.values.extend(sight.noted.get(name, math.nan) for name in self.controller.signals)
+    def keep(self, view: ControllerView, commands: Mapping[str, float]) -> None:
+        self.times.append(view.time)
+        self.values.extend(view.noted.get(name, math.nan) for name in self.controller.signals)
         self.values.extend(commands.get(name, math.nan) for name in self.controller.commands)
 
 
-class Ticks:
+class Controllers:
     """Asks the controllers of a run at their instants.
 
     Args:
         controllers: By name; the run works on copies.
+        workspace: Of the run.
         actions: Write what they command.
         begin: From when on the run records [s].
     """
 
     def __init__(
-        self, controllers: Mapping[str, Controller], system: System, actions: Actions, begin: float
+        self, controllers: Mapping[str, Controller], workspace: Workspace, actions: Actions, begin: float
     ) -> None:
         """Begin before the first instant."""
         self._begin = begin
         self._actions = actions
-        self._sight: Sight | None = None
+        self._view: ControllerView | None = None
         self._commands: dict[str, Callable[[], float]] = {}
-        self._loops: list[_Loop] = []
+        self._loops: list[_ControlLoop] = []
         if controllers:
+            system = workspace.system
             places = actuators_of(system)
-            self._sight = actions.sight()
+            self._view = ControllerView(workspace)
             self._commands = {name: partial(self._number, place) for name, place in places.items()}
             own = settled(copy.deepcopy(dict(controllers)), system)
-            self._loops = [_Loop(name, one, places) for name, one in own.items()]
+            self._loops = [_ControlLoop(name, one, places) for name, one in own.items()]
 
     def __bool__(self) -> bool:
         """Whether there are any."""
@@ -160,23 +268,23 @@ class Ticks:
         self._write(commanded)
         return True
 
-    def _ask(self, due: list[_Loop], t: float, y: Array) -> None:
+    def _ask(self, due: list[_ControlLoop], t: float, y: Array) -> None:
         """Ask controllers, all before anything is written; none has been asked if one has no answer."""
-        assert self._sight is not None
+        assert self._view is not None
         before = [copy.deepcopy(loop.controller.state) for loop in due]
         answers = []
         try:
             for loop in due:
-                self._sight.set(t, y).look(loop.tick, self._commands)
-                answers.append((loop, loop.asked(self._sight), dict(self._sight.noted)))
+                self._view.set(t, y).begin(loop.tick, self._commands)
+                answers.append((loop, loop.asked(self._view), dict(self._view.noted)))
         except BaseException:
             for loop, state in zip(due, before, strict=True):
                 loop.state_set(state)
             raise
         for loop, commands, noted in answers:
             if t > self._begin or (loop.begins and t == self._begin):
-                self._sight.noted = noted
-                loop.keep(self._sight, commands)
+                self._view.noted = noted
+                loop.keep(self._view, commands)
             loop.queue.append((loop.tick, commands))
             loop.tick += 1
 
@@ -220,10 +328,10 @@ class Ticks:
     # --- record ---------------------------------------------------------------------------------------------
 
     @property
-    def ticked(self) -> tuple[Ticked, ...]:
+    def records(self) -> tuple[ControllerRecord, ...]:
         """What is kept of their instants."""
         return tuple(
-            Ticked(
+            ControllerRecord(
                 loop.name,
                 (*loop.controller.signals, *(f"command {name}" for name in loop.controller.commands)),
                 loop.columns.index("saturated") if "saturated" in loop.columns else None,
@@ -261,3 +369,39 @@ class Ticks:
         for k, loop in enumerate(self._loops):
             for what in ("times", "values"):
                 setattr(loop, what, array("d", numbers[f"tick_{what}_{k}"].tolist()))
+
+
+# --- check of controllers -----------------------------------------------------------------------------------
+
+
+def check_controllers(controllers: Mapping[str, Controller], system: System) -> None:
+    """Refuse controllers that do not fit a system, or each other.
+
+    Raises:
+        AntennaPinError: What they command or measure is not there, or two command one thing.
+    """
+    places = actuators_of(system)
+    taken: dict[str, str] = {}
+    for name, one in controllers.items():
+        check_controller(name, one)
+        for command in one.commands:
+            if command not in places:
+                raise UnknownNameError(f"controller {name!r}", "actuator", command, places)
+            if places[command] in taken:
+                rule = f"of another actuator than controller {taken[places[command]]!r}"
+                raise InvalidParameterError(f"controller {name!r}", "commands", rule, command)
+            taken[places[command]] = name
+    for name, one in settled(controllers, system).items():
+        for measure in measures_of(one):
+            place = f"controller {name!r}: measures {str(measure)!r}"
+            if measure.of == "joint":
+                if measure.name not in system.mechanism.joints:
+                    raise UnknownNameError(place, "joint", measure.name, system.mechanism.joints)
+                JointMotion(system, measure.name)
+            elif measure.of == "contact" and measure.name not in system.contact_names:
+                raise UnknownNameError(place, "contact", measure.name, system.contact_names)
+            elif measure.of == "actuator" and measure.name not in places:
+                raise UnknownNameError(place, "actuator", measure.name, places)
+            elif measure.of == "axis" and system.mechanism.base != "free":
+                rule = "of a joint where mechanism.base is fixed"
+                raise InvalidParameterError(f"controller {name!r}", "measures", rule, str(measure))

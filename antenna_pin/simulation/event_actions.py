@@ -1,9 +1,10 @@
-"""What the user's events do to a run."""
+"""Actions of users' events, elements' events and commands on a run."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,26 +14,22 @@ from antenna_pin.dynamics import Adjustments, NotFollowedError, Workspace, audit
 from antenna_pin.elements import OnLinks
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import Stepper
-from antenna_pin.simulation.control import StepControl
-from antenna_pin.simulation.due import ZERO
-from antenna_pin.simulation.ending import RefusedError
-from antenna_pin.simulation.events import ElementChange, Event, Jump, Set, Stop
-from antenna_pin.simulation.modes import Modes
-from antenna_pin.simulation.motions import Motions
-from antenna_pin.simulation.now import Sight
-from antenna_pin.simulation.own_actions import Edge, Kink, Switch
-from antenna_pin.simulation.passages import Passage, passages_of
+from antenna_pin.simulation.constraints import Motions
+from antenna_pin.simulation.element_events import ZERO, EventEffect, ModeChange, NeverSettlesError, effects_of
+from antenna_pin.simulation.event_watch import Crossing, EventWatch
+from antenna_pin.simulation.events import Edge, ElementChange, Event, Jump, Kink, Set, Stop, Switch
+from antenna_pin.simulation.mode_changes import ModeChanges
 from antenna_pin.simulation.samples import Samples
-from antenna_pin.simulation.switches import Changed
-from antenna_pin.simulation.watch import Crossing, Watch
+from antenna_pin.simulation.steps import StepControl
+from antenna_pin.trajectory import Outcome
 
-__all__ = ["Actions", "Happening"]
+__all__ = ["Actions", "EventRecord"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Happening:
+class EventRecord:
     """An event that has happened.
 
     Attributes:
@@ -44,6 +41,17 @@ class Happening:
     name: str
     time: float
     energy: float
+
+
+class RefusedError(NeverSettlesError):
+    """Setting of an element that the position of its joint forbids; the reason."""
+
+    outcome: ClassVar[Outcome] = Outcome.REFUSED
+
+    @property
+    def seen(self) -> str:
+        """Return the reason as part of a message."""
+        return f", {self}"
 
 
 def _said(action: Set | Jump) -> str:
@@ -70,13 +78,13 @@ class Actions:
         adjustments: Elements as they are.
         modes: Those that have modes.
         motions: Those that prescribe motions.
-        passages: What has happened at each instant, for who takes it from there; None if nobody does.
+        effects: What has happened at each instant, for who takes it from there; None if nobody does.
         ending: Name of the event that ends the run here, if one does.
     """
 
     def __init__(
         self,
-        watch: Watch,
+        watch: EventWatch,
         workspace: Workspace,
         stepper: Stepper,
         control: StepControl,
@@ -90,11 +98,11 @@ class Actions:
         self._control = control
         self._samples = samples
         self._after = after
-        self.happened: list[Happening] = []
+        self.happened: list[EventRecord] = []
         self.adjustments = Adjustments(workspace.system, workspace.program)
-        self.modes = Modes(workspace, self.adjustments)
+        self.modes = ModeChanges(workspace, self.adjustments)
         self.motions = Motions(workspace, self.adjustments)
-        self.passages: list[Passage] | None = None
+        self.effects: list[EventEffect] | None = None
         self.ending: str | None = None
 
     def take(self, crossings: Sequence[Crossing]) -> None:
@@ -157,18 +165,18 @@ class Actions:
                 self.ending = event.name
         self._keep(event, acts)
         if self._counts:
-            self.happened.append(Happening(event.name, self._stepper.t, energy))
+            self.happened.append(EventRecord(event.name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())
         return changes
 
     def _keep(self, event: Event, acts: bool) -> None:
         """Keep what has happened for who asks for it."""
-        if self.passages is None:
+        if self.effects is None:
             return
         if isinstance(event.when, ElementChange):
             rule = "which neighbours come to at other times, through which no derivatives are carried"
             raise NotFollowedError(f"event {event.name!r} is on a change of {event.when.element}, {rule}")
-        self.passages.append(Passage(self._stepper.t, event, acts, (), self._workspace.program.copy()))
+        self.effects.append(EventEffect(self._stepper.t, event, acts, (), self._workspace.program.copy()))
 
     def obey(self, name: str, action: Set) -> None:
         """Do at the present state what an event of this name would that happened here.
@@ -178,7 +186,7 @@ class Actions:
         """
         energy = self._carry_out(name, action)
         if self._counts:
-            self.happened.append(Happening(name, self._stepper.t, energy))
+            self.happened.append(EventRecord(name, self._stepper.t, energy))
         self._samples.add(self._stepper.t, self._here.copy())
         self._resolve(())
 
@@ -223,7 +231,7 @@ class Actions:
 
     def _drive(self) -> float:
         """Give all the rates that motions have from now on; return their work [J]."""
-        if self.passages is not None:
+        if self.effects is not None:
             raise NotFollowedError(
                 "a motion's rate jumps, through which no derivatives are carried; take a smooth course, or "
                 "differences of runs"
@@ -233,7 +241,7 @@ class Actions:
         self._control.spin = self._workspace.system.turn_on(self._stepper.start)
         return work
 
-    def look_by(self, watch: Watch) -> None:
+    def look_by(self, watch: EventWatch) -> None:
         """Do from now on what the events of another watch ask for."""
         self._watch = watch
 
@@ -242,7 +250,7 @@ class Actions:
         t, y = self._stepper.t, self._here
         self.modes.prepare(t, y)
         self.modes.begin(t, y)
-        self.happened += [Happening(one.name, t, 0.0) for one in self.modes.changed]
+        self.happened += [EventRecord(one.name, t, 0.0) for one in self.modes.changed]
         for place in self.adjustments.elements:
             self._change(place)
         self._renew()
@@ -263,10 +271,10 @@ class Actions:
         if not self.modes:
             return False
         modes, y, t = self.modes, self._here, self._stepper.t
-        modes.done.clear()
+        modes.effects.clear()
         recorded, before, taken = len(modes.changed), self._energy(), modes.taken(y)
         located = [event.action for event in switches if isinstance(event.action, Switch)]
-        program = self._workspace.program.copy() if self.passages is not None else None
+        program = self._workspace.program.copy() if self.effects is not None else None
         changed = modes.resolve(located, t, y)
         if changed:
             self._control.spin = self._workspace.system.turn_on(self._stepper.start)
@@ -277,20 +285,20 @@ class Actions:
             if self._is_new:
                 names = [one.name for one in modes.changed[recorded:]]
                 self.happened += [
-                    Happening(name, t, energy if k == 0 else 0.0) for k, name in enumerate(names)
+                    EventRecord(name, t, energy if k == 0 else 0.0) for k, name in enumerate(names)
                 ]
             self._samples.add(t, y.copy())
-            if self.passages is not None and program is not None:
+            if self.effects is not None and program is not None:
                 # What no function of theirs has brought about belongs to the event of the user's that did.
-                events = switches or [one.event for one in self.passages[-1:]]
-                del self.passages[len(self.passages) - (not switches) :]
-                self.passages += passages_of(modes.done, events, program, self._workspace, t)
+                events = switches or [one.event for one in self.effects[-1:]]
+                del self.effects[len(self.effects) - (not switches) :]
+                self.effects += effects_of(modes.effects, events, program, self._workspace, t)
         if changed or switches:
             self._watch.logical(ZERO, modes.grazed)
         self._follow(modes.changed[recorded:])
         return changed
 
-    def _follow(self, changed: Sequence[Changed]) -> None:
+    def _follow(self, changed: Sequence[ModeChange]) -> None:
         """Let events happen that are on changes of elements, and what changes by them."""
         changes = False
         made = [(one.element, one.what) for one in changed]
@@ -309,10 +317,6 @@ class Actions:
         """Change a number of a drive or a spring."""
         self.adjustments.set(place, value)
         self._renew()
-
-    def sight(self) -> Sight:
-        """Return what lets controllers see the run."""
-        return Sight(self._workspace)
 
     def command(self, numbers: Mapping[str, float]) -> None:
         """Change numbers that take commands, by place: what they store nothing hangs on."""

@@ -1,4 +1,4 @@
-"""Contacts from onset to release: what they remember while they last, and what is recorded of them."""
+"""Contact episodes from onset to release, and the search of steps for changes of contact."""
 
 from __future__ import annotations
 
@@ -12,22 +12,24 @@ from numpy.typing import NDArray
 from antenna_pin.base.records import MEMORY, memory_numbers, memory_records
 from antenna_pin.base.state import OpenContact, State
 from antenna_pin.contact.onset import approach_speed_in_contact
-from antenna_pin.dynamics import Workspace, peak_kernels
+from antenna_pin.dynamics import Workspace, inspect_kernels, peak_kernels, trial_kernels
 from antenna_pin.engine import CompiledStepper
 from antenna_pin.engine import episode_kernels as kernels
 from antenna_pin.joints.layout_kernels import BRISTLES
 from antenna_pin.simulation.samples import Samples
 
-__all__ = ["Episodes", "Kept"]
+__all__ = ["ContactSearch", "Episodes"]
 
 Array = NDArray[np.float64]
+
+# --- contact episodes ---------------------------------------------------------------------------------------
 
 _KEPT = ("memory", "peaks", "open", "moments", "states", "memories")  # of the book, of each contact
 _ROOM = 64  # episodes, to begin with
 _TOLERANCE = 1e-9  # of the play, that a gap must come to at an event
 
 
-class Kept(NamedTuple):
+class EpisodesSnapshot(NamedTuple):
     """What the record of contacts can go back to.
 
     Attributes:
@@ -133,19 +135,19 @@ class Episodes:
 
     # --- to go back -----------------------------------------------------------------------------------------
 
-    def kept(self) -> Kept:
+    def snapshot(self) -> EpisodesSnapshot:
         """Return what is needed to go back to this record, whatever comes to it."""
         book = self.book
         touching = book.open[book.open >= 0]
         arrays = {name: getattr(book, name).copy() for name in _KEPT}
-        return Kept(arrays, touching, book.episodes[touching], int(book.count[0]))
+        return EpisodesSnapshot(arrays, touching, book.episodes[touching], int(book.count[0]))
 
-    def go_back(self, kept: Kept) -> None:
+    def restore(self, snapshot: EpisodesSnapshot) -> None:
         """Hold the record that was held when this was kept."""
-        for name, array in kept.arrays.items():
+        for name, array in snapshot.arrays.items():
             getattr(self.book, name)[:] = array
-        self.book.episodes[kept.touching] = kept.episodes
-        self.book.count[0] = kept.number
+        self.book.episodes[snapshot.touching] = snapshot.episodes
+        self.book.count[0] = snapshot.number
 
     def forget_before(self, t: float) -> None:
         """Record from a time on [s]; what was kept before is of no use any more."""
@@ -212,3 +214,75 @@ class Episodes:
         grown[:count] = numbers["episodes"]
         self.book.count[0] = count
         self.book = self.book._replace(episodes=grown)
+
+
+# --- search of trial steps ----------------------------------------------------------------------------------
+
+
+class ContactSearch:
+    """Looks at the contacts inside trial steps.
+
+    Args:
+        workspace: What the run works on.
+        stepper: Whose steps.
+        episodes: The contacts' record.
+
+    Attributes:
+        ignore: Of each contact, how often it has changed at this very instant, (contacts,).
+        limits: Depths at which a run ends, (contacts,) [m].
+        trial: The trial step as it is looked at.
+        compared: Contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,).
+        difference: Largest difference so far of such a gap and the closed form, (1,) [m].
+    """
+
+    def __init__(self, workspace: Workspace, stepper: CompiledStepper, episodes: Episodes) -> None:
+        """Allocate once."""
+        self.system = system = workspace.system
+        self._workspace = workspace
+        self._stepper = stepper
+        contacts = len(system.contact_names)
+        manifold, numbers = system.manifold, stepper.numbers
+        self.ignore = np.zeros(contacts, dtype=np.int64)
+        self.table = numbers.table
+        self.nodes = np.zeros((inspect_kernels.NODE_SIZE, peak_kernels.NODES + 1, contacts))
+        self.limits = np.array([limit for j in system.clearances for limit in j.depth_limits])
+        self.reasons = [reason for j in system.clearances for reason in j.limit_reasons]
+        self.tolerances = episodes.book.places["tolerance"].tolist()
+        of_coal = [int(j.backend == "coal") for j in system.clearances for _ in j.contact_names]
+        self.compared = np.array(of_coal if any(of_coal) else [], dtype=np.int64)
+        self.difference = np.zeros(1)
+        factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
+        self.trial = trial_kernels.Trial(
+            layout=manifold.part(factors),
+            dense=stepper.dense,
+            work=stepper.work,
+            start=stepper.start_row,
+            program=workspace.program,
+            memory=workspace.memory,
+            out=np.zeros((2, manifold.size)),
+            pose=numbers.pose,
+            table=numbers.table,
+            own=numbers.own,
+            rates=np.zeros(manifold.nv + manifold.nx),
+            outside=numbers.outside,
+        )
+
+    @property
+    def gap_difference(self) -> float:
+        """Largest difference so far between coal's gaps and the closed form, of contacts that touch [m]."""
+        return float(self.difference[0])
+
+    @gap_difference.setter
+    def gap_difference(self, difference: float) -> None:
+        self.difference[0] = difference
+
+    def measure(self, y: Array) -> None:
+        """Fill the search's own contact table for a state, by what locates changes of contact."""
+        self._workspace.locate(y, self.table)
+
+    def depth_text(self, c: int) -> str:
+        """Return how deep a contact is at the present state, and how deep it may be."""
+        self.measure(self._stepper.start)
+        depth, limit = -float(self.table[c].gap), self.limits[c]
+        name = self.system.contact_names[c]
+        return f"contact {name} ({depth:.3g} m, limit {limit:.3g} m: {self.reasons[c]})"

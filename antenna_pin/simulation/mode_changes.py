@@ -1,43 +1,218 @@
-"""Elements that change their mode in a run: what is looked for, and what happens then.
-
-A function of an element (:mod:`antenna_pin.elements.modal`) is positive while its mode stays. It is located
-as an event's is; what happens is the element's to say. All that passes at one instant is gathered and made
-together, in rounds (:meth:`Modes.resolve`). What the search has not located passes by logic: a function that
-is zero but for round-off where its rate is negative, one of a load where it is negative.
-"""
+"""Changes of mode of elements, with the impulses of rigid stops and latches."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.constraints import rows_that_share
-from antenna_pin.dynamics import Adjustments, Workspace, acting_in, first_modes
+from antenna_pin.dynamics import (
+    Adjustments,
+    Push,
+    Workspace,
+    acting_in,
+    apart,
+    first_modes,
+    kernels,
+    push_apart,
+)
 from antenna_pin.dynamics.acting import Acting
 from antenna_pin.dynamics.restraints import check_restraint
-from antenna_pin.elements import FAMILIES, Change, Met, Modal, StickingFriction
+from antenna_pin.elements import (
+    FAMILIES,
+    GROSS_WORK,
+    LOSS,
+    WORK,
+    Change,
+    Met,
+    Modal,
+    Motion,
+    StickingFriction,
+)
 from antenna_pin.elements.modal import AFTER, BLOW, CAPTURE
 from antenna_pin.errors import MechanismError
-from antenna_pin.simulation.blows import Blows, Result
-from antenna_pin.simulation.due import Due, Passing
-from antenna_pin.simulation.ending import NeverSettlesError
-from antenna_pin.simulation.own_actions import Switch
-from antenna_pin.simulation.passages import Blow, Struck, Turned
-from antenna_pin.simulation.sticking import Settling
-from antenna_pin.simulation.switches import Changed
+from antenna_pin.simulation.element_events import (
+    CoincidentChange,
+    CoincidentEvents,
+    ImpulseEffect,
+    ModeChange,
+    ModeEffect,
+    NeverSettlesError,
+    StruckElement,
+    met_at,
+)
+from antenna_pin.simulation.events import STILL, Switch
+from antenna_pin.simulation.sticking import RestingJoints
 
-__all__ = ["Modes"]
+__all__ = ["ModeChanges"]
 
 Array = NDArray[np.float64]
+
+# --- impulses -----------------------------------------------------------------------------------------------
+
+
+class ChangeResult(NamedTuple):
+    """A change of an element, as it meets its joint before, with the impulse that it takes.
+
+    Attributes:
+        met: How it met its joint.
+        change: Of its mode.
+        loss: Energy that the impulse takes [J].
+        impulse: On the child [N m s] ([N s]).
+    """
+
+    met: Met
+    change: Change
+    loss: float = 0.0
+    impulse: float = 0.0
+
+
+class Impacts:
+    """Makes the impulses of a run's elements.
+
+    Args:
+        workspace: What the run works on.
+        adjustments: Its elements as they are.
+        acting: Elements with modes, by place.
+
+    Attributes:
+        losses: Where in the state each books what is lost, by place.
+    """
+
+    def __init__(self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]) -> None:
+        """Find where in the state what impulses take and do is booked."""
+        self._workspace, self._adjustments, self._acting = workspace, adjustments, acting
+        self._holds = [one.name for one in workspace.system.holds]
+        at = workspace.model.nq + workspace.model.nv
+        heads = {
+            place: workspace.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
+            for place, one in acting.items()
+        }
+        self.losses = {
+            place: at + int(heads[place]["x"]) + one.element.integrals.index(LOSS)
+            for place, one in acting.items()
+        }
+        self._slots = {place: int(heads[place]["v"]) for place in acting}
+        #: Of each motion of the plan where its work and its gross work stand in a state.
+        self._works = [
+            [at + one.x + Motion.integrals.index(which) for which in (WORK, GROSS_WORK)]
+            for one in workspace.system.motions
+        ]
+
+    def taken(self, y: Array) -> float:
+        """Return what these elements have lost so far, but for works of motions [J]."""
+        return float(sum(y[k] for k in self.losses.values()) - self.worked(y))
+
+    def worked(self, y: Array) -> float:
+        """Return the work of motions so far [J]."""
+        return float(sum(y[k] for k, _ in self._works))
+
+    def _element(self, place: str) -> Modal:
+        element = self._adjustments.elements[place]
+        assert isinstance(element, Modal)
+        return element
+
+    def make(
+        self, together: Mapping[str, ChangeResult], t: float, y: Array
+    ) -> tuple[dict[str, ChangeResult], tuple[StruckElement, ...], bool]:
+        """Make impulses, all together; y is changed in place.
+
+        Args:
+            together: Stops that joints come to, or rigid latches that hold them by now, by place.
+            t: Time [s].
+            y: State.
+
+        Returns:
+            What becomes of elements, by place: of these, unless others keep their joint from its stop; of
+            those that joints rested on and leave; of friction that no longer sticks. Further those of which
+            impulses are, and whether none of these feels the others.
+        """
+        ways = {
+            place: -math.copysign(1.0, one.met.rate)
+            for place, one in together.items()
+            if one.change.restitution is not None
+        }
+        pushes = [
+            Push(self._slots[place], way, float(together[place].change.restitution or 0.0))
+            for place, way in ways.items()
+        ]
+        resting, loose = self._one_sided()
+        pushes += [Push(self._slots[place], way, 0.0) for place, way in resting.items()]
+        others = {place: met_at(self._workspace, self._acting[place], t, y) for place in (*resting, *loose)}
+        free = [self._holds.index(place) for place in others]
+        found = push_apart(self._workspace, t, y, pushes, free)
+        if not found.met:
+            raise MechanismError(
+                "impulse: motions, closures, couplings and locks ask for rates that exclude each other; "
+                "take one of them away"
+            )
+        nq, nv = self._workspace.model.nq, self._workspace.model.nv
+        y[nq : nq + nv] = found.velocity
+        for (work, gross), done in zip(self._works, found.works.tolist(), strict=True):
+            y[work] += done
+            y[gross] += abs(done)
+        results, struck = {}, []
+        sizes = dict(zip(ways, found.pushes, strict=False))
+        rates = dict(zip((*ways, *resting), found.rates, strict=True))
+        for place, one in together.items():
+            if place in ways and sizes[place] <= 0.0:
+                continue
+            if place in ways:
+                blow = ways[place] * float(sizes[place])
+                loss = -0.5 * blow * (one.met.rate + ways[place] * float(rates[place]))
+            else:
+                hold = self._holds.index(place)
+                blow, loss = float(found.holds[hold]), float(found.lost[hold])
+            y[self.losses[place]] += loss
+            results[place] = one._replace(loss=loss, impulse=blow)
+            back = one.change.restitution or None
+            struck.append(StruckElement(place, self._slots[place], self._acting[place].block, back))
+        for place in resting:
+            change = self._element(place).lets_go()
+            if rates[place] > STILL and change is not None:
+                results[place] = ChangeResult(others[place], change)
+        for place in loose:
+            element, rate = self._element(place), met_at(self._workspace, self._acting[place], t, y).rate
+            if abs(rate) > STILL and isinstance(element, StickingFriction):
+                results[place] = ChangeResult(others[place], element.slips(rate))
+        alone = len(struck) < 2 or apart(
+            self._workspace,
+            t,
+            y,
+            [one.at for one in struck],
+            {*free, *(self._holds.index(place) for place in together)},
+        )
+        return results, tuple(struck), alone
+
+    def _one_sided(self) -> tuple[dict[str, float], list[str]]:
+        """Return stops that joints rest on, with the way that each pushes, and what bears no impulse."""
+        resting, loose = {}, []
+        for place in self._holds:
+            if place in self._acting and self._adjustments.holds(place):
+                least, most = self._element(place).bears
+                if least == most:
+                    loose.append(place)
+                elif 0.0 in (least, most):
+                    resting[place] = 1.0 if least == 0.0 else -1.0
+        return resting, loose
+
+    def _met(self, place: str, t: float, y: Array) -> Met:
+        block, nq = self._acting[place].block, self._workspace.model.nq
+        angle, rate, _, _ = kernels.joint_motion(self._workspace.program, block, y, nq)
+        return Met(t, float(angle), float(rate), 0.0)
+
+
+# --- changes of mode ----------------------------------------------------------------------------------------
 
 # Changes at one instant, for each element, from which on they would never end.
 _AT_MOST = 100
 
 
-class Modes:
+class ModeChanges:
     """The elements with modes of a run.
 
     Args:
@@ -46,7 +221,7 @@ class Modes:
 
     Attributes:
         changed: What has happened, in order.
-        done: What has been done since that was last forgotten, for who does it again to neighbours.
+        effects: What has been done since that was last forgotten, for who does it again to neighbours.
         grazed: Functions that were located at the last instant and do not pass: of elements by place, and
             their numbers.
     """
@@ -60,12 +235,12 @@ class Modes:
             one.place: one for one in acting_in(system) if isinstance(one.element, Modal)
         }
         self._holds = [one.name for one in system.holds]
-        self._due = Due(workspace, adjustments, self._acting)
-        self.changed: list[Changed] = []
-        self.done: list[Turned | Blow] = []
+        self._due = CoincidentEvents(workspace, adjustments, self._acting)
+        self.changed: list[ModeChange] = []
+        self.effects: list[ModeEffect | ImpulseEffect] = []
         self.grazed: set[tuple[str, int]] = set()
-        self._rest = Settling(workspace, adjustments, self._acting)
-        self._blows = Blows(workspace, adjustments, self._acting)
+        self._rest = RestingJoints(workspace, adjustments, self._acting)
+        self._blows = Impacts(workspace, adjustments, self._acting)
         #: What has held a freedom together with others, by name: how they share its load is not determined.
         self.shares: set[str] = set()
         self._limit = _AT_MOST * (1 + len(self._acting))
@@ -169,12 +344,12 @@ class Modes:
                 break
             changed = True
         if changed and self._holds:
-            self._see_shares(t, y)
+            self._note_shared_loads(t, y)
         if not changed and (past := next((one for one in located if self._due.is_past(one, t, y)), None)):
             raise NeverSettlesError(past.place)
         return changed
 
-    def _see_shares(self, t: float, y: Array) -> None:
+    def _note_shared_loads(self, t: float, y: Array) -> None:
         """Note which elements hold a freedom together with others."""
         constraints = self._workspace.constraints
         assert constraints is not None
@@ -183,11 +358,11 @@ class Modes:
         names += [place for place in self._acting if self._rest.pushes(place)]
         self.shares.update(self._acting[name].label for name in names if name in self._acting)
 
-    def _make(self, phase: int, together: Sequence[Passing], t: float, y: Array) -> None:
+    def _make(self, phase: int, together: Sequence[CoincidentChange], t: float, y: Array) -> None:
         """Make the changes of one round, with their impulses, and record them."""
         before = {place: self._element(place) for place in self._acting}
-        results = {one.place: Result(one.met, one.change) for one in together}
-        struck, alone = tuple[Struck, ...](), True
+        results = {one.place: ChangeResult(one.met, one.change) for one in together}
+        struck, alone = tuple[StruckElement, ...](), True
         if phase != BLOW:
             for place, one in results.items():
                 self._adjustments.change(place, one.change)
@@ -218,10 +393,10 @@ class Modes:
 
     def _put(
         self,
-        results: Mapping[str, Result],
+        results: Mapping[str, ChangeResult],
         numbers: Mapping[str, int],
         before: Mapping[str, Modal],
-        struck: tuple[Struck, ...],
+        struck: tuple[StruckElement, ...],
         alone: bool,
         t: float,
         y: Array,
@@ -233,11 +408,11 @@ class Modes:
                 self._adjustments.set(f"{other}.on", False)
         for place, one in results.items():
             changes = _by_function(numbers[place]) if place in numbers else _by_letting_go
-            self.done.append(Turned(place, before[place], changes))
+            self.effects.append(ModeEffect(place, before[place], changes))
             what = one.change.what or self._element(place).change_said(before[place].mode)
             self._record(place, one, t, y, what)
         if struck:
-            self.done.append(Blow(self._workspace.program.copy(), struck, alone))
+            self.effects.append(ImpulseEffect(self._workspace.program.copy(), struck, alone))
 
     def _settle(self, t: float, y: Array, located: Sequence[Switch]) -> bool:
         """Have what rests and what sticks agree; return whether any mode has changed."""
@@ -245,17 +420,17 @@ class Modes:
         for place, before, met in shifts:
             element = self._element(place)
             what = element.change_said(before.mode)
-            self._record(place, Result(met, Change(element.mode)), t, y, what)
-            self.done.append(Turned(place, before, _by_sticking))
+            self._record(place, ChangeResult(met, Change(element.mode)), t, y, what)
+            self.effects.append(ModeEffect(place, before, _by_sticking))
         return bool(shifts)
 
-    def _record(self, place: str, result: Result, t: float, y: Array, what: str) -> None:
+    def _record(self, place: str, result: ChangeResult, t: float, y: Array, what: str) -> None:
         """Record what has become of an element, if that has a name."""
         if not what:
             return
         element, one, (met, change, loss, blow) = self._element(place), self._acting[place], result
         self.changed.append(
-            Changed(
+            ModeChange(
                 name=f"{FAMILIES[one.family].word} {one.name}: {what}",
                 element=place,
                 what=what,

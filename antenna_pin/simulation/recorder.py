@@ -1,0 +1,588 @@
+"""Recorder of a run: from samples to a result, with efforts' peaks between the samples."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.dynamics import (
+    Workspace,
+    bearing_names,
+    observed,
+)
+from antenna_pin.elements import Motion
+from antenna_pin.errors import FunctionError
+from antenna_pin.integrate import method_named
+from antenna_pin.simulation.attributes import constraint_attributes, mechanism_attributes
+from antenna_pin.simulation.controllers import ControllerRecord
+from antenna_pin.simulation.ledger import Audit
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.sample_files import SampleFiles, blocks_of, count_of
+from antenna_pin.simulation.samples import Chunk, Samples
+from antenna_pin.simulation.steps import stepper_of
+from antenna_pin.simulation.variables import (
+    SERIES,
+    TOTALS,
+    SampleBlock,
+    bristles_of,
+    episodes_of,
+    motors_of,
+    sizes_of,
+)
+from antenna_pin.trajectory import ENDED_WELL, Outcome
+from antenna_pin.trajectory.columns import first_not_finite
+from antenna_pin.trajectory.labelled import Unlabelled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Recorder", "at_present", "labelled_at", "open_ledger", "result_data", "series_at"]
+
+Array = NDArray[np.float64]
+
+# --- largest efforts of prescribed motions ------------------------------------------------------------------
+
+_MOST = 4  # places that are looked at, of one motion
+_STEPS = 200  # that are tried from one sample to the next
+_LOOKS = np.linspace(0.0, 1.0, 5)  # within a step, at first
+_BESIDE = 0.1  # of the time between samples: a top so near to one is looked for on both its sides
+_COARSE = 0.01  # of the top, by which it is above a sample beside it: parabolas say little of it then
+
+
+class _PeakCandidate(NamedTuple):
+    """Three samples about which the largest size may be.
+
+    Attributes:
+        most: Largest size of the parabola through them [N m] ([N]).
+        bound: As far above the middle one again: no more is expected; infinite if coarse [N m] ([N]).
+        time: When the parabola is highest [s].
+        samples: They.
+    """
+
+    most: float
+    bound: float
+    time: float
+    samples: Chunk
+
+    def sides(self, coarse: bool) -> list[Chunk]:
+        """Return the pairs of samples between which its top may be, of coarse samples on both sides."""
+        first, middle, last = self.samples.times.tolist()
+        late = (self.time - middle) / (last - middle if self.time > middle else middle - first)
+        sides = coarse or late < _BESIDE, coarse or late > -_BESIDE
+        return [self.samples.part(k, k + 2) for k, may_be in enumerate(sides) if may_be]
+
+
+class _RepeatedStep(NamedTuple):
+    """A step between two samples.
+
+    Attributes:
+        time: When it begins [s].
+        state: There, [q, v, x].
+        size: How long it is [s].
+        sizes: Of efforts within it [N m] ([N]), (looks, motions).
+    """
+
+    time: float
+    state: Array
+    size: float
+    sizes: Array
+
+
+class EffortPeaks:
+    """Largest sizes of efforts, of each motion of a run.
+
+    Args:
+        run: The run.
+        motions: Of its drives, which are motions, (drives,).
+        between: Whether its samples follow one another, so that there is something between them.
+    """
+
+    def __init__(self, run: Run, motions: NDArray[np.bool_], *, between: bool) -> None:
+        """Begin before the first sample."""
+        self._run, self._motions, self._between = run, motions, between
+        count = int(np.count_nonzero(motions))
+        self._largest, self._times = np.full(count, -np.inf), np.full(count, np.nan)
+        self._places: list[list[_PeakCandidate]] = [[] for _ in range(count)]
+        self._before: tuple[Chunk, Array] | None = None
+
+    def add(self, block: SampleBlock) -> None:
+        """Take the samples of a block."""
+        chunk = Chunk(block.times, block.states, block.memories, list(block.programs))
+        sizes = np.abs(block.found.effort["effort"][:, self._motions])
+        if self._before is not None:
+            chunk, sizes = (
+                Chunk.joined([self._before[0], chunk]),
+                np.concatenate([self._before[1], sizes]),
+            )
+        self._before = chunk.part(-2, None), sizes[-2:].copy()
+        for m, size in enumerate(sizes.T):
+            top = int(np.argmax(size))
+            if size[top] > self._largest[m]:
+                self._largest[m], self._times[m] = size[top], chunk.times[top]
+            if not self._between:
+                continue
+            most, when = _vertices(chunk.times, size)
+            here = np.argsort(-most, kind="stable")[:_MOST].tolist()
+            coarse = most - np.minimum(size[:-2], size[2:]) > _COARSE * most
+            bound = np.where(coarse, np.inf, 2.0 * most - size[1:-1])
+            places = self._places[m] + [
+                _PeakCandidate(float(most[k]), float(bound[k]), float(when[k]), chunk.part(k, k + 3))
+                for k in here
+                if math.isfinite(most[k])
+            ]
+            self._places[m] = sorted(places, key=lambda one: -one.most)[:_MOST]
+
+    def located(self) -> tuple[Array, Array]:
+        """Return the largest size [N m] ([N]) and its time [s] of each motion, (motions,) each."""
+        if any(self._places):
+            again = _Reintegration(self._run, self._motions)
+            for m, places in enumerate(self._places):
+                coarse = any(place.bound == math.inf for place in places)
+                able = [place for place in places if coarse or place.bound > self._largest[m]]
+                ends = [side for place in able for side in place.sides(coarse)]
+                size, time = again.largest(m, ends)
+                if size > self._largest[m]:
+                    self._largest[m], self._times[m] = size, time
+            self._places = [[] for _ in self._places]
+        return self._largest.copy(), self._times.copy()
+
+
+class _Reintegration:
+    """A run integrated again between two of its samples.
+
+    Args:
+        run: The run.
+        motions: Of its drives, which are motions, (drives,).
+    """
+
+    def __init__(self, run: Run, motions: NDArray[np.bool_]) -> None:
+        """Allocate once."""
+        self._system, self._motions = run.system, motions
+        self._workspace, settings = Workspace(run.system), run.settings
+        method = method_named(settings.method)
+        self._stepper = stepper_of(self._workspace, method, run.stepper.scales, settings)
+        self._made: dict[float, list[_RepeatedStep]] = {}
+
+    def largest(self, m: int, between: Sequence[Chunk]) -> tuple[float, float]:
+        """Return the largest size of a motion's effort between some pairs of samples, and when.
+
+        Minus infinity where something changes between all of them.
+        """
+        tops = []
+        for begin, ends in {float(ends.times[0]): ends for ends in between}.items():
+            if begin not in self._made:
+                self._made[begin] = self._steps(ends)
+            tops += [(float(step.sizes[:, m].max()), step, ends) for step in self._made[begin]]
+        best = -math.inf, 0.0
+        for _, step, ends in sorted(tops, key=lambda one: -one[0])[:2]:
+            best = max(best, self._in_step(m, step, ends))
+            looks = step.sizes[:, m]
+            rises = _vertices(_LOOKS, looks)[0] - looks[1:-1]
+            if np.all(rises <= _COARSE * looks.max()) and 0 < int(np.argmax(looks)) < len(_LOOKS) - 1:
+                break  # else another may be higher, or its top in the step beside
+        return best
+
+    def _steps(self, ends: Chunk) -> list[_RepeatedStep]:
+        """Return the steps from one sample to the next; none where something changes there."""
+        (begin, end), (before, after), stepper = ends.times, ends.programs, self._stepper
+        if not (
+            begin < end
+            and np.array_equal(before.view(np.int64), after.view(np.int64))
+            and np.array_equal(*ends.memories["touching"])
+        ):
+            return []
+        made: list[tuple[float, Array, float]] = []
+        self._take_up(ends)
+        times, states = [], []
+        try:
+            stepper.restart(begin, ends.states[0])
+            h = end - begin
+            for _ in range(_STEPS):
+                h = min(h, end - stepper.t)
+                error = stepper.attempt(h)
+                if error < 1.0:
+                    stepper.prepare_dense()
+                    made.append((stepper.t, stepper.start[: ends.states.shape[1]].copy(), h))
+                    own = self._states(_LOOKS)
+                    times.append(own[0])
+                    states.append(own[1])
+                    stepper.accept()
+                    if end - stepper.t <= 4.0 * math.ulp(end):
+                        break
+                h *= min(4.0, 0.9 * max(error, 1e-6) ** -0.25) if error < 1e4 else 0.1  # not a number, too
+            else:
+                return []  # steps that come to nothing
+        except FunctionError:
+            return []  # of a function of the user's, which has answers at the samples
+        sizes = self._sizes(np.concatenate(times), np.concatenate(states), ends)
+        return [
+            _RepeatedStep(*one, own)
+            for one, own in zip(made, sizes.reshape(len(made), len(_LOOKS), -1), strict=True)
+        ]
+
+    def _take_up(self, ends: Chunk) -> None:
+        self._workspace.program[:], self._workspace.memory[:] = ends.programs[0], ends.memories[0]
+
+    def _states(self, fractions: Array) -> tuple[Array, Array]:
+        """Return times [s] and states within the trial step that stands, on what its program holds."""
+        stepper, program = self._stepper, self._workspace.program
+        times = stepper.t + stepper.h * fractions
+        states = np.zeros((len(fractions), self._system.manifold.size))
+        for state, theta, t in zip(states, fractions.tolist(), times.tolist(), strict=True):
+            stepper.interpolate(theta, state)
+            if self._workspace.constraints is not None:
+                self._workspace.hold(t, state, program)
+        return times, states
+
+    def _sizes(self, times: Array, states: Array, ends: Chunk) -> Array:
+        """Return sizes of efforts, (n, motions); minus infinity where there is none."""
+        count = len(times)
+        memories, programs = ends.memories[:1].repeat(count, axis=0), [ends.programs[0]] * count
+        efforts = observed(self._system, times, states, memories, programs).effort["effort"]
+        sizes = np.abs(efforts[:, self._motions])
+        return np.where(np.isfinite(sizes), sizes, -np.inf)
+
+    def _in_step(self, m: int, step: _RepeatedStep, ends: Chunk) -> tuple[float, float]:
+        """Return the largest size in a step, and when."""
+        self._take_up(ends)
+        self._stepper.restart(step.time, step.state)
+        self._stepper.attempt(step.size)
+        self._stepper.prepare_dense()
+        top = int(np.argmax(step.sizes[:, m]))
+        fractions = np.linspace(_LOOKS[max(top - 1, 0)], _LOOKS[min(top + 1, len(_LOOKS) - 1)], 9)
+        times, states = self._states(fractions)
+        sizes = self._sizes(times, states, ends)[:, m]
+        k = int(np.argmax(sizes))
+        best = float(sizes[k]), float(times[k])
+        _, tops = _vertices(fractions, sizes)
+        if 0 < k < len(fractions) - 1 and math.isfinite(tops[k - 1]):
+            times, states = self._states(tops[k - 1 : k])
+            best = max(best, (float(self._sizes(times, states, ends)[0, m]), float(times[0])))
+        return best
+
+
+def _vertices(times: Array, sizes: Array) -> tuple[Array, Array]:
+    """Return value and time of the top of the parabola through each three that follow one another, (n - 2,).
+
+    Minus infinity where it has no top among them.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        back, on = times[:-2] - times[1:-1], times[2:] - times[1:-1]
+        left, right = ((sizes[k : len(sizes) - 2 + k] - sizes[1:-1]) / d for k, d in ((0, back), (2, on)))
+        bend = (right - left) / (on - back)
+        slope = left - bend * back
+        top = -0.5 * slope / bend
+        value = sizes[1:-1] - 0.25 * slope**2 / bend
+    inside = (bend < 0.0) & (back < top) & (top < on) & np.isfinite(value)
+    return np.where(inside, value, -np.inf), np.where(inside, times[1:-1] + top, -np.inf)
+
+
+# --- recorder -----------------------------------------------------------------------------------------------
+
+# --- what a result has of the controllers of a run: their instants, what they noted and commanded ---
+
+
+def controller_labels(records: Sequence[ControllerRecord], lean: bool) -> dict[str, Any]:
+    """Return the labels of controllers; of a result with series those of their instants too."""
+    if not records:
+        return {}
+    labels: dict[str, Any] = {"sampled": [one.name for one in records]}
+    if not lean:
+        labels["tick"] = sum(len(one.times) for one in records)
+        labels["signal"] = [f"{one.name}.{column}" for one in records for column in one.columns]
+    return labels
+
+
+def controller_values(records: Sequence[ControllerRecord]) -> dict[str, Any]:
+    """Return the variables of controllers, their instants in the order of time."""
+    if not records:
+        return {}
+    times = np.concatenate([one.times for one in records])
+    which = np.concatenate([np.full(len(one.times), k) for k, one in enumerate(records)])
+    signals = np.full((len(times), sum(len(one.columns) for one in records)), np.nan)
+    row = column = 0
+    for one in records:
+        signals[row : row + len(one.times), column : column + len(one.columns)] = one.values
+        row, column = row + len(one.times), column + len(one.columns)
+    order = np.lexsort((which, times))
+    return {
+        "tick_time": times[order],
+        "tick_controller": which[order].astype(np.int64),
+        "tick_signal": signals[order],
+        "ticks": np.array([len(one.times) for one in records], dtype=np.int64),
+        "saturated_ticks": np.array(
+            [0 if one.saturated is None else (one.values[:, one.saturated] > 0.0).sum() for one in records],
+            dtype=np.int64,
+        ),
+    }
+
+
+# --- what a result says of closures, couplings and motions: what they are, and how well they were held ---
+
+
+# --- the samples of a run in the order of time, block by block: from parts on the disk, and from memory ---
+
+
+Values = Mapping[str, Any]
+
+
+def result_data(
+    run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False
+) -> Unlabelled:
+    """Return what the dataset of a finished run is made of (docs/trajectory.md lists the variables).
+
+    Args:
+        run: The run, all of its samples in memory.
+        title: Of the scenario.
+        case: Of the scenario.
+        versions: Of the libraries.
+        lean: Whether to leave out the series: a result of numbers and contact episodes only.
+    """
+    recording = Recorder(run)
+    whole: dict[str, Any] = {}
+    for first, values in recording.blocks():
+        if lean:
+            continue
+        if len(values["time"]) == recording.count:
+            whole = dict(values)
+        for name, part in values.items() if not whole or first else ():
+            if name not in whole:
+                whole[name] = np.empty((recording.count, *part.shape[1:]), part.dtype)
+            whole[name][first : first + len(part)] = part
+    about = {"title": title, "case": case, "versions": json.dumps(versions)}
+    return recording.unlabelled(whole, about, lean=lean)
+
+
+def at_present(run: Run) -> xr.Dataset:
+    """Return the series of a run at its first sample and at its present state, as a result has them."""
+    held, outcome = run.samples.held, (run.outcome, run.message)
+    t, memory = run.stepper.t, run.workspace.memory
+    here = Chunk(np.array([t]), run.here[np.newaxis], memory[np.newaxis], [run.samples.program])
+    samples = Samples(run.workspace, 1.0, (), run.begin, t)
+    before = held.times[:1] < t
+    samples.take_up(Chunk.joined([held.part(0, 1), here]) if before.any() else here)
+    recording = Recorder(run, samples=samples)
+    ((_, values),) = recording.blocks()
+    run.outcome, run.message = outcome  # what is recorded of an instant is no judgement of the run
+    return recording.unlabelled(values, {}).labelled()
+
+
+def open_ledger(run: Run) -> str:
+    """Return how a run's ledger does not close, in words, by the samples that it has; "" if it does."""
+    outcome, message = run.outcome, run.message
+    for _ in Recorder(run).blocks():
+        pass
+    found = run.message if run.outcome is Outcome.LEDGER_OPEN else ""
+    run.outcome, run.message = outcome, message
+    return found
+
+
+def series_at(run: Run, chunk: Chunk) -> Values:
+    """Return the series that some states of a run's system imply, by name, (n, ...) each.
+
+    Args:
+        run: Any run of the system.
+        chunk: The states, and what held there besides.
+    """
+    return _implied(run, chunk)[1]
+
+
+def labelled_at(run: Run, chunk: Chunk) -> xr.Dataset:
+    """Return the same as a result has it; the states may be those of several runs, one after the other.
+
+    What is integrated along a run counts from the first of them on.
+
+    Args:
+        run: Any run of the system.
+        chunk: The states, and what held there besides.
+    """
+    recording, values = _implied(run, chunk)
+    return recording.unlabelled(values, {}).labelled()
+
+
+def _implied(run: Run, chunk: Chunk) -> tuple[Recorder, Values]:
+    outcome = run.outcome, run.message
+    samples = Samples(run.workspace, 1.0, (), float(chunk.times[0]), float(chunk.times[-1]))
+    samples.take_up(chunk)
+    recording = Recorder(run, samples=samples)
+    blocks = [values for _, values in recording.blocks()]
+    run.outcome, run.message = outcome  # what is recorded of a few states is no judgement of the run
+    return recording, {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]}
+
+
+class Recorder:
+    """What the samples of a finished run imply, found block by block; totals and peaks as they come.
+
+    Args:
+        run: The run.
+        parts: Its samples before those that it has in memory.
+        samples: Others than its own, that are to be recorded.
+
+    Attributes:
+        count: Samples in all.
+    """
+
+    def __init__(self, run: Run, parts: SampleFiles | None = None, samples: Samples | None = None) -> None:
+        """Count the samples."""
+        self.run = run
+        self._parts = parts
+        self._samples = run.samples if samples is None else samples
+        self.count = count_of(self._samples, parts)
+        self._labels: dict[str, Any] = {}
+        self._last: SampleBlock | None = None
+        self._totals: dict[str, Any] = {}
+        self._peaks: dict[str, Any] = {}
+        self._audit = Audit(run)
+        motions = np.array([isinstance(drive, Motion) for drive in run.system.drives.values()], dtype=bool)
+        # States that are not the run's own are no samples that follow one another.
+        self._tops = EffortPeaks(run, motions, between=samples is None) if motions.any() else None
+
+    def blocks(self) -> Iterator[tuple[int, Values]]:
+        """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""
+        first = 0
+        for chunk in blocks_of(self._samples, self._parts):
+            system = self.run.system
+            found = observed(system, chunk.times, chunk.states, chunk.memories, chunk.programs)
+            block = SampleBlock(self.run, *chunk, found, None if self._last is None else self._last.end)
+            values: dict[str, Any] = {"time": block.times}
+            with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is told by the outcome
+                for source in SERIES:
+                    values |= source(block)
+                self._judge(block, values)
+                self._labels = self._labels or _labels(block)
+                self._sum_up(block, values)
+            self._last = block
+            first += len(block.times)
+            if first == self.count:
+                self._close()
+            yield first - len(block.times), values
+
+    def _close(self) -> None:
+        """Let a run that came to its end not count as one where its ledger does not close."""
+        run = self.run
+        if run.outcome in ENDED_WELL and (opening := self._audit.opening()) is not None:
+            run.outcome = Outcome.LEDGER_OPEN
+            run.message = f"at t = {opening.time:.9g} s {opening.text}: {run.outcome.value}"
+
+    def _judge(self, block: SampleBlock, values: Values) -> None:
+        """Let a run that came to its end not count as one where what is recorded of it is not finite."""
+        run, first = self.run, len(block.times)
+        if run.outcome not in ENDED_WELL:
+            return
+        found: tuple[Outcome, str] | None = None
+        for k, failure in sorted(block.found.failures.items())[:1]:
+            found, first = (Outcome.FUNCTION_FAILED, failure.seen), k
+        for name, part in values.items() if found is None else ():
+            k = first_not_finite(part)
+            if k < first:
+                found, first = (Outcome.NOT_FINITE, f"{name} is not finite"), k
+        if found is not None:
+            run.outcome, what = found
+            run.message = f"at t = {block.times[first]:.9g} s, {what}: {run.outcome.value}"
+
+    def _sum_up(self, block: SampleBlock, values: Values) -> None:
+        """Take what is said of the whole run from a block."""
+        self._totals = {name: values[of][-1] for name, of in TOTALS.items()}
+        for name, sizes in sizes_of(block, values).items():
+            most = sizes.max(axis=0)
+            self._peaks[name] = np.maximum(self._peaks.get(name, most), most)
+        self._audit.add(block, values, self._labels)
+        if self._tops is not None:
+            self._tops.add(block)
+
+    def unlabelled(self, series: Values, about: Mapping[str, Any], *, lean: bool = False) -> Unlabelled:
+        """Return the data of the blocks so far with these series; of the run, once all have been made.
+
+        Args:
+            series: By name, ``time`` among them; none for a lean result.
+            about: Attributes that tell what was run.
+            lean: Whether to leave out the series.
+        """
+        assert self._last is not None
+        first, last = self._last.start, self._last.end
+        attributes = {
+            "form": "lean" if lean else "full",
+            **about,
+            "end_time": float(self._last.times[-1]),
+            "samples": self.count,
+            "gap_difference": self.run.search.gap_difference,
+            "conservation": json.dumps(self._audit.conservation()),
+        }
+        records = self.run.controllers.records
+        values = {
+            **series,
+            **self._totals,
+            **self._peaks,
+            **episodes_of(self.run),
+            **controller_values(records),
+        }
+        if self._tops is not None:
+            values["peak_effort"], values["time_of_peak_effort"] = self._tops.located()
+        labels = self._labels | controller_labels(records, lean) | ({} if lean else {"time": series["time"]})
+        system, singular = self.run.system, self.run.singular
+        held = first.state.copy(), last.state.copy(), self._peaks["peak_residual"]
+        passed = () if singular is None else tuple(singular.found)
+        return Unlabelled(
+            values,
+            labels,
+            attributes,
+            of_system=lambda: mechanism_attributes(system) | constraint_attributes(system, *held, passed),
+            more={},
+            free_base=system.mechanism.base == "free",
+            lean=lean,
+        )
+
+
+def _labels(block: SampleBlock) -> dict[str, Any]:
+    """Return the labels of all dimensions and coordinates that the system has."""
+    system = block.system
+    configuration, velocity = list(system.names_q), list(system.names_v)
+    labels: dict[str, Any] = {
+        "axis": ("x", "y", "z"),
+        "configuration": configuration,
+        "coordinate": velocity,
+        "joint": block.joints[0],
+    }
+    if system.mechanism.base == "free" or system.clearances:
+        labels["quaternion"] = ("x", "y", "z", "w")
+    places = [(j.name, *place) for j in system.clearances for place in j.geometry.contact_places]
+    for name, found in (
+        ("sliding_joint", block.slides[0]),
+        ("contact", system.contact_names),
+        ("contact_joint", [joint for joint, _, _ in places]),
+        ("contact_kind", [kind for _, kind, _ in places]),
+        ("contact_end", [end for _, _, end in places]),
+        ("clearance_joint", [joint.name for joint in system.clearances]),
+        ("drive", list(system.drives)),
+        ("controller", [name for name, drive in system.drives.items() if drive.tracks]),
+        ("motion", [name for name, drive in system.drives.items() if isinstance(drive, Motion)]),
+        ("motor", motors_of(block)),
+        ("spring", [name for name in system.springs if name not in system.elastic]),
+        ("element", [f"{table}.{name}" for table in system.others for name in system.families[table]]),
+        ("bristle", bristles_of(block, "bend")),
+        ("dwelling", bristles_of(block, "dwell")),
+        ("traced_spring", list(system.traced)),
+        ("traced_joint", [str(system.springs[name].acts_at) for name in system.traced]),
+        ("bearing", bearing_names(system)),
+        ("elastic_part", list(system.elastic)),
+        ("point_spring", list(system.point_springs)),
+        ("force", list(system.forces)),
+        ("force_place", [one.name for one in system.force_places]),
+        ("closure", list(system.closures)),
+        ("coupling", list(system.couplings)),
+    ):
+        if found:
+            labels[name] = found
+    if system.contact_names:
+        labels["episode"] = len(block.run.episodes)
+    modes = block.run.actions.modes
+    if modes:
+        labels["change"] = [one.name for one in modes.changed if one.time > block.run.after]
+    if block.run.events or modes or block.run.actions.happened:
+        labels["event"] = [one.name for one in block.run.actions.happened]
+    return labels

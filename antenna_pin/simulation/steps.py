@@ -1,0 +1,580 @@
+"""Steps of a run: error scales, step size control, log, batches in the compiled loop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.base.records import MEMORY
+from antenna_pin.base.settings import ErrorScales, RunSettings
+from antenna_pin.dynamics import System, Workspace, works_in_x
+from antenna_pin.elements import ForceElement
+from antenna_pin.engine import Compiled, CompiledStepper, Pace, Sizes, loop_kernels
+from antenna_pin.engine import stretch_kernels as kernels
+from antenna_pin.integrate import Method
+from antenna_pin.simulation.constraints import Singularities
+from antenna_pin.simulation.contacts import ContactSearch, Episodes
+from antenna_pin.simulation.event_watch import EventWatch, WatchTable
+from antenna_pin.simulation.samples import Samples
+from antenna_pin.trajectory import Outcome
+
+__all__ = [
+    "LoggedStep",
+    "LoopParts",
+    "StepBatches",
+    "StepControl",
+    "StepCounts",
+    "scale_vector",
+    "stepper_of",
+]
+
+Array = NDArray[np.float64]
+
+# --- error scales -------------------------------------------------------------------------------------------
+
+#: What counts as the play of a joint on bearings, which has none and deflects by micrometres, and as half its
+#: length [m].
+BEARING_PLAY, BEARING_LEVER = 1e-4, 0.01
+
+
+def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
+    """Return the error scale of each component of [u, v, x], (2 nv + nx,); of x energies and bristles.
+
+    That of works and losses is what the moving bodies have at a velocity of one unit of tolerance.
+    """
+    model = system.model
+    position = np.full(model.nv, scales.angle)
+    velocity = np.full(model.nv, scales.angular_velocity)
+    for slot in system.mechanism.joints.values():
+        position[slot.ways] = scales.position
+        velocity[slot.ways] = scales.velocity
+    if system.mechanism.base == "free":
+        masses = [inertia.mass for inertia in model.inertias]
+        factor = scales.base if scales.base is not None else max(sum(masses[2:]) / sum(masses), 1e-6)
+        position[:3] = factor * scales.position
+        position[3:6] = factor * scales.angle
+        velocity[:3] = factor * scales.velocity
+        velocity[3:6] = factor * scales.angular_velocity
+    for joint in system.clearances:
+        slot = system.mechanism.joint(joint.name)
+        play = scales.clearance * joint.geometry.radial_clearance
+        start = slot.v.start
+        linear = 2 if joint.planar else 3
+        position[start : start + linear] = play
+        velocity[start : start + linear] = scales.clearance_velocity
+        half = joint.geometry.half_length
+        if joint.geometry.motion == "slide":
+            along = np.abs(slot.axis) > 1.0 - 1e-9
+            position[start : start + 3] = np.where(along, scales.position, play)
+            velocity[start : start + 3] = np.where(along, scales.velocity, scales.clearance_velocity)
+        if half is not None and joint.geometry.motion == "slide":
+            position[start + 3 : start + 6] = play / half
+            velocity[start + 3 : start + 6] = scales.clearance_velocity / half
+        elif half is not None:
+            # About the axis the motion angle, across it the tilt; in between, for an axis askew, the
+            # finer.
+            about = np.abs(slot.axis) > 1.0 - 1e-9
+            position[start + 3 : start + 6] = np.where(about, scales.angle, play / half)
+            velocity[start + 3 : start + 6] = np.where(
+                about, scales.angular_velocity, scales.clearance_velocity / half
+            )
+    for name in system.on_bearings:
+        # As play is counted in plays, in what stands for one.
+        slot = system.mechanism.joint(name)
+        start = slot.v.start
+        position[start : start + 3] = scales.clearance * BEARING_PLAY
+        velocity[start : start + 3] = scales.clearance_velocity
+        about = np.abs(slot.axis) > 1.0 - 1e-9
+        tilt = scales.clearance * BEARING_PLAY / BEARING_LEVER, scales.clearance_velocity / BEARING_LEVER
+        position[start + 3 : start + 6] = np.where(about, scales.angle, tilt[0])
+        velocity[start + 3 : start + 6] = np.where(about, scales.angular_velocity, tilt[1])
+    x = np.full(system.manifold.nx, math.inf)
+    forces = system.force_x["work"], system.force_x["loss"]
+    booked = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x, system.element_x)
+    energies = np.concatenate([places[places >= 0] for places in (*booked, *forces)])
+    others = 2 if system.mechanism.base == "free" and model.njoints > 2 else 1
+    moving = list(model.inertias)[others:]
+    slow = scales.clearance_velocity if system.clearances or system.on_bearings else scales.velocity
+    x[energies] = sum(i.mass for i in moving) * slow**2
+    if not any(i.mass for i in moving):  # rotors that have an inertia alone
+        x[energies] = sum(float(np.trace(i.inertia)) for i in moving) * scales.angular_velocity**2
+    bristles = [
+        scale
+        for joint in system.clearances
+        for _ in joint.contact_names
+        for scale in getattr(joint.friction, "state_scales", ())
+    ]
+    # Those of elements are numbers of size 1.
+    x[system.bristle_x] = bristles + [1.0] * (len(system.bristle_x) - len(bristles))
+    return np.concatenate([position, velocity, x])
+
+
+# --- step control -------------------------------------------------------------------------------------------
+
+_PACE_STEPS = 50_000  # trial steps from one look at the pace to the next: a burst of impacts takes fewer
+
+
+class StepControl:
+    """What decides how long the next step is.
+
+    Args:
+        workspace: Drives of its system say where steps must end, and how long they may be.
+        method: Of integration.
+        settings: How to integrate.
+        begin: From when on the run records [s].
+        end: Where it ends [s].
+
+    Attributes:
+        sizes: Step sizes by pattern of touching contacts: impacts of one kind need steps of one size [s].
+    """
+
+    def __init__(
+        self, workspace: Workspace, method: Method, settings: RunSettings, begin: float, end: float
+    ) -> None:
+        """Collect the instants at which steps must end."""
+        self.settings = settings
+        self.method = method
+        self.end = end
+        order = method.order if method.error_order is None else method.error_order
+        #: The sizes of steps, in numbers.
+        self.pace = Pace(
+            adaptive=method.adaptive,
+            power=order + 1,
+            control=method.control,
+            step=settings.step,
+            least=settings.min_step,
+            end=end,
+        )
+        self.sizes = Sizes(workspace.memory)
+        system = workspace.system
+        elements = [element for family in system.families.values() for element in family.values()]
+        self.end_at({t for element in elements for t in element.instants})
+        self.renew(elements)
+        #: Trial steps and time [s] where the pace was last looked at.
+        self.paced = (0, begin)
+
+    def end_at(self, instants: Iterable[float]) -> None:
+        """Let steps end at further instants [s]."""
+        self.pace.end_at(instants)
+
+    def end_next_at(self, here: float, instant: float) -> None:
+        """Let a step end at the next instant of the run's controllers, for steps that begin here [s]."""
+        self.pace.end_next_at(here, instant)
+
+    def move_end(self, end: float) -> None:
+        """Let the run end at another time [s]."""
+        self.end = end
+        self.pace.move_end(end)
+
+    def renew(self, elements: Iterable[ForceElement]) -> None:
+        """Look how long a step may be with elements that have changed."""
+        longest = self.settings.max_step
+        if self.method.adaptive:
+            longest = min([longest, *(element.longest_step for element in elements)])
+        self.pace.numbers["longest"] = longest
+
+    @property
+    def spin(self) -> float:
+        """Fastest rate of a joint that turns without end, at the present state [rad/s]."""
+        return float(self.pace.numbers["spin"][0])
+
+    @spin.setter
+    def spin(self, rate: float) -> None:
+        self.pace.numbers["spin"] = rate
+
+    @property
+    def error(self) -> float:
+        """Scaled error of the last step that passed [-]; zero before the first."""
+        return float(self.pace.numbers["error"][0])
+
+    @error.setter
+    def error(self, value: float) -> None:
+        self.pace.numbers["error"] = value
+
+    @property
+    def first(self) -> float:
+        """Size of the first step to try [s]."""
+        settings = self.settings
+        if not self.method.adaptive:
+            return settings.step
+        if settings.first_step is not None:
+            return min(settings.first_step, settings.max_step)
+        return min(1e-6, settings.max_step, self.end)
+
+    def limit(self, trials: int, t: float, wall: float) -> Outcome | None:
+        """Return the limit that is reached, or that the run makes so little way that it would never end.
+
+        Args:
+            trials: Trial steps made so far.
+            t: How far they went [s].
+            wall: Wall time since the run was begun, or gone on with [s].
+        """
+        settings = self.settings
+        if settings.max_steps is not None and trials >= settings.max_steps:
+            return Outcome.STEP_LIMIT
+        if settings.max_wall_time is not None and wall >= settings.max_wall_time:
+            return Outcome.TIME_LIMIT
+        return None if self._makes_way(trials, t) else Outcome.NO_PROGRESS
+
+    def until_check(self, trials: int) -> int:
+        """Return how many trial steps more may be made until :meth:`limit` must be asked."""
+        most = self.settings.max_steps
+        until = self.paced[0] + _PACE_STEPS - trials
+        return until if most is None else min(until, most - trials)
+
+    def _makes_way(self, trials: int, t: float) -> bool:
+        """Whether a run that has made so many trial steps up to t [s] may ever come to its end."""
+        if trials - self.paced[0] < _PACE_STEPS:
+            return True
+        made, way = trials - self.paced[0], t - self.paced[1]
+        self.paced = (trials, t)
+        return made * (self.end - t) <= self.settings.max_expected_steps * way
+
+
+# --- step log -----------------------------------------------------------------------------------------------
+
+
+class LoggedStep(NamedTuple):
+    """A step, in which nothing changes.
+
+    Attributes:
+        time: When it begins [s].
+        size: Of it [s].
+        y: State where it begins.
+        until: When it ends [s].
+        end: State there, before what changes then.
+    """
+
+    time: float
+    size: float
+    y: Array
+    until: float
+    end: Array
+
+
+class StepLog:
+    """Steps that a run has made since it was shown last.
+
+    Attributes:
+        steps: These, in their order.
+    """
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self.steps: list[LoggedStep] = []
+
+    def extend(self, time: float, y: Array, ends: tuple[Array, Array, Array]) -> None:
+        """Put steps behind those that are there, each of which begins where the last one ends.
+
+        Args:
+            time: When the first begins [s].
+            y: State there.
+            ends: When each ends [s], its size [s], (n,) each, and the state there, (n, size); copied.
+        """
+        for until, size, end in zip(ends[0].tolist(), ends[1].tolist(), ends[2].copy(), strict=True):
+            self.steps.append(LoggedStep(time, size, y, until, end))
+            time, y = until, end
+
+
+# --- batches of steps ---------------------------------------------------------------------------------------
+
+# Trial steps from one look at the clock, at Ctrl-C and at limits to the next, of up to so many freedoms; of
+# more they are fewer as the square. Where Python is asked from inside, a trial may take as long as what it
+# asks. Where steps are dear they are at most a part of those before: what is wrong shows at the beginning.
+_BUDGET, _FREEDOMS, _ASKED, _PART = 1024, 24, 32, 4
+_CAPACITY = 256  # samples
+_LOGGED = 64  # steps of a log
+_COUNTS = ("accepted", "rejected", "relocated")
+
+
+def stepper_of(workspace: Workspace, method: Method, scales: Array, settings: RunSettings) -> CompiledStepper:
+    """Return the stepper of an engine.
+
+    Raises:
+        MechanismError: The system is not one that the engine can take.
+    """
+    return CompiledStepper(workspace, Compiled(workspace, settings.engine), method, scales, settings.rtol)
+
+
+class StepCounts(NamedTuple):
+    """What a run has made so far.
+
+    Attributes:
+        tried: Trial steps.
+        rejected: Those whose error was too large.
+        relocated: Those made to end where something happens.
+        evaluations: Of the right-hand side.
+        wall: Wall time that it took [s].
+    """
+
+    tried: int
+    rejected: int
+    relocated: int
+    evaluations: int
+    wall: float
+
+
+class LoopParts(NamedTuple):
+    """What the loop works on besides its stepper.
+
+    Attributes:
+        control: How long steps are.
+        samples: Where output goes.
+        episodes: The contacts' record.
+        search: What is looked for at contacts.
+        watch: What is looked for besides.
+        singular: What looks at each step's end; None where nothing is held.
+    """
+
+    control: StepControl
+    samples: Samples
+    episodes: Episodes
+    search: ContactSearch
+    watch: EventWatch
+    singular: Singularities | None
+
+
+class StepBatches:
+    """Makes steps in the compiled loop, up to the first thing that the run has to see to, and counts them.
+
+    Args:
+        stepper: What makes them.
+        parts: What they are made with, and where they go.
+        singly: Whether the run wants to see each step that is accepted.
+        logged: Whether it wants to see where contacts change, with the steps up to there.
+
+    Attributes:
+        log: Of steps that were accepted, where they are logged.
+        accepted: Steps that have been accepted.
+        rejected: Trial steps rejected by their error.
+        relocated: Trial steps made to end where something happens.
+    """
+
+    def __init__(
+        self, stepper: CompiledStepper, parts: LoopParts, singly: bool, logged: bool = False
+    ) -> None:
+        """Allocate once."""
+        self._stepper, self._parts = stepper, parts
+        self.accepted = self.rejected = self.relocated = 0
+        self._watched = WatchTable(parts.watch)
+        self._stretch = np.zeros(1, kernels.STRETCH)
+        self._stretch["rate"], self._stretch["begin"] = parts.samples.rate, parts.samples.begin
+        self._stretch["end"] = parts.control.end
+        freely = kernels.TO_CHANGES if logged else kernels.FREELY
+        self._stretch["shown"] = kernels.SINGLY if singly else freely
+        self.log, self._logged = StepLog(), logged
+        self._lack: Callable[[], float] = float
+        self._give_answers()
+        freedoms = max(stepper.manifold.nv, _FREEDOMS)
+        asks = stepper.answers.asks
+        most = _ASKED if asks("elements") or asks("gaps") else _BUDGET
+        self._dear = most == _ASKED or asks("acceleration") or asks("terms")
+        self._most = max(1, min(most, _BUDGET) * _FREEDOMS**2 // freedoms**2)
+        if logged:
+            self._most = min(self._most, _LOGGED)
+        contacts, ends = len(parts.episodes), self._most if logged or parts.singular is not None else 0
+        self._loop = kernels.Loop(
+            stretch=self._stretch,
+            pace=parts.control.pace.numbers,
+            breaks=parts.control.pace.breaks,
+            chosen=parts.samples.chosen,
+            tableau=stepper.tableau,
+            space=stepper.manifold.layout,
+            work=stepper.work,
+            dense=stepper.dense,
+            scales=stepper.scales,
+            rtol=stepper.rtol,
+            numbers=stepper.numbers,
+            search=kernels.Search(
+                nodes=parts.search.nodes,
+                ignore=parts.search.ignore,
+                limits=parts.search.limits,
+                peaks=parts.episodes.peaks,
+                turns=parts.episodes.system.turns,
+                compared=parts.search.compared,
+                difference=parts.search.difference,
+            ),
+            trial=parts.search.trial,
+            buffers=self._buffers(_CAPACITY + 2 * contacts, ends),
+            book=parts.episodes.book,
+            sizes=parts.control.sizes.table,
+            watched=self._watched.numbers,
+            works=works_in_x(parts.episodes.system),
+        )
+
+    def _buffers(self, capacity: int, ends: int) -> kernels.Buffers:
+        """Return room for so many samples, and for the ends of so many steps."""
+        size, contacts = self._stepper.manifold.size, len(self._parts.episodes)
+        return kernels.Buffers(
+            times=np.zeros(capacity),
+            states=np.zeros((capacity, size)),
+            memories=np.zeros((capacity, contacts), MEMORY),
+            early=np.zeros(capacity, dtype=np.int64),
+            instants=np.zeros(ends),
+            sizes=np.zeros(ends),
+            ends=np.zeros((ends, size)),
+            kept=self._stepper.kept,
+            out=np.zeros((2, size)),
+        )
+
+    def _give_answers(self) -> None:
+        """Answer what the loop asks: implicit steps, where events are."""
+        stepper, stretch = self._stepper, self._stretch
+        answers, answer = stepper.answers, stepper.numbers.outside.asked
+
+        def step(h: float) -> None:
+            stepper.t = float(stretch["t"][0])
+            if answer["new"][0]:
+                stepper.newton.progress["fresh"] = answer["new"] = 0
+            answer["answer"] = stepper.tried(h)
+
+        def lack(h: float) -> None:
+            stepper.h = h
+            answer["answer"] = self._lack()
+
+        if stepper.newton is not None:
+            answers.give("step", step)
+        if self._parts.watch:
+            answers.give("lack", lack)
+
+    # --- what there is --------------------------------------------------------------------------------------
+
+    @property
+    def made(self) -> int:
+        """Trial steps made so far."""
+        return self.accepted + self.rejected + self.relocated
+
+    def so_far(self, wall: float) -> StepCounts:
+        """Return what was made, in so much wall time [s]."""
+        return StepCounts(self.made, self.rejected, self.relocated, self._stepper.evaluations, wall)
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether no step has begun."""
+        return bool(self._stretch["phase"][0] == kernels.FRESH)
+
+    def rest(self) -> None:
+        """Give up the step that has begun: the next begins at the present state."""
+        self._stretch["phase"] = kernels.FRESH
+
+    @property
+    def has_moved(self) -> bool:
+        """Whether the last call has made a step."""
+        return bool(self._stretch["accepted"][0] > 0)
+
+    @property
+    def following(self) -> float:
+        """Size of the step to try next; within a step, of that which it began with [s]."""
+        return float(self._stretch["h" if self.at_rest else "wished"][0])
+
+    @following.setter
+    def following(self, h: float) -> None:
+        self._stretch["h"] = h
+
+    @property
+    def contact(self) -> int:
+        """The contact that changes, or is too deep."""
+        return int(self._stretch["contact"][0])
+
+    @property
+    def tried(self) -> tuple[float, float, bool]:
+        """Size of the last trial step [s], its scaled error, whether a function had no answer in it."""
+        found = self._stretch[0]
+        return float(found["tried"]), float(found["error"]), bool(found["refused"])
+
+    def take_up(self, other: StepBatches) -> None:
+        """Go on between two steps where another stands, which has been made with these parts."""
+        self.accepted, self.rejected, self.relocated = other.accepted, other.rejected, other.relocated
+        self.following = other.following
+
+    def record_from(self, begin: float) -> None:
+        """Leave nothing of before a time to the record [s]."""
+        self._stretch["begin"] = begin
+
+    def move_end(self, end: float) -> None:
+        """Let steps be made up to another time [s]; the first that this cuts is told of."""
+        self._stretch["end"], self._stretch["cut"] = end, 0
+
+    # --- to make --------------------------------------------------------------------------------------------
+
+    def go_on(self) -> int:
+        """Make steps until something happens that the run has to see to; return what.
+
+        Raises:
+            FunctionError: A function of the user's has no answer.
+        """
+        most = min(self._most, self.made // _PART) if self._dear else self._most
+        return self._made_by(loop_kernels.go_on, most=most)
+
+    def finish_step(self) -> int:
+        """Go on with the step that has begun, and no further; return what happens that the run has to see to.
+
+        Raises:
+            FunctionError: A function of the user's has no answer.
+        """
+        return self._made_by(loop_kernels.go_on)
+
+    def search_until(self, theta: float) -> None:
+        """Let the trial step that stands be searched up to where an event is, at this fraction of it."""
+        self._stretch["until"] = theta
+
+    def end_at(self, size: float, longest: float, lack: Callable[[], float], search: bool) -> int:
+        """Make the trial step again to end at an event, and accept it; return what came of it.
+
+        Args:
+            size: How far into the step that is [s].
+            longest: What the step may be corrected to at most [s].
+            lack: How much longer the trial step should be [s], or 0.
+            search: Whether contacts that change before are looked for.
+        """
+        self._lack = lack
+        return self._made_by(loop_kernels.end_at, size, longest, search)
+
+    def _made_by(self, kernel: Callable[..., int], *arguments: Any, most: int = 1) -> int:
+        """Call the loop for so many trial steps at most; put what it has come to into the record."""
+        stretch, (control, samples, episodes, *_) = self._stretch, self._parts
+        for name in (*_COUNTS, "samples", "evaluations"):
+            stretch[name] = 0
+        stretch["t"] = began = self._stepper.t
+        y = self._stepper.start[: self._stepper.manifold.size].copy()
+        stretch["chosen"] = np.searchsorted(samples.chosen, self._stepper.t, side="right")
+        stretch["budget"] = max(1, min(most, control.until_check(self.made)))
+        episodes.make_room()
+        control.sizes.make_room()
+        self._watched.renew()
+        needed, buffers = int(stretch["needed"][0]), self._loop.buffers
+        if needed > len(buffers.times):
+            buffers = self._buffers(2 * needed, len(buffers.instants))
+        self._loop = self._loop._replace(
+            breaks=control.pace.breaks,
+            book=episodes.book,
+            sizes=control.sizes.table,
+            buffers=buffers,
+        )
+        reason = int(kernel(self._loop, *arguments))
+        try:
+            self._take_over(began, y)
+        finally:
+            self._stepper.answers.check()
+        return reason
+
+    def _take_over(self, began: float, y: Array) -> None:
+        """Put what the loop has come to, which began at a time [s] in a state, into the record."""
+        stepper, found, buffers = self._stepper, self._stretch[0], self._loop.buffers
+        stepper.t, stepper.h = float(found["t"]), float(found["tried"])
+        stepper.evaluations += int(found["evaluations"])
+        stepper.has_dense = not self.at_rest
+        count, ends = int(found["samples"]), int(found["accepted"])
+        self._parts.samples.extend(
+            buffers.times[:count], buffers.states[:count], buffers.memories[:count], buffers.early[:count]
+        )
+        for name in _COUNTS:
+            setattr(self, name, getattr(self, name) + int(found[name]))
+        if self._parts.singular is not None:
+            self._parts.singular.inspect_along(buffers.instants[:ends], buffers.ends[:ends])
+        if self._logged:
+            self.log.extend(began, y, (buffers.instants[:ends], buffers.sizes[:ends], buffers.ends[:ends]))
