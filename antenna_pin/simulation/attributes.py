@@ -105,7 +105,7 @@ def mechanism_attributes(system: System) -> dict[str, str]:
 
 
 def _elements(system: System) -> dict[str, dict[str, Any]]:
-    """Return what elements of further families are, by place."""
+    """Return the descriptions of elements of further families, by place."""
     found = {}
     for table in system.others:
         for name, one in system.families[table].items():
@@ -123,12 +123,12 @@ def _elements(system: System) -> dict[str, dict[str, Any]]:
 
 
 def _forces(system: System) -> dict[str, dict[str, Any]]:
-    """Return what forces are, by name: the class, and numbers that readers need."""
+    """Return the descriptions of forces, by name: class and numbers that readers need."""
     return {name: {"kind": type(one).__name__, "numbers": one.facts()} for name, one in system.forces.items()}
 
 
 def _force_places(system: System) -> dict[str, dict[str, Any]]:
-    """Return where forces act, by the places' names."""
+    """Return the points of application of forces, by name."""
     return {
         one.name: {"force": one.force, "link": one.link, "point": one.point} for one in system.force_places
     }
@@ -152,7 +152,7 @@ def _elastic_parts(system: System) -> dict[str, dict[str, Any]]:
 
 
 def _moving_the_same(system: System, name: str) -> list[str]:
-    """Return the later elastic parts that move a shape which is on the body of this one."""
+    """Return the later elastic parts that move a shape on the body of this part."""
     hub = system.mechanism.urdf.joint(name).parent
     same = [one for one in system.elastic if system.mechanism.urdf.joint(one).parent == hub]
     shapes = {part: _shapes(system, part) for part in same}
@@ -171,7 +171,7 @@ def _drive(system: System, drive: Element) -> dict[str, Any]:
 
 
 def carried_joints(system: System) -> dict[str, dict[str, Any]]:
-    """Return what every clearance joint is, by name.
+    """Return the descriptions of the clearance joints, by name.
 
     Each has ``kind`` (revolute, planar, ...), ``dimensions`` of its shape [m], ``bearing_on`` (parent or
     child: which of the joint's links), ``bearing_body`` and ``journal_body`` (links), and
@@ -213,7 +213,7 @@ def _laws(joint: ClearanceJoint) -> dict[str, Any]:
 
 
 def _law(law: Any) -> dict[str, Any]:
-    """Return the name of a law and its parameters as they are used; one written in Python has its class's."""
+    """Return name and parameters in use of a law; a law in Python has its class's name."""
     if isinstance(law, DampedContact):
         return {**_law(law.elastic), "dissipation": _law(law.dissipation)}
     parameters = {}
@@ -270,7 +270,7 @@ _RESIDUALS = ("position_residual", "angle_residual", "velocity_residual", "rate_
 def constraint_attributes(
     system: System, first: Array, last: Array, residual: Array, passed: Sequence[SingularPosition]
 ) -> dict[str, str]:
-    """Return the attributes of a dataset that describe its constraints; none of a tree that nothing holds.
+    """Return the attributes of a dataset that describe its constraints; none without constraints.
 
     ``closures`` (JSON) has of each closure its ``kind``, how many ``equations`` it is, whether it has an
     ``axis`` (z of the placements) and, of its two sides, ``first_body``,
@@ -286,7 +286,7 @@ def constraint_attributes(
     the least independent equation there.
 
     Args:
-        system: What was run.
+        system: System of the run.
         first: [q, v, x] at the first sample.
         last: At the last.
         residual: The largest at samples, (4,), as of ``Observed.residual``.

@@ -64,7 +64,7 @@ Array = NDArray[np.float64]
 
 # --- checkpoint ---------------------------------------------------------------------------------------------
 
-# What of a scenario tells where it came from, or may be another when a run goes on.
+# Keys of a scenario that describe its origin, or may differ when a run continues.
 _MAY_DIFFER = {"name", "description", "overrides", "folder", "duration"}
 
 # Names that its arrays may have.
@@ -75,7 +75,7 @@ FORMAT = "antenna_pin checkpoint 4"
 
 
 class _Singular(BaseModel):
-    """What singular positions are watched by: ``Singularities.value``."""
+    """Data of the search for singular positions: ``Singularities.value``."""
 
     model_config = ConfigDict(strict=True, extra="forbid")
 
@@ -91,7 +91,7 @@ class _Singular(BaseModel):
 
 
 class _About(BaseModel):
-    """What a checkpoint tells in plain numbers and text: what stands in JSON must be of these kinds."""
+    """Schema of a checkpoint's JSON: plain numbers and text."""
 
     model_config = ConfigDict(strict=True, extra="forbid")
 
@@ -126,8 +126,8 @@ class Checkpoint:
     """A run between two steps.
 
     Attributes:
-        about: What it is of, by :func:`about_run`, and how it stands; plain numbers and text.
-        numbers: What it remembers in arrays.
+        about: Identity of the run, by :func:`about_run`, and its state; plain numbers and text.
+        numbers: Arrays, by name.
     """
 
     about: dict[str, Any]
@@ -135,11 +135,11 @@ class Checkpoint:
 
     @classmethod
     def of(cls, run: Run, about: Mapping[str, Any]) -> Self:
-        """Return a run as it stands.
+        """Return the checkpoint of a run between two steps.
 
         Args:
             run: Between two steps.
-            about: What it is of: kept as it is.
+            about: Identity of the run, stored unchanged.
         """
         ended = not (run.outcome is Outcome.COMPLETED or run.outcome.may_go_on)
         counts = dataclasses.asdict(run.counts())
@@ -164,10 +164,10 @@ class Checkpoint:
         return cls({**about, **how}, _arrays_of(run))
 
     def give_to(self, run: Run) -> None:
-        """Make a run that was made from :attr:`start`, recording since :attr:`begin`, what it was.
+        """Restore a run that was created from :attr:`start` and records since :attr:`begin`.
 
         Raises:
-            FileFormatError: It is none of such a run.
+            FileFormatError: The checkpoint is not of such a run.
         """
         try:
             _check_arrays(self.numbers, _arrays_of(run))
@@ -210,17 +210,17 @@ class Checkpoint:
 
     @property
     def start(self) -> State:
-        """The state that it stands at."""
+        """State at the checkpoint."""
         return State.from_json(self.about["state"])
 
     @property
     def begin(self) -> float:
-        """From when on the run records [s]."""
+        """Time from which the run records [s]."""
         return float(self.about["begin"])
 
     @property
     def scenario(self) -> Scenario | None:
-        """What the run came from; None for a system built in Python."""
+        """Scenario of the run; None for a system built in Python."""
         from antenna_pin.scenario import Scenario
 
         text = self.about["scenario"]
@@ -232,20 +232,20 @@ class Checkpoint:
     # --- as a file ------------------------------------------------------------------------------------------
 
     def write(self, folder: Path) -> None:
-        """Write it into a folder of parts, in place of the one before.
+        """Write the checkpoint into a folder of parts, in place of the previous checkpoint.
 
         Raises:
-            OutputError: It cannot be written there.
+            OutputError: The checkpoint cannot be written.
         """
         about = {"format": FORMAT, "versions": library_versions(), **self.about}
         write_sealed(folder / CHECKPOINT, {"about": np.array(json.dumps(about)), **self.numbers})
 
     @classmethod
     def load(cls, path: Path) -> Self:
-        """Read that of a run, by the name of its result or of its folder of parts.
+        """Read the checkpoint of a run, by the name of its result or folder of parts.
 
         Raises:
-            FileFormatError: There is none, or it is damaged, or one of another version.
+            FileFormatError: The checkpoint is missing, damaged or of another version.
         """
         source = folder_of(path) / CHECKPOINT
         if not source.is_file():
@@ -283,7 +283,7 @@ class Checkpoint:
         return cls(about, numbers)
 
 
-# What comes of what a run has not written.
+# Errors of data that no run has written.
 _WRONG = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError, RecursionError)
 
 
@@ -295,7 +295,7 @@ def _no_checkpoint(place: object, error: Exception) -> FileFormatError:
 
 
 def _arrays_of(run: Run) -> dict[str, NDArray[Any]]:
-    """Return what a run remembers in arrays."""
+    """Return the arrays of a run's checkpoint, by name."""
     return {
         **numbers_of(run.samples.held, run.system.program),
         **late_numbers(run.samples.late, run.system.manifold.size, len(run.contacts)),
@@ -305,7 +305,7 @@ def _arrays_of(run: Run) -> dict[str, NDArray[Any]]:
 
 
 def _check_arrays(found: Mapping[str, NDArray[Any]], own: Mapping[str, NDArray[Any]]) -> None:
-    """Refuse arrays that are not those of a run, but for how many rows they have.
+    """Refuse arrays that differ from a run's, except in the number of rows.
 
     Raises:
         ValueError: Says which.
@@ -327,16 +327,16 @@ def about_run(
     events: Sequence[Event],
     controllers: Mapping[str, Controller],
 ) -> dict[str, Any]:
-    """Return what a run is of, as its checkpoints tell.
+    """Return the identity of a run, as its checkpoints store it.
 
     Args:
         system: The system.
-        scenario: What it came from, as it is run; None for a system built in Python.
-        settings: How it is integrated and sampled.
-        span: How long it is [s].
-        start: Where it starts, in words.
-        events: What is looked for.
-        controllers: That command it.
+        scenario: Scenario as run; None for a system built in Python.
+        settings: Settings of integration and sampling.
+        span: Duration [s].
+        start: Origin of the start, as text.
+        events: Users' events.
+        controllers: Controllers, by name.
     """
     made = json.dumps(mechanism_attributes(system), sort_keys=True)
     return {
@@ -354,14 +354,14 @@ def about_run(
 
 
 def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
-    """Refuse to go on with one run from the checkpoint of another.
+    """Refuse to continue a run from the checkpoint of another.
 
     Args:
         stood: The checkpoint.
-        about: Of the run that is to go on (:func:`about_run`).
+        about: Identity of the run to continue (:func:`about_run`).
 
     Raises:
-        FileFormatError: They differ.
+        FileFormatError: The runs differ.
     """
     was = stood.about
     way_out = "give what it was begun with, or run it from its start"
@@ -391,41 +391,41 @@ def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
 
 
 def _of_any_patience(told: Any) -> Any:
-    """Return settings without the wall time that a run may take, which may be another each time."""
+    """Return settings without the limit of wall time, which may differ each time."""
     return {k: v for k, v in told.items() if k != "max_wall_time"} if isinstance(told, dict) else told
 
 
 # --- checkpoint store ---------------------------------------------------------------------------------------
 
 _PART = 16_000_000  # bytes of samples that make a part
-_TIMES = 9.0  # what a checkpoint took: so long the run goes on before the next: a tenth of its time
-_AGAIN = 10.0  # [s] of wall time from one vain try to write to the next
+_TIMES = 9.0  # times the cost of a checkpoint before the next one: a tenth of the wall time
+_AGAIN = 10.0  # [s] of wall time between failed attempts to write
 
 
 class NotKeptWarning(UserWarning):
-    """What a run has recorded cannot be put on the disk; it stays in memory, and the run goes on."""
+    """Record that cannot be written to the disk; it stays in memory, and the run continues."""
 
 
 class CheckpointsWaitedWarning(UserWarning):
-    """Checkpoints took so long that they were made more rarely than was asked."""
+    """Checkpoints at longer intervals than requested, because each took too long."""
 
 
 class CheckpointStore:
-    """Puts what a run has recorded on the disk.
+    """Checkpoints and parts of the record of a run, on the disk.
 
-    A run whose record is small, and whose checkpoints are never due, does not touch the disk.
+    A run with a small record and without due checkpoints does not touch the disk.
 
     Args:
-        path: Of the run's result.
+        path: File of the run's result.
         system: The system.
-        about: What the run is of, for its checkpoints.
+        about: Identity of the run, for its checkpoints.
         interval: Wall time from one checkpoint to the next [s], and at least nine times what the last one
             took, which is said at the end; infinity for none but at an interruption.
-        checkpoint: That the run goes on from.
+        checkpoint: Checkpoint from which the run continues.
 
     Attributes:
-        path: Of the run's result.
-        parts: What is on the disk.
+        path: File of the run's result.
+        parts: Parts on the disk.
     """
 
     def __init__(
@@ -436,7 +436,7 @@ class CheckpointStore:
         interval: float = math.inf,
         checkpoint: Checkpoint | None = None,
     ) -> None:
-        """Begin, or go on, with the parts that the checkpoint knows of."""
+        """Begin, or continue with the parts that the checkpoint lists."""
         found = {} if checkpoint is None else checkpoint.about
         identity = found.get("run", secrets.token_hex(8))
         self.path = Path(path)
@@ -450,7 +450,7 @@ class CheckpointStore:
         self._goes_on = checkpoint is not None
 
     def __enter__(self) -> Self:
-        """Lock the folder of a run that goes on."""
+        """Lock the folder of a run that continues."""
         if self._goes_on:
             self.parts.open()
             self.parts.drop_others()
@@ -461,7 +461,7 @@ class CheckpointStore:
         self.parts.close()
 
     def observe(self, run: Run) -> None:
-        """Write what is due."""
+        """Write the parts and checkpoints that are due."""
         wall = run.wall
         if math.isnan(self._due):
             self._asked = self._due = wall + self._interval
@@ -486,7 +486,7 @@ class CheckpointStore:
             self._wait = wall + _AGAIN
 
     def end(self, run: Run) -> None:
-        """Keep a run that may go on, or whose record is in parts; say if checkpoints waited."""
+        """Store a run that may continue or has parts; warn of delayed checkpoints."""
         if run.outcome.may_go_on or self.parts.rows:
             try:
                 self.write(run)
@@ -502,10 +502,10 @@ class CheckpointStore:
             )
 
     def write(self, run: Run) -> float:
-        """Write a checkpoint, and return the time that it took [s].
+        """Write a checkpoint, and return the time that this took [s].
 
         Raises:
-            OutputError: It cannot be written.
+            OutputError: The checkpoint cannot be written.
         """
         began = time.perf_counter()
         self.parts.open()

@@ -34,34 +34,34 @@ Array = NDArray[np.float64]
 
 # --- prescribed motions whose rate jumps --------------------------------------------------------------------
 
-# Of the size of what swings: by what a position may jump that is one but for round-off of located times.
+# Jump of a position that is round-off of located times, relative to the amplitude.
 _ROUND_OFF = 1e-9
 
 
 class _JumpCourse(NamedTuple):
-    """A course with jumps in a program.
+    """Course with jumps, in a program.
 
     Attributes:
-        text: Where its terms stand.
-        terms: They, of the whole course.
-        times: Of its jumps [s].
-        begins: Of these, less the round-off of times [s].
+        places: Places of the terms in the program.
+        terms: Terms of the whole course.
+        times: Times of the jumps [s].
+        begins: These times less the round-off of times [s].
     """
 
-    text: slice
+    places: slice
     terms: Array
     times: Array
     begins: Array
 
 
 def check_sets(events: Sequence[Event], system: System, y: Array) -> None:
-    """Refuse events that set what no motion can follow, where that is known before a run.
+    """Refuse events that set a number no motion can follow, where known before a run.
 
-    Known are what an event sets at its times, if no other sets a number of the same motion; a position, at
-    any time; and what is switched on at a joint that motions move at the start.
+    Known are the numbers that an event sets at its times, if no other event sets a number of the same motion;
+    a position, at any time; and an element switched on at a joint that motions move at the start.
 
     Args:
-        events: That a run looks for.
+        events: Events of the run.
         system: The system.
         y: First state [q, v, x].
 
@@ -86,15 +86,23 @@ def check_sets(events: Sequence[Event], system: System, y: Array) -> None:
 
 
 class Motions:
-    """The prescribed motions of a run.
+    r"""Prescribed motions of a run, with impulses where a rate jumps.
+
+    Up to a jump the program has the course continued from before it, so that the steps that end there and
+    their dense output are smooth. At the jump
+
+    .. math:: J v^+ = s^+, \qquad W = \Lambda\, \tfrac12 (s^- + s^+)
+
+    with the rates s of all motions and their work W; other constraints are kept
+    (:class:`antenna_pin.simulation.mode_changes.Impacts`).
 
     Args:
-        workspace: What the run works on; its program is changed.
-        adjustments: Its elements as they are.
+        workspace: Workspace of the run; its program is changed.
+        adjustments: Present elements of the run.
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments) -> None:
-        """Find those whose rate jumps, and where works are booked."""
+        """Find the motions whose rate jumps, and the places of works in the state."""
         self._workspace, self._adjustments = workspace, adjustments
         acting = [one for one in acting_in(workspace.system) if isinstance(one.element, Motion)]
         self._labels = {one.place: one.label for one in acting}
@@ -107,8 +115,8 @@ class Motions:
             first -= len(one.element.tail()) - len(one.element.coefficients)
             jumps = [jump for jump in one.element.jumps if jump.time > 0.0]
             times, begins = ([getattr(jump, name) for jump in jumps] for name in ("time", "begin"))
-            text = slice(first, first + len(terms))
-            self._courses.append(_JumpCourse(text, terms, np.array(times), np.array(begins)))
+            places = slice(first, first + len(terms))
+            self._courses.append(_JumpCourse(places, terms, np.array(times), np.array(begins)))
 
     def is_one(self, place: str) -> bool:
         """Return whether an element, by its place, is a motion."""
@@ -117,31 +125,31 @@ class Motions:
     # --- courses that jump ----------------------------------------------------------------------------------
 
     def renew(self, t: float) -> None:
-        """Write the courses as they are from a time [s] up to their next jumps into the program."""
-        for text, terms, times, begins in self._courses:
+        """Write the courses, each continued from before its next jump, into the program."""
+        for places, terms, times, begins in self._courses:
             k = int(np.searchsorted(times, t, side="right"))
-            self._workspace.program[text] = continued(terms, begins[k]) if k < len(times) else terms
+            self._workspace.program[places] = continued(terms, begins[k]) if k < len(times) else terms
 
     def whole(self) -> Array:
-        """Return a copy of the program with whole courses, which hold for samples at any time."""
+        """Return a copy of the program with whole courses, valid for samples at any time."""
         program = self._workspace.program.copy()
-        for text, terms, _, _ in self._courses:
-            program[text] = terms
+        for places, terms, _, _ in self._courses:
+            program[places] = terms
         return program
 
     # --- numbers that are set -------------------------------------------------------------------------------
 
     def goes_on(self, place: str, value: float, t: float, who: str = "Set") -> dict[str, float]:
-        """Return what is to be set, by place, for a motion to go on from where it is.
+        """Return the numbers to set, by place, for a motion to continue from its position.
 
         Args:
-            place: Of the number.
-            value: Its new value.
-            t: When [s].
-            who: Who sets it, for the refusal.
+            place: Place of the number.
+            value: New value.
+            t: Time [s].
+            who: Event or command that sets the number, for the refusal.
 
         Raises:
-            InvalidParameterError: Its position would jump, or its rate, where that is refused.
+            InvalidParameterError: The position would jump, or the rate, where refused.
         """
         name, _, key = place.rpartition(".")
         motion = self._adjustments.elements[name]
@@ -149,7 +157,7 @@ class Motions:
         assert isinstance(motion, Motion)
         found = parameters_of(type(motion)).get(key)
         if key not in motion.own_keys() and (found is None or found.sizes):
-            return {place: value}  # for who sets it to refuse
+            return {place: value}  # refused where it is set
         if key == "rate" and isinstance(motion, PrescribedMotion):
             trial["offset"] = motion.offset + (motion.rate - value) * t
         changed = dataclasses.replace(motion, **trial)
@@ -176,16 +184,16 @@ class Motions:
 # --- motions given by functions -----------------------------------------------------------------------------
 
 _HOLDS = 1e-6  # of the sizes of the terms: a piece on which both equations hold
-_PIECES = 64  # at most, from one look to the next
-_HALVINGS, _RESOLVED = 26, 6  # at most; so many resolve what is only steep
+_PIECES = 64  # at most, between two checks
+_HALVINGS, _RESOLVED = 26, 6  # at most; halvings that resolve steep but smooth functions
 _JUMP = 1e-7  # of the size of position or velocity: steps of single precision are none
-_WRONG = 1e-2  # of a derivative: by what it is none
-_COURSE_ROUND_OFF = 1e-14  # of what functions give
-_FLOOR = 1e-15  # below it nothing is told apart [rad, m, rad/s, m/s]
+_WRONG = 1e-2  # relative error beyond which a function is no derivative
+_COURSE_ROUND_OFF = 1e-14  # of the functions' values
+_FLOOR = 1e-15  # resolution of differences [rad, m, rad/s, m/s]
 
 
 class _Point(NamedTuple):
-    """Time [s], position [rad] or [m], its rate and its acceleration."""
+    """Time [s], position [rad] or [m], rate and acceleration."""
 
     t: float
     p: float
@@ -194,14 +202,14 @@ class _Point(NamedTuple):
 
 
 class _CourseCheck:
-    """One motion, looked at as far as the run has come."""
+    """Check of one motion, up to the time that the run has reached."""
 
     def __init__(self, label: str, unit: str, course: Callable[[float], tuple[float, float, float]]) -> None:
         self._label, self._unit, self._course = label, unit, course
         self._last: _Point | None = None
 
     def check(self, t: float, pieces: int) -> str:
-        """Return what is wrong up to a time [s], in text; empty if nothing."""
+        """Return the inconsistency found up to a time [s], as text; empty if none."""
         begin, self._last = self._last, self._at(t)
         if begin is None or t <= begin.t:
             return ""
@@ -233,7 +241,7 @@ class _CourseCheck:
         return self._jump(one, other) or underived
 
     def _jump(self, one: _Point, other: _Point) -> str:
-        """Return which number jumps on a piece that is next to nothing, in text; empty if none."""
+        """Return the number that jumps on a vanishing piece, as text; empty if none."""
         h, place, speed = other.t - one.t, other.p - one.p, other.v - one.v
         largest, fastest = max(abs(one.p), abs(other.p)), max(abs(one.v), abs(other.v))
         most, when = max(abs(one.a), abs(other.a)), f"at t = {one.t:.9g} s"
@@ -247,7 +255,7 @@ class _CourseCheck:
         return ""
 
     def _underived(self, one: _Point, other: _Point) -> str | None:
-        """Return which function is not the derivative of the other, in text; None if round-off hides it."""
+        """Return the function that is no derivative, as text; None if round-off hides it."""
         h, when = other.t - one.t, f"at t = {one.t:.9g} s"
         hidden = False
         for of, by, at, unit in (("position", "velocity", 1, "/s"), ("velocity", "acceleration", 2, "/s²")):
@@ -261,14 +269,14 @@ class _CourseCheck:
         return None if hidden else ""
 
     def _stays(self, one: _Point, other: _Point, which: int) -> bool:
-        """Return whether a change, of position or of velocity, is as large over a quarter of the piece."""
+        """Return whether a change is as large over a quarter of the piece."""
         step = 0.25 * (other.t - one.t)
         ends = [self._at(one.t + k * step)[which] for k in range(5)]
         return max(abs(b - a) for a, b in pairwise(ends)) > 0.5 * abs(other[which] - one[which])
 
 
 def _lack(one: _Point, other: _Point) -> float:
-    """Return by how much the equations do not hold on a piece, over the sizes of their terms."""
+    """Return the residual of the equations on a piece, relative to their terms."""
     h = other.t - one.t
     place, speed = other.p - one.p, other.v - one.v
     rates, rises = h * (abs(one.v) + abs(other.v)), h * (abs(one.a) + abs(other.a))
@@ -280,14 +288,23 @@ def _lack(one: _Point, other: _Point) -> float:
 
 
 class CourseChecks:
-    """The motions of a run that a user's functions give.
+    r"""Consistency checks of the motions that a user's functions give.
+
+    A motion holds its joint whatever the functions give: a jump of the position would move the joint without
+    work, a jump of the velocity would do work that no ledger has. Over each piece of time h between checks
+
+    .. math:: p_1 - p_0 = \tfrac h2 (v_0 + v_1) - \tfrac{h^2}{12} (a_1 - a_0) + O(h^5), \qquad
+              v_1 - v_0 = \tfrac h2 (a_0 + a_1) + O(h^3)
+
+    Where these equations do not hold, the worse half of the piece is halved until they hold or the jump is
+    found.
 
     Args:
-        workspace: What the run works on.
+        workspace: Workspace of the run.
     """
 
     def __init__(self, workspace: Workspace) -> None:
-        """Begin without a look."""
+        """Begin without a check."""
         system = workspace.system
         self._courses = [
             _CourseCheck(one.label, "m" if system.slides(one.element.joint) else "rad", one.element.profile())
@@ -297,7 +314,7 @@ class CourseChecks:
         self._tried = 0
 
     def check(self, t: float, tried: int) -> str:
-        """Return what is wrong up to a time [s] after so many steps, in text; empty if nothing."""
+        """Return the inconsistency found up to a time [s], as text; empty if none."""
         if not self._courses:
             return ""
         pieces = min(max(tried - self._tried, 1), _PIECES)
@@ -307,24 +324,24 @@ class CourseChecks:
 
 # --- singular positions -------------------------------------------------------------------------------------
 
-# Of the largest share so far: what counts as a singular position, and what is looked at more closely.
+# Relative to the largest share so far: a singular position, and a dip to be located.
 _SINGULAR = 1e-3
 _SUSPECT = 0.5
-# The same of a state from which a run cannot go on: it comes near as the root of the way that is left.
+# The same for a state from which a run cannot continue: the share falls as the root of the path left.
 _NEAR = 0.05
-# How far a mechanism moves from one look to the next, of what is left of the share: angles in rad, ways in
-# its lengths. Shares are sines of angles between its parts: they pass no zero unseen in that.
+# Motion between two inspected states, relative to the share left: angles in rad, displacements in
+# lengths of the mechanism. Shares are sines of angles between its parts: they miss no zero in that.
 _STRIDE = 0.02
 _REMEMBERED = ("most", "rank", "apart", "time", "way")
-_AT_MOST = 100  # to be named: a mechanism that stays singular is one sentence too
+_AT_MOST = 100  # recorded positions, for a mechanism that stays singular
 
 
 class SingularPosition(NamedTuple):
-    """A singular position.
+    """Position in which closures and motions lose an equation.
 
     Attributes:
-        time: When it is passed [s].
-        share: How much of the least independent equation is left there, of the most in this run [-].
+        time: Time [s].
+        share: Share left of the least independent equation, relative to the largest in this run [-].
     """
 
     time: float
@@ -332,37 +349,36 @@ class SingularPosition(NamedTuple):
 
 
 class Singularities:
-    """Watches the share that is left of the least independent equation (``FOUND.least``).
+    """Search for singular positions: the share left of the least independent equation.
 
-    Where it passes zero, the loops could go on in more ways than one, and forces are not determined. A step
-    may jump over the place, so that the share dips between two states that are looked at: it is looked at
-    between them too, in a state that was passed over or on the cubic through both, and minimised where it
-    dips.
+    Where the share (``FOUND.least``) passes zero, the loops may continue in several ways, and forces are not
+    determined. A step may jump over the position, so that the share dips between two inspected states: it is
+    also inspected between them, in a skipped state or on the cubic through both, and minimised where it dips.
 
     Args:
-        workspace: A workspace of its own: nothing of the run's is to change.
+        workspace: Workspace of its own: the run's is not changed.
     """
 
     def __init__(self, workspace: Workspace) -> None:
-        """Begin."""
+        """Begin without a state."""
         self._workspace = workspace
         self._model = workspace.model
         self._last: list[tuple[float, Array, float]] = []
         self._most = 0.0
         self._rank = 0
-        self._apart = True  # whether the way since the last place has led away from it
+        self._apart = True  # whether the path since the last position has left it
         constraints = workspace.constraints
         assert constraints is not None
         self._weights = np.ones(self._model.nv)
         for slot in workspace.system.mechanism.joints.values():
             self._weights[slot.ways] = 1.0 / constraints.plan.length
-        self._passed: tuple[float, Array] | None = None  # a state since, that was not looked at
-        self._middle: tuple[float, Array] | None = None  # one half way to the next that will be
+        self._passed: tuple[float, Array] | None = None  # last skipped state
+        self._middle: tuple[float, Array] | None = None  # skipped state half way to the next inspected one
         self._time = self._way = 0.0
         self.found: list[SingularPosition] = []
 
     def inspect(self, t: float, y: Array) -> None:
-        """Look at the way from the state before to this one, if it is not next to nothing.
+        """Inspect the path from the previous state to this one, if longer than a stride.
 
         Args:
             t: Time [s].
@@ -371,7 +387,7 @@ class Singularities:
         self.inspect_along(np.array([t]), y[np.newaxis])
 
     def inspect_along(self, times: Array, states: Array) -> None:
-        """Look at the way along states, (n,) [s] and (n, size)."""
+        """Inspect the path along states, (n,) [s] and (n, size)."""
         nq, nv = self._model.nq, self._model.nv
         if not len(times):
             return
@@ -394,7 +410,7 @@ class Singularities:
     # --- as a value -----------------------------------------------------------------------------------------
 
     def value(self) -> dict[str, Any]:
-        """Return all that it remembers, in lists and numbers."""
+        """Return the data of the search, in lists and numbers."""
         return {
             "last": [(t, y.tolist(), share) for t, y, share in self._last],
             "passed": None if self._passed is None else (self._passed[0], self._passed[1].tolist()),
@@ -404,7 +420,7 @@ class Singularities:
         }
 
     def take_up(self, value: dict[str, Any]) -> None:
-        """Go on with what another has left."""
+        """Continue from the data of another search."""
         self._last = [(t, np.array(y), share) for t, y, share in value["last"]]
         for name in ("passed", "middle"):
             one = value[name]
@@ -431,7 +447,7 @@ class Singularities:
 
     @property
     def near(self) -> str:
-        """What is nearly lost in the last state, for a message; empty if nothing is."""
+        """Equation nearly lost in the last state, for a message; empty if none."""
         self.finish()
         if not self._last or not self._last[-1][2] < _NEAR * self._most:
             return ""
@@ -441,7 +457,7 @@ class Singularities:
         return f", {least_row(self._workspace.constraints)}"
 
     def finish(self) -> None:
-        """Look at the last state, if it was passed over."""
+        """Inspect the last state, if it was skipped."""
         if self._passed is not None:
             self._inspect(*self._passed)
             self._passed, self._middle, self._way = None, None, 0.0
@@ -472,7 +488,7 @@ class Singularities:
         return self._share(one[0] + theta * h, y)
 
     def _locate(self, one: tuple[float, Array, float], other: tuple[float, Array, float]) -> None:
-        """Find the least share between two states, and name it if it is next to nothing."""
+        """Locate the least share between two states, and record it if it nearly vanishes."""
         theta, least = least_between(lambda theta: self._between(one, other, theta), 0.0, 1.0, absolute=1e-9)
         time, share = one[0] + theta * (other[0] - one[0]), least / self._most
         if not share < _SINGULAR:
@@ -485,7 +501,7 @@ class Singularities:
         self._apart = False
 
     def text(self) -> str:
-        """Return what is to be said of them, for the end of a run; empty if there are none."""
+        """Return the singular positions passed, for the end of a message; empty if none."""
         self.finish()
         if not self.found:
             return ""

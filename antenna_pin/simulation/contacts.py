@@ -30,13 +30,13 @@ _TOLERANCE = 1e-9  # of the play, that a gap must come to at an event
 
 
 class EpisodesSnapshot(NamedTuple):
-    """What the record of contacts can go back to.
+    """Snapshot of the record of contacts.
 
     Attributes:
-        arrays: What is there once for each contact, by name.
-        touching: Numbers of the episodes that lasted.
-        episodes: These, EPISODE.
-        number: How many episodes there were.
+        arrays: Arrays with one row per contact, by name.
+        touching: Numbers of the open episodes.
+        episodes: Open episodes, EPISODE.
+        number: Number of episodes.
     """
 
     arrays: Mapping[str, NDArray[Any]]
@@ -46,23 +46,23 @@ class EpisodesSnapshot(NamedTuple):
 
 
 class Episodes:
-    """The contact memory of a run, and the record of its contacts.
+    """Contact memory of a run, and the record of its contacts.
 
     Args:
-        workspace: The memory is its.
-        stepper: The states are its.
-        samples: Where the states at the largest forces go.
-        begin: From when on the run records [s].
+        workspace: Workspace of the run, with the contact memory.
+        stepper: Stepper of the run, with the states.
+        samples: Samples of the run, to which the states at peak forces are added.
+        begin: Time from which the run records [s].
 
     Attributes:
-        book: All of it, in numbers.
+        book: Contact memory and record, as arrays for kernels.
         peaks: Largest force [N], when [s], largest depth [m] of each contact that touches, PEAK, (contacts,).
     """
 
     def __init__(
         self, workspace: Workspace, stepper: CompiledStepper, samples: Samples, begin: float
     ) -> None:
-        """Begin with nothing that touches."""
+        """Begin without contact."""
         self.system = system = workspace.system
         self.stepper = stepper
         self.samples = samples
@@ -92,7 +92,7 @@ class Episodes:
         )
 
     def __len__(self) -> int:
-        """How many contacts there are, touching or not."""
+        """Return the number of contacts, touching or not."""
         return len(self.peaks)
 
     @property
@@ -103,7 +103,7 @@ class Episodes:
         return own
 
     def make_room(self) -> None:
-        """Let there be room for an episode more."""
+        """Enlarge the record for one more episode, if needed."""
         if int(self.book.count[0]) < len(self.book.episodes):
             return
         grown = np.zeros(2 * len(self.book.episodes), kernels.EPISODE)
@@ -119,13 +119,13 @@ class Episodes:
         kernels.touch(self.book, c, self.stepper.t, rate, mass, self.stepper.start)
 
     def touch_at_start(self, c: int, depth: float, rate: float) -> None:
-        """Begin a contact that a run starts in, at a depth [m] and its rate [m/s]."""
+        """Begin a contact of the initial state, at a depth [m] and its rate [m/s]."""
         self.touch(c, rate)
         floor = self.system.approach_speed_floors[c]
         self.book.memory["approach_speed"][c] = approach_speed_in_contact(depth, rate, floor)
 
     def close(self) -> None:
-        """Complete the record of the contacts that still touch at the end of a run."""
+        """Complete the record of the contacts that touch at the end of a run."""
         book = self.book
         for c in range(len(self)):
             kernels.complete(book, c, self.stepper.start)
@@ -136,21 +136,21 @@ class Episodes:
     # --- to go back -----------------------------------------------------------------------------------------
 
     def snapshot(self) -> EpisodesSnapshot:
-        """Return what is needed to go back to this record, whatever comes to it."""
+        """Return a snapshot of the record, to be restored later."""
         book = self.book
         touching = book.open[book.open >= 0]
         arrays = {name: getattr(book, name).copy() for name in _KEPT}
         return EpisodesSnapshot(arrays, touching, book.episodes[touching], int(book.count[0]))
 
     def restore(self, snapshot: EpisodesSnapshot) -> None:
-        """Hold the record that was held when this was kept."""
+        """Restore the record of a snapshot."""
         for name, array in snapshot.arrays.items():
             getattr(self.book, name)[:] = array
         self.book.episodes[snapshot.touching] = snapshot.episodes
         self.book.count[0] = snapshot.number
 
     def forget_before(self, t: float) -> None:
-        """Record from a time on [s]; what was kept before is of no use any more."""
+        """Record from a time on [s]; earlier snapshots become invalid."""
         self.begin = t
         book, count = self.book, int(self.book.count[0])
         mine = ~(book.episodes["release"][:count] < t)
@@ -163,7 +163,7 @@ class Episodes:
     # --- as a value -----------------------------------------------------------------------------------------
 
     def take_up(self, state: State) -> None:
-        """Go on with the contacts that touch in a state that a run left."""
+        """Continue with the contacts that touch in a state left by a run."""
         self.book.memory[:] = memory_records(state.memory)
         for one in state.contacts:
             self.make_room()
@@ -182,7 +182,7 @@ class Episodes:
                 book.memories[c] = memory_records(one.peak_memory)
 
     def value(self) -> tuple[OpenContact, ...]:
-        """Return the contacts that touch, as a state holds them."""
+        """Return the contacts that touch, as a state stores them."""
         contacts, book = [], self.book
         for c in np.flatnonzero(book.open >= 0).tolist():
             episode = book.episodes[book.open[c]]
@@ -206,7 +206,7 @@ class Episodes:
         return {name: getattr(book, name) for name in _KEPT} | {"episodes": book.episodes[:count]}
 
     def take_up_all(self, numbers: Mapping[str, NDArray[Any]]) -> None:
-        """Go on with the whole record of another."""
+        """Continue with the whole record of another run."""
         for name in _KEPT:
             getattr(self.book, name)[:] = numbers[name]
         count = len(numbers["episodes"])
@@ -220,18 +220,18 @@ class Episodes:
 
 
 class ContactSearch:
-    """Looks at the contacts inside trial steps.
+    """Search of trial steps for changes of contact.
 
     Args:
-        workspace: What the run works on.
-        stepper: Whose steps.
-        episodes: The contacts' record.
+        workspace: Workspace of the run.
+        stepper: Stepper of the run.
+        episodes: Record of contacts.
 
     Attributes:
-        ignore: Of each contact, how often it has changed at this very instant, (contacts,).
+        ignore: Changes of each contact at the present time, (contacts,).
         limits: Depths at which a run ends, (contacts,) [m].
-        trial: The trial step as it is looked at.
-        compared: Contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,).
+        trial: Arrays for the search of a trial step.
+        compared: Contacts whose gaps coal measures, as 1, (contacts,); of none: (0,).
         difference: Largest difference so far of such a gap and the closed form, (1,) [m].
     """
 
@@ -277,11 +277,11 @@ class ContactSearch:
         self.difference[0] = difference
 
     def measure(self, y: Array) -> None:
-        """Fill the search's own contact table for a state, by what locates changes of contact."""
+        """Evaluate the contact table for a state, by the geometry that locates changes."""
         self._workspace.locate(y, self.table)
 
     def depth_text(self, c: int) -> str:
-        """Return how deep a contact is at the present state, and how deep it may be."""
+        """Return depth and limit of a contact at the present state, as text."""
         self.measure(self._stepper.start)
         depth, limit = -float(self.table[c].gap), self.limits[c]
         name = self.system.contact_names[c]

@@ -32,18 +32,18 @@ Array = NDArray[np.float64]
 
 
 class ControllerView(Moment):
-    """What :class:`antenna_pin.control.Now` says, at a moment of a run.
+    """State of a run at a sample time (:class:`antenna_pin.control.Now`).
 
     Args:
-        workspace: What the run works on.
+        workspace: Workspace of the run.
 
     Attributes:
-        tick: Number of the instant, of the controller that looks.
-        noted: What it has noted.
+        tick: Number of the sample time of the calling controller.
+        noted: Signals recorded by the controller.
     """
 
     def __init__(self, workspace: Workspace) -> None:
-        """Make it once; ``set`` and ``look`` bring it to an instant."""
+        """Allocate once; ``set`` and ``begin`` supply state and sample time."""
         super().__init__(workspace)
         self.tick = 0
         self.noted: dict[str, float] = {}
@@ -52,21 +52,21 @@ class ControllerView(Moment):
         self._placed = False
 
     def set(self, time: float, y: Array) -> ControllerView:
-        """Bring it to another time and state; return it."""
+        """Set time and state; return the view."""
         self._placed = False
         super().set(time, y)
         return self
 
     def begin(self, tick: int, commands: Mapping[str, Callable[[], float]]) -> None:
-        """Let a controller look: which of its instants it is, and who tells what is commanded, by name."""
+        """Set the number of the sample time, and the functions of the present commands."""
         self.tick, self._commands, self.noted = tick, commands, {}
 
     def note(self, **signals: float) -> None:
-        """Keep numbers beside the commands of this instant."""
+        """Record signals beside the commands of this sample time."""
         self.noted.update(signals)
 
     def command(self, name: str) -> float:
-        """Return the command that an actuator follows up to now."""
+        """Return the command that an actuator has followed until now."""
         if name not in self._commands:
             raise UnknownNameError("controller", "actuator", name, self._commands)
         return self._commands[name]()
@@ -113,8 +113,9 @@ class ControllerView(Moment):
     def joint_load(self, joint: str) -> Array:
         """Return force [N] and moment [N m] that a joint passes to its child, (6,), in the joint's axes.
 
-        What drives and springs at the joint do is in it. It follows from the motion of all that the joint
-        carries, less what forces on links do to that; there may be no closures and no springs between points.
+        Torques of drives and springs at the joint are included. The load follows from the motion of all links
+        that the joint carries, less the forces on these; closures and springs between points are not
+        permitted.
         """
         system = self.system
         if system.closures or system.point_springs:
@@ -136,19 +137,19 @@ class ControllerView(Moment):
 
 # --- sample times -------------------------------------------------------------------------------------------
 
-# Instants that are nearer are one: what phase and period leave where they are no decimals [ulp].
+# Sample times within this distance are one: round-off of phase and period [ulp].
 _SAME = 4.0
 
 
 class ControllerRecord(NamedTuple):
-    """What is kept of the instants of one controller.
+    """Record of the sample times of one controller.
 
     Attributes:
-        name: The controller.
-        columns: Names of what stands in the columns of ``values``: signals, then commands.
-        saturated: Which column says that limits held; None if none does.
-        times: (n,) [s].
-        values: NaN where nothing was noted or commanded, (n, columns).
+        name: Name of the controller.
+        columns: Names of the columns of ``values``: signals, then commands.
+        saturated: Column of saturation; None without.
+        times: Sample times, (n,) [s].
+        values: Signals and commands, NaN where missing, (n, columns).
     """
 
     name: str
@@ -159,7 +160,7 @@ class ControllerRecord(NamedTuple):
 
 
 class _ControlLoop:
-    """One controller in a run."""
+    """One controller of a run, with its queue of delayed commands."""
 
     def __init__(self, name: str, controller: Controller, places: Mapping[str, str]) -> None:
         self.name, self.controller = name, controller
@@ -172,15 +173,15 @@ class _ControlLoop:
 
     @property
     def next(self) -> float:
-        """When something is due next [s]."""
+        """Time of the next sample or delayed command [s]."""
         ask = self.instants.tick(self.tick)
         return min(ask, self.instants.write(self.queue[0][0])) if self.queue else ask
 
     def state_set(self, state: Any) -> None:
-        object.__setattr__(self.controller, "state", state)  # of frozen ones too
+        object.__setattr__(self.controller, "state", state)  # of frozen classes too
 
-    def asked(self, view: ControllerView) -> dict[str, float]:
-        """Ask the controller; return its commands."""
+    def call(self, view: ControllerView) -> dict[str, float]:
+        """Call the controller; return its commands."""
         place = f"controller {self.name!r}: update"
         told = f"instant {self.tick}, t = {view.time:.9g} s"
         answer = asked(place, told, "commands by name", self.controller.update, view)
@@ -206,19 +207,22 @@ class _ControlLoop:
 
 
 class Controllers:
-    """Asks the controllers of a run at their instants.
+    """Controllers of a run, called at their sample times.
+
+    Coincident controllers are all called, in their order, before any command is written; then the commands
+    that are due are written, earlier ones first. Events of the same time come before.
 
     Args:
         controllers: By name; the run works on copies.
-        workspace: Of the run.
-        actions: Write what they command.
-        begin: From when on the run records [s].
+        workspace: Workspace of the run.
+        actions: Actions of the run, which write the commands.
+        begin: Time from which the run records [s].
     """
 
     def __init__(
         self, controllers: Mapping[str, Controller], workspace: Workspace, actions: Actions, begin: float
     ) -> None:
-        """Begin before the first instant."""
+        """Begin before the first sample time."""
         self._begin = begin
         self._actions = actions
         self._view: ControllerView | None = None
@@ -233,7 +237,7 @@ class Controllers:
             self._loops = [_ControlLoop(name, one, places) for name, one in own.items()]
 
     def __bool__(self) -> bool:
-        """Whether there are any."""
+        """Return whether the run has controllers."""
         return bool(self._loops)
 
     def _number(self, place: str) -> float:
@@ -242,20 +246,20 @@ class Controllers:
 
     @property
     def next(self) -> float | None:
-        """The next instant at which something is due [s]; None without controllers."""
+        """Time of the next sample or command [s]; None without controllers."""
         return min(loop.next for loop in self._loops) if self._loops else None
 
     # --- an instant -----------------------------------------------------------------------------------------
 
-    def happen(self, t: float, y: Array) -> bool:
-        """Do what is due at a time [s] and state; return whether anything was."""
+    def update(self, t: float, y: Array) -> bool:
+        """Call controllers and write commands due at a time [s]; return whether any were."""
         until = t + _SAME * math.ulp(t)
         due = [loop for loop in self._loops if loop.instants.tick(loop.tick) <= until]
         late = [loop for loop in self._loops if loop.queue and loop.instants.write(loop.queue[0][0]) <= until]
         if not due and not late:
             return False
         if due:
-            self._ask(due, t, y)
+            self._call(due, t, y)
         writes: list[tuple[float, int, dict[str, float]]] = []
         for k, loop in enumerate(self._loops):
             while loop.queue and loop.instants.write(loop.queue[0][0]) <= until:
@@ -268,15 +272,15 @@ class Controllers:
         self._write(commanded)
         return True
 
-    def _ask(self, due: list[_ControlLoop], t: float, y: Array) -> None:
-        """Ask controllers, all before anything is written; none has been asked if one has no answer."""
+    def _call(self, due: list[_ControlLoop], t: float, y: Array) -> None:
+        """Call controllers before any command is written; if one fails, restore all."""
         assert self._view is not None
         before = [copy.deepcopy(loop.controller.state) for loop in due]
         answers = []
         try:
             for loop in due:
                 self._view.set(t, y).begin(loop.tick, self._commands)
-                answers.append((loop, loop.asked(self._view), dict(self._view.noted)))
+                answers.append((loop, loop.call(self._view), dict(self._view.noted)))
         except BaseException:
             for loop, state in zip(due, before, strict=True):
                 loop.state_set(state)
@@ -302,7 +306,7 @@ class Controllers:
     # --- memory ---------------------------------------------------------------------------------------------
 
     def value(self) -> tuple[ControllerMemory, ...]:
-        """Return what the controllers remember."""
+        """Return the discrete states of the controllers."""
         return tuple(
             ControllerMemory(
                 name=loop.name,
@@ -314,7 +318,7 @@ class Controllers:
         )
 
     def take_up(self, memories: tuple[ControllerMemory, ...], reached: float) -> None:
-        """Go on from what the controllers of another run remember, by name; others begin where it came to."""
+        """Continue from the discrete states of another run's controllers, by name."""
         known = {one.name: one for one in memories}
         for loop in self._loops:
             one = known.get(loop.name)
@@ -329,7 +333,7 @@ class Controllers:
 
     @property
     def records(self) -> tuple[ControllerRecord, ...]:
-        """What is kept of their instants."""
+        """Records of the controllers' sample times."""
         return tuple(
             ControllerRecord(
                 loop.name,
@@ -342,16 +346,16 @@ class Controllers:
         )
 
     def counts(self) -> tuple[int, ...]:
-        """Return of how many instants of each controller something is kept."""
+        """Return the number of recorded sample times of each controller."""
         return tuple(len(loop.times) for loop in self._loops)
 
     def cut(self, counts: tuple[int, ...]) -> None:
-        """Let go of what came after so many."""
+        """Discard the records beyond these numbers of sample times."""
         for loop, count in zip(self._loops, counts, strict=True):
             del loop.times[count:], loop.values[count * len(loop.columns) :]
 
     def forget_before(self, begin: float) -> None:
-        """Let go of what came before a time [s]."""
+        """Discard the records before a time [s]."""
         for loop in self._loops:
             first = int(np.searchsorted(np.array(loop.times), begin))
             del loop.times[:first], loop.values[: first * len(loop.columns)]
@@ -365,7 +369,7 @@ class Controllers:
         }
 
     def take_up_record(self, numbers: Mapping[str, NDArray[Any]]) -> None:
-        """Go on with a record that :meth:`numbers` has made arrays of."""
+        """Continue with a record from :meth:`numbers`."""
         for k, loop in enumerate(self._loops):
             for what in ("times", "values"):
                 setattr(loop, what, array("d", numbers[f"tick_{what}_{k}"].tolist()))
@@ -378,7 +382,7 @@ def check_controllers(controllers: Mapping[str, Controller], system: System) -> 
     """Refuse controllers that do not fit a system, or each other.
 
     Raises:
-        AntennaPinError: What they command or measure is not there, or two command one thing.
+        AntennaPinError: An unknown command or measurement, or two controllers for one actuator.
     """
     places = actuators_of(system)
     taken: dict[str, str] = {}

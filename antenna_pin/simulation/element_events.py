@@ -41,18 +41,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class KinkFunction:
-    """The function of an element that is zero where its effort has a kink.
+    """Function of an element that is zero at a kink of its effort.
 
     Attributes:
         block: Place of the element in the program.
-        number: Of the function.
+        number: Number of the function.
     """
 
     block: int
     number: int = 0
 
     def __call__(self, moment: Moment) -> float:
-        """Return how far it is past the kink."""
+        """Return the distance past the kink."""
         return moment.kink(self.block, self.number)
 
 
@@ -62,19 +62,19 @@ class RangeEnd(Angle):
 
     Attributes:
         block: Place of the element in the program.
-        side: Of the range: -1 below the end, +1 above it.
+        side: Side of the range: -1 below the end, +1 above it.
     """
 
     block: int
     side: float
 
     def __call__(self, moment: Moment) -> float:
-        """Return the distance of the joint past the end; the side of the range while the element is off."""
+        """Return the distance past the end; the side of the range while the element is off."""
         return Angle.__call__(self, moment) if moment.acts(self.block) else self.side
 
 
 def range_events(system: System) -> tuple[Event, ...]:
-    """Return the events at which a run ends, for an element knows nothing of what is beyond."""
+    """Return the events that end a run at the ends of elements' ranges."""
     return tuple(
         Event(
             name=f"{one.label} has no torque beyond {end:g}",
@@ -88,7 +88,7 @@ def range_events(system: System) -> tuple[Event, ...]:
 
 
 def edge_events(system: System) -> tuple[Event, ...]:
-    """Return the events at which elements change by themselves: pulses begin and end, motions jump."""
+    """Return the events at which pulses begin and end and motions jump."""
     return tuple(
         Event(name=f"{one.label} changes", when=Time(*edges), action=Edge(one.place))
         for one in acting_in(system)
@@ -97,7 +97,7 @@ def edge_events(system: System) -> tuple[Event, ...]:
 
 
 def kink_events(system: System) -> tuple[Event, ...]:
-    """Return the events at which steps end for the sake of elements whose effort has kinks.
+    """Return the events that end steps at kinks of elements' efforts.
 
     Names are unique, for a run that continues another finds the memory of an event by its name.
     """
@@ -123,13 +123,13 @@ def kink_events(system: System) -> tuple[Event, ...]:
 
 @dataclass(frozen=True, slots=True)
 class ModeFunction:
-    """The function of an element that is positive while its mode stays.
+    """Function of an element that is positive while its mode persists.
 
     Attributes:
-        place: Of the element.
+        place: Place of the element, as ``stops.hinge``.
         block: Place of the element in the program.
-        number: Of the function.
-        hold: Of the hold whose load it asks for, or -1; WEIGHED if for its joint's reduced inertia.
+        number: Number of the function.
+        hold: Number of the hold whose load the function takes, WEIGHED for a reduced inertia, or -1.
     """
 
     place: str
@@ -138,30 +138,30 @@ class ModeFunction:
     hold: int
 
     def __call__(self, moment: Moment) -> float:
-        """Return its value."""
+        """Return the value of the function."""
         return moment.switch(self.block, self.number, self.hold)[0]
 
     def rate(self, moment: Moment) -> float:
-        """Return its rate, 0 where that is not known."""
+        """Return the rate of the function, 0 if unknown."""
         return moment.switch(self.block, self.number, self.hold)[1]
 
 
 @dataclass(frozen=True, slots=True)
 class ModeChange:
-    """A change of mode that has happened.
+    """Recorded change of mode of an element.
 
     Attributes:
-        name: What it is, such as ``stop hinge: upper: on``.
+        name: Name of the change, as ``stop hinge: upper: on``.
         element: Place of the element.
-        what: The change in words, such as ``upper: on``.
-        time: When [s].
-        mode: The next one, in a word.
-        angle: Of the joint [rad] ([m]).
-        rate: Before it [rad/s] ([m/s]), ``rate_after`` it.
-        rate_after: See there.
+        what: Description of the change, as ``upper: on``.
+        time: Time [s].
+        mode: Name of the next mode.
+        angle: Angle of the joint [rad] ([m]).
+        rate: Rate of the joint before the change [rad/s] ([m/s]).
+        rate_after: Rate of the joint after the change [rad/s] ([m/s]).
         loss: Energy lost in the impulse [J].
-        impulse: On the child [N m s] ([N s]).
-        energy: Of the joint's own motion before, of elements that weigh it [J]; NaN of others.
+        impulse: Impulse on the child [N m s] ([N s]).
+        energy: Energy of the joint's motion before, for elements that use it [J]; else NaN.
     """
 
     name: str
@@ -194,14 +194,14 @@ def mode_events(system: System) -> tuple[Event, ...]:
 
 
 def hold_of(element: Modal, place: str, k: int, holds: list[str]) -> int:
-    """Return what function k of an element asks for: the number of its hold, WEIGHED, or -1 for nothing."""
+    """Return the load that function k depends on: number of a hold, WEIGHED or -1."""
     if k in element.weighed:
         return WEIGHED
     return holds.index(place) if k in element.loaded else -1
 
 
 class NeverSettlesError(Exception):
-    """Changes of mode at one instant would never end; of which element."""
+    """Endless changes of mode at one time; the element."""
 
     outcome: ClassVar[Outcome] = Outcome.NO_PROGRESS
 
@@ -212,7 +212,7 @@ class NeverSettlesError(Exception):
 
 
 def own_events(system: System) -> tuple[Event, ...]:
-    """Return what every run of a system looks for itself."""
+    """Return the events that every run of a system detects."""
     return (*range_events(system), *kink_events(system), *edge_events(system), *mode_events(system))
 
 
@@ -220,12 +220,12 @@ def own_events(system: System) -> tuple[Event, ...]:
 
 
 class ModeEffect(NamedTuple):
-    """An element that has changed its mode.
+    """Element that has changed its mode.
 
     Attributes:
-        place: Of it.
-        before: As it was.
-        change: What it does where it meets its joint.
+        place: Place of the element.
+        before: Element before the change.
+        change: Function for the change, given the state of the joint.
     """
 
     place: str
@@ -234,13 +234,13 @@ class ModeEffect(NamedTuple):
 
 
 class StruckElement(NamedTuple):
-    """An element that an impulse is of.
+    """Element at which an impulse acts.
 
     Attributes:
         element: Place of the element.
-        at: Place in v of its joint.
-        block: Of the element in the program, to tell the joint's rate.
-        restitution: Of the joint; None where its row brings it to rest.
+        at: Index of the joint in v.
+        block: Place of the element in the program, for the joint's rate.
+        restitution: Coefficient of restitution [-]; None where a constraint stops the joint.
     """
 
     element: str
@@ -250,12 +250,12 @@ class StruckElement(NamedTuple):
 
 
 class ImpulseEffect(NamedTuple):
-    """The impulses of one instant.
+    """Impulses of one time.
 
     Attributes:
-        program: Of the elements as they are behind them.
-        struck: Elements that they are of; those that hold besides have rows in the program.
-        apart: Whether none of them changes the rates of the other joints.
+        program: Program of force elements after the impulses.
+        struck: Struck elements; other holding elements have rows in the program.
+        apart: Whether no impulse changes the rate of another struck joint.
     """
 
     program: Array
@@ -264,14 +264,14 @@ class ImpulseEffect(NamedTuple):
 
 
 class EventEffect(NamedTuple):
-    """What has happened at an instant, by an event.
+    """Effect of an event.
 
     Attributes:
-        time: When [s].
-        event: By which.
-        acts: Whether it did what it is there for.
-        done: What elements did, in order.
-        program: Behind it.
+        time: Time [s].
+        event: Event.
+        acts: Whether the actions were carried out.
+        done: Effects at elements, in order.
+        program: Program of force elements after the event.
     """
 
     time: float
@@ -282,7 +282,7 @@ class EventEffect(NamedTuple):
 
     @property
     def together(self) -> bool:
-        """Return whether several blows of it feel each other: in which order they come then decides."""
+        """Whether several impulses of the event interact, so that their order matters."""
         return any(isinstance(one, ImpulseEffect) and len(one.struck) > 1 for one in self.done)
 
 
@@ -293,17 +293,17 @@ def effects_of(
     workspace: Workspace,
     t: float,
 ) -> list[EventEffect]:
-    """Return what elements did at an instant, each with the event at which it was located.
+    """Return the effects at elements at one time, each with its located event.
 
-    Blows that do not feel each other are each of its own event; those that do, with what they are of, belong
-    to the last, and so does what is of none.
+    Independent impulses belong to their own events each; interacting ones, with the effects at their
+    elements, to the last event, and so do effects without an event.
 
     Args:
-        done: What they did, in order.
-        events: At which their functions passed.
-        program: Before it.
-        workspace: The run's, with its program behind it.
-        t: When [s].
+        done: Effects at elements, in order.
+        events: Events of their functions.
+        program: Program of force elements before.
+        workspace: Workspace of the run, with the program after.
+        t: Time [s].
     """
     ranges = {one.place: _words_of(one) for one in acting_in(workspace.system)}
     left, found, before = _apart(done), list[EventEffect](), program
@@ -345,7 +345,7 @@ def _is_of(one: ModeEffect | ImpulseEffect, place: str) -> bool:
 
 
 def _apart(done: Sequence[ModeEffect | ImpulseEffect]) -> list[ModeEffect | ImpulseEffect]:
-    """Return what was done with blows that do not feel each other one by one."""
+    """Return the effects, with independent impulses separated."""
     found: list[ModeEffect | ImpulseEffect] = []
     for one in done:
         if isinstance(one, ModeEffect) or len(one.struck) < 2 or not one.apart:
@@ -357,12 +357,12 @@ def _apart(done: Sequence[ModeEffect | ImpulseEffect]) -> list[ModeEffect | Impu
 
 # --- coincident events --------------------------------------------------------------------------------------
 
-# Of a function of angles and rates: what round-off leaves of it where it is zero.
+# Round-off of a function of angles and rates at its zero.
 ZERO = 1e-11
 
 
 class LocatedFunction(NamedTuple):
-    """A function that was located at this instant: of which element in which mode, and its value there."""
+    """Function located at this time: its element and mode, and its value."""
 
     place: str
     number: int
@@ -371,7 +371,7 @@ class LocatedFunction(NamedTuple):
 
 
 class CoincidentChange(NamedTuple):
-    """A function that passes: of which element, how that meets its joint, and what changes by it."""
+    """Function that passes zero: its element, the state of the joint, the change."""
 
     place: str
     number: int
@@ -380,17 +380,21 @@ class CoincidentChange(NamedTuple):
 
 
 def met_at(workspace: Workspace, one: Acting, t: float, y: Array) -> Met:
-    """Return where an element finds its joint, and at what rate."""
+    """Return position and rate of an element's joint."""
     angle, rate, _, _ = kernels.joint_motion(workspace.program, one.block, y, workspace.model.nq)
     return Met(t, float(angle), float(rate), 0.0)
 
 
 class CoincidentEvents:
-    """Finds what passes at a state.
+    """Functions of elements that pass zero at one state.
+
+    Beside the functions that the search has located others pass by logic: a function that is zero but for
+    round-off if its rate is negative, or if that is zero too, by the next derivative; one of a load if it is
+    negative.
 
     Args:
-        workspace: What a run works on.
-        adjustments: Its elements as they are.
+        workspace: Workspace of the run.
+        adjustments: Present elements of the run.
         acting: Elements with modes, by place.
     """
 
@@ -407,7 +411,7 @@ class CoincidentEvents:
         return element
 
     def met(self, place: str, t: float, y: Array) -> Met:
-        """Return how an element meets its joint."""
+        """Return the state of an element's joint: angle, rate, load, integrals, inertia."""
         met, nq = met_at(self._workspace, self._acting[place], t, y), self._workspace.model.nq
         load = 0.0
         if self._element(place).holds:
@@ -421,24 +425,24 @@ class CoincidentEvents:
         return met._replace(load=load, integrals=own, inertia=inertia)
 
     def pending(self, one: Switch, t: float, y: Array) -> LocatedFunction:
-        """Return a function that was located, as it is."""
+        """Return a located function with its present mode and value."""
         self._moment.set(t, y)
         return LocatedFunction(one.place, one.number, self._element(one.place).mode, self.value(one)[0])
 
     def is_past(self, one: Switch, t: float, y: Array) -> bool:
-        """Return whether a function, but of a load, is negative by more than round-off."""
+        """Return whether a function, except of a load, is negative beyond round-off."""
         self._moment.set(t, y)
         if hold_of(self._element(one.place), one.place, one.number, self._holds) >= 0:
             return False
         return self.value(one)[0] < -ZERO
 
     def value(self, one: Switch | LocatedFunction) -> tuple[float, float]:
-        """Return a function and its rate at the moment's state."""
+        """Return value and rate of a function at the moment's state."""
         hold = hold_of(self._element(one.place), one.place, one.number, self._holds)
         return self._moment.switch(self._acting[one.place].block, one.number, hold)
 
     def grazes(self, one: Switch | LocatedFunction, t: float, y: Array) -> bool:
-        """Return whether a function that is about zero goes back from there, by its next derivative.
+        """Return whether a function near zero turns back, by its second derivative.
 
         The search finds zeros in the dense output, which is off by more than a step's end is. A function f
         with rate f' < 0 and f'' > 0 comes down to f - f'^2 / (2 f''): where that is above zero but for
@@ -459,7 +463,7 @@ class CoincidentEvents:
     def passing(
         self, t: float, y: Array, pending: Sequence[LocatedFunction], decided: Callable[[str, int], bool]
     ) -> list[CoincidentChange]:
-        """Return what passes at this state, of each element what comes first."""
+        """Return the changes due at this state, the earliest phase of each element."""
         known = {(one.place, one.number) for one in pending}
         self._moment.set(t, y)
         found = []
@@ -484,7 +488,7 @@ class CoincidentEvents:
         return found
 
     def _passes(self, one: Switch, first: bool, t: float, y: Array) -> bool:
-        """Return whether a function that was not located passes; loads count behind the first round."""
+        """Return whether a function passes that was not located; loads only after the first round."""
         loaded = hold_of(self._element(one.place), one.place, one.number, self._holds) >= 0
         if loaded and first:
             return False
@@ -501,7 +505,7 @@ class CoincidentEvents:
         t: float,
         y: Array,
     ) -> list[LocatedFunction]:
-        """Return which of the located functions still pass behind changes."""
+        """Return the located functions that still pass after changes."""
         self._moment.set(t, y)
         found = []
         for one in pending:

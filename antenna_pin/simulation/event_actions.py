@@ -30,12 +30,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class EventRecord:
-    """An event that has happened.
+    """Recorded event.
 
     Attributes:
-        name: Of the event.
-        time: When [s].
-        energy: That its action brought in [J].
+        name: Name of the event.
+        time: Time [s].
+        energy: Energy brought in by the actions [J].
     """
 
     name: str
@@ -55,7 +55,7 @@ class RefusedError(NeverSettlesError):
 
 
 def _said(action: Set | Jump) -> str:
-    """Return what an action sets, as a scenario writes it."""
+    """Return the object and value of an action, as a scenario writes it."""
     if isinstance(action, Jump):
         return "the state"
     is_switch = action.place.endswith(".on")
@@ -63,22 +63,22 @@ def _said(action: Set | Jump) -> str:
 
 
 class Actions:
-    """Does what events ask for, and keeps what has happened.
+    """Actions of events, and the record of events.
 
     Args:
-        watch: The events.
-        workspace: What the run works on; its program is changed.
-        stepper: Its state is changed.
-        control: Learns of drives that have changed.
-        samples: Learns of a program that has changed.
-        after: What happens later than this is recorded [s].
+        watch: Watch of the events.
+        workspace: Workspace of the run; its program is changed.
+        stepper: Stepper of the run; its state is changed.
+        control: Step control, updated by changes of elements.
+        samples: Samples of the run, updated by changes of the program.
+        after: Time after which events are recorded [s].
 
     Attributes:
-        happened: Events that have happened, in their order.
-        adjustments: Elements as they are.
-        modes: Those that have modes.
-        motions: Those that prescribe motions.
-        effects: What has happened at each instant, for who takes it from there; None if nobody does.
+        happened: Recorded events, in order.
+        adjustments: Present elements of the run.
+        modes: Elements with modes.
+        motions: Prescribed motions.
+        effects: Effects of the events since the last batch of steps; None if not recorded.
         ending: Name of the event that ends the run here, if one does.
     """
 
@@ -91,7 +91,7 @@ class Actions:
         samples: Samples,
         after: float,
     ) -> None:
-        """Begin with nothing that has happened."""
+        """Begin without events."""
         self._watch = watch
         self._workspace = workspace
         self._stepper = stepper
@@ -106,16 +106,16 @@ class Actions:
         self.ending: str | None = None
 
     def take(self, crossings: Sequence[Crossing]) -> None:
-        """Count events that happen at the present instant and do what they ask for.
+        """Count the events at the present time and carry out their actions.
 
-        Events of the user's come first, in their order; then elements change, all together, then events that
-        are on these changes happen.
+        Users' events come first, in their order; then elements change, all together; then come the events on
+        these changes.
         """
         events, changes = self._watch.events, False
         switches: list[Event] = []
         for crossing in crossings:
             event = events[crossing.event]
-            count = self._watch.happen(crossing)
+            count = self._watch.count(crossing)
             if isinstance(event.action, Kink):
                 continue
             if isinstance(event.action, Switch):
@@ -123,22 +123,22 @@ class Actions:
             elif isinstance(event.action, Edge):
                 changes = self._edge(event.action) or changes
             else:
-                changes = self._happen(event, count) or changes
+                changes = self._occur(event, count) or changes
         if switches or changes:
             self._resolve(switches)
 
     @property
     def _is_new(self) -> bool:
-        """Whether what happens now is this run's, and not of that which was before."""
+        """Whether the present time belongs to this run's record."""
         return self._stepper.t > self._after
 
     @property
     def _counts(self) -> bool:
-        """Whether an event of the user's is recorded now: what is set at zero holds from the start."""
+        """Whether users' events are recorded now; settings at time zero are not."""
         return self._is_new and self._stepper.t > 0.0
 
     def _edge(self, action: Edge) -> bool:
-        """Let an element change by itself; return whether velocities may have jumped."""
+        """Apply a change at a time set by an element; return whether velocities may jump."""
         drives = self.motions.is_one(action.place)
         if drives:
             self.motions.renew(self._stepper.t)
@@ -151,8 +151,8 @@ class Actions:
         self._samples.add(self._stepper.t, self._here.copy())
         return drives
 
-    def _happen(self, event: Event, count: int) -> bool:
-        """Let an event of the user's happen; return whether it changes anything."""
+    def _occur(self, event: Event, count: int) -> bool:
+        """Carry out and record a user's event; return whether it changes the system."""
         acts, energy = event.acts(count), 0.0
         changes = acts and event.has(Set, Jump)
         for action in event.actions if acts else ():
@@ -170,7 +170,7 @@ class Actions:
         return changes
 
     def _keep(self, event: Event, acts: bool) -> None:
-        """Keep what has happened for who asks for it."""
+        """Record the effect of an event, if effects are recorded."""
         if self.effects is None:
             return
         if isinstance(event.when, ElementChange):
@@ -179,7 +179,7 @@ class Actions:
         self.effects.append(EventEffect(self._stepper.t, event, acts, (), self._workspace.program.copy()))
 
     def obey(self, name: str, action: Set) -> None:
-        """Do at the present state what an event of this name would that happened here.
+        """Carry out an action at the present state, recorded as an event of this name.
 
         Raises:
             InvalidParameterError: The element cannot have this value here; nothing is changed.
@@ -191,7 +191,7 @@ class Actions:
         self._resolve(())
 
     def _carry_out(self, name: str, action: Set | Jump) -> float:
-        """Change what an event changes, and what changes by that; return the energy brought in [J]."""
+        """Carry out one action; return the energy brought in [J]."""
         energy = -self._energy()
         if isinstance(action, Set):
             kept = self.adjustments.kept()
@@ -215,7 +215,7 @@ class Actions:
         return energy
 
     def _set_by(self, action: Set) -> Mapping[str, float]:
-        """Return what is to be set, by place, for a motion to continue from where it is.
+        """Return the numbers to set, by place, for a motion to continue from its position.
 
         Raises:
             InvalidParameterError: A motion would jump.
@@ -230,7 +230,7 @@ class Actions:
         return {action.place: action.value}
 
     def _drive(self) -> float:
-        """Give all the rates that motions have from now on; return their work [J]."""
+        """Apply the present rates of motions; return their work [J]."""
         if self.effects is not None:
             raise NotFollowedError(
                 "a motion's rate jumps, through which no derivatives are carried; take a smooth course, or "
@@ -242,11 +242,11 @@ class Actions:
         return work
 
     def look_by(self, watch: EventWatch) -> None:
-        """Do from now on what the events of another watch ask for."""
+        """Use another watch from now on."""
         self._watch = watch
 
     def begin(self) -> None:
-        """Bring elements into the modes that they have at the start of a run, and let happen what does."""
+        """Set the initial modes of elements, and carry out their changes at the start."""
         t, y = self._stepper.t, self._here
         self.modes.prepare(t, y)
         self.modes.begin(t, y)
@@ -256,17 +256,17 @@ class Actions:
         self._renew()
 
     def _change(self, place: str) -> None:
-        """Let an element be as it is by itself from the present time on."""
+        """Update an element that depends on the time since its last change."""
         element = self.adjustments.elements[place]
         if isinstance(element, OnLinks):
             for key, value in element.from_now_on(self._stepper.t).items():
                 self.adjustments.set(f"{place}.{key}", value)
 
     def _resolve(self, switches: Sequence[Event]) -> bool:
-        """Let elements change at the present state, and what is on these changes; return whether any does.
+        """Carry out changes of mode and the events on these; return whether any occurred.
 
         Args:
-            switches: Events at which functions of theirs have been found to pass.
+            switches: Located events of elements' functions.
         """
         if not self.modes:
             return False
@@ -289,7 +289,7 @@ class Actions:
                 ]
             self._samples.add(t, y.copy())
             if self.effects is not None and program is not None:
-                # What no function of theirs has brought about belongs to the event of the user's that did.
+                # Changes without a located function belong to the user's event that caused them.
                 events = switches or [one.event for one in self.effects[-1:]]
                 del self.effects[len(self.effects) - (not switches) :]
                 self.effects += effects_of(modes.effects, events, program, self._workspace, t)
@@ -299,12 +299,12 @@ class Actions:
         return changed
 
     def _follow(self, changed: Sequence[ModeChange]) -> None:
-        """Let events happen that are on changes of elements, and what changes by them."""
+        """Carry out the events on changes of elements, and the changes that follow."""
         changes = False
         made = [(one.element, one.what) for one in changed]
         for crossing in self._watch.on_changes(self.adjustments.elements, made):
-            count = self._watch.happen(crossing)
-            changes = self._happen(self._watch.events[crossing.event], count) or changes
+            count = self._watch.count(crossing)
+            changes = self._occur(self._watch.events[crossing.event], count) or changes
         if changes:
             self._resolve(())
 
@@ -319,7 +319,7 @@ class Actions:
         self._renew()
 
     def command(self, numbers: Mapping[str, float]) -> None:
-        """Change numbers that take commands, by place: what they store nothing hangs on."""
+        """Write commands, by place; stored energy does not depend on them."""
         for place, value in numbers.items():
             self.adjustments.set(place, value)
         self._renew()
@@ -328,7 +328,7 @@ class Actions:
         if self.modes and self.modes.is_due(self._stepper.t, self._here) and self._resolve(()):
             return
         if self._stepper.t <= self._samples.last or any(self._workspace.memory["touching"]):
-            # What holds from now on is what is kept; the peaks of contacts find here what held at them.
+            # The sample gets the new commands; peaks of contacts take their program from it.
             self._samples.add(self._stepper.t, self._here.copy())
 
     def _jump(self, event: str, action: Jump) -> None:
@@ -339,7 +339,7 @@ class Actions:
         self._control.spin = system.turn_on(self._stepper.start)
 
     def _energy(self) -> float:
-        """Return all that is stored at the present state [J]."""
+        """Return the energy stored at the present state [J]."""
         self._workspace.measure(self._here)
         return audit(self._workspace, self._here).energy
 

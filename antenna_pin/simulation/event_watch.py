@@ -39,15 +39,15 @@ Array = NDArray[np.float64]
 
 
 class Crossing(NamedTuple):
-    """Where an event's function passes zero.
+    """Zero crossing of an event's function.
 
     Attributes:
         event: Number of the event.
-        theta: At which fraction of the trial step.
-        side: The sign that it has passed to, if it has done so already; 0 if it is zero there.
-        slope: Of the function there, per second; 0 if it has none.
-        noise: What it may be off by there.
-        until: Up to which fraction the event is known to do nothing else.
+        theta: Fraction of the trial step.
+        side: New sign of a function that has passed already; 0 if it is zero there.
+        slope: Rate of the function there, per second; 0 if undefined.
+        noise: Round-off of the function there.
+        until: Fraction up to which the event does not occur again.
     """
 
     event: int
@@ -59,10 +59,10 @@ class Crossing(NamedTuple):
 
 
 class Bracket(NamedTuple):
-    """Where an event's function passes zero: between two fractions of a trial step, with its values there.
+    """Bracket of a zero crossing: two fractions of a trial step, with the values there.
 
-    Further what it may be off by, up to which fraction the event does nothing else, and the side it has
-    passed to, if it has done so already.
+    Further round-off, fraction up to which the event does not occur again, and side of a function that has
+    passed already.
     """
 
     event: int
@@ -76,21 +76,21 @@ class Bracket(NamedTuple):
 
     @property
     def guess(self) -> float:
-        """About where."""
+        """Fraction of the step by linear interpolation."""
         return (
             self.a + (self.b - self.a) * self.fa / (self.fa - self.fb) if self.fa * self.fb < 0.0 else self.a
         )
 
 
 class StepScan(NamedTuple):
-    """A function at some fractions of a trial step: its values and rates there."""
+    """Values and rates of a function at some fractions of a trial step."""
 
     thetas: list[float]
     values: list[float]
     rates: list[float]
 
     def stays(self, i: int, side: float) -> float:
-        """Return up to which fraction it stays on the side that it has come to in the i-th part."""
+        """Return the fraction up to which the function stays on the side reached in part i."""
         for j in range(i + 1, len(self.thetas)):
             back = side * self.rates[j - 1] < 0.0 < side * self.rates[j]
             if not side * self.values[j] > 0.0 or back:
@@ -99,18 +99,18 @@ class StepScan(NamedTuple):
 
 
 class WatchMemory:
-    """What one event remembers, in use (see :class:`EventMemory`)."""
+    """Discrete state of one event, in use (:class:`EventMemory`)."""
 
     __slots__ = ("count", "last", "noise", "side")
 
     def __init__(self) -> None:
-        """Begin with an event that has never happened."""
+        """Begin with an event that has never occurred."""
         self.count = 0
         self.last = -math.inf
         self.side = self.noise = 0.0
 
     def sign(self, value: float) -> float:
-        """Return the side that a value tells of: 0 if none."""
+        """Return the side of a value, 0 if it is zero but for noise."""
         if not abs(value) > (self.noise if self.side == 0.0 else 0.0):  # nor does NaN
             return 0.0
         return math.copysign(1.0, value)
@@ -118,22 +118,22 @@ class WatchMemory:
 
 # --- search of trial steps ----------------------------------------------------------------------------------
 
-# Share of the spread of values that an interpolation may be off by, and how many points are taken at most.
+# Permitted error of an interpolation, relative to the spread of values, and largest number of points.
 _OFF, _MOST = 0.01, 512
 
 
-# --- least values of a function in a step, of which no rate is known: a load near what it may be ---
+# --- least values in a step of a function without rate: a load near its limit ---
 
 
 def with_least_values(f: Callable[[float], float], look: StepScan) -> StepScan:
-    """Return a function whose rate is not known at as many points of a step as show where it is least.
+    """Return a scan refined until it shows the least values of a function without rate.
 
-    Points are doubled until a cubic spline through them foretells those between; then each least value among
-    them is located.
+    Points are doubled until a cubic spline through them predicts the values between; then each minimum among
+    the points is located.
 
     Args:
-        f: Of a fraction of the step.
-        look: At points that are known, the step's ends among them.
+        f: Function of a fraction of the step.
+        look: Scan at known points, the step's ends among them.
     """
     from scipy.interpolate import CubicSpline
 
@@ -159,39 +159,39 @@ def with_least_values(f: Callable[[float], float], look: StepScan) -> StepScan:
     return StepScan(thetas.tolist(), values.tolist(), [0.0] * len(thetas))
 
 
-# Where in the first part of a step the side is looked up that an event is on after it has happened.
+# Place in the first part of a step at which the side of an event is evaluated after its occurrence.
 _PROBE = 1.0 / 64.0
-# Of the largest value in a step: what a function may be off by where it is zero.
+# Round-off of a function at its zero, relative to its largest value in a step.
 _ROUND_OFF = 16.0 * np.finfo(float).eps
 _SLOPE_REACH = 2.0**-10  # of a step, to either side
 # Of a step: dense output is better than this; a correction that is larger is none.
 _LARGEST_CORRECTION = 1e-2
 _SAME_INSTANT = 1e-13  # of a step
-# Of an element's function that is zero but for round-off: what it is at least off by, and how often a part of
-# a step is halved to see whether it was ever positive there.
+# Smallest round-off of an element's function at its zero, and number of halvings of a part of
+# a step in search of a positive value.
 _LEAST, _HALVINGS = 1e-16, 40
-_NEAR = 1e-6  # likewise: what is nearer to a zero, by its slope, is not taken to come later unseen
+_NEAR = 1e-6  # of a step: a zero nearer than this by the slope is located
 
 
 class EventWatch:
-    """Looks for events inside trial steps.
+    """Search of trial steps for zero crossings of events' functions.
 
-    The sides on which the functions are change with their passages only, so that of two events at one instant
+    The side of a function changes with its crossings only, so that of two coincident events
     the second is not lost when the first has ended the step.
 
     Args:
-        events: What to look for.
-        workspace: What the run works on.
-        stepper: Whose steps.
+        events: Events.
+        workspace: Workspace of the run.
+        stepper: Stepper of the run.
 
     Attributes:
         instants: Times at which steps must end [s].
-        tick: The next instant of the run's controllers, infinity if there is none any more [s]; None in a run
+        tick: Next sample time of the run's controllers, infinity after the last one [s]; None in a run
             without controllers.
     """
 
     def __init__(self, events: Sequence[Event], workspace: Workspace, stepper: Stepper) -> None:
-        """Begin with events that have never happened."""
+        """Begin with events that have never occurred."""
         self.events = tuple(events)
         self.stepper = stepper
         self.tick: float | None = None
@@ -204,20 +204,20 @@ class EventWatch:
         self._on_changes = [k for k, event in enumerate(self.events) if isinstance(event.when, ElementChange)]
         others = {*self._times, *self._on_changes}
         self._functions = [k for k in range(len(self.events)) if k not in others]
-        asked = [event.asked() for event in self.events]
+        asked = [event.functions() for event in self.events]
         self._whens, self._rates = [when for when, _ in asked], [rate for _, rate in asked]
         self.instants = sorted(
             {t for event in self.events if isinstance(event.when, Time) for t in event.when.instants}
         )
 
     def __bool__(self) -> bool:
-        """Whether there is anything to look for."""
+        """Return whether there are events."""
         return bool(self.events)
 
     # --- memory ---------------------------------------------------------------------------------------------
 
     def take_up(self, memories: Sequence[EventMemory], t: float) -> None:
-        """Go on from what the events of another run remember, by their names, at time t [s]."""
+        """Continue from the discrete states of another run's events, by name, at t [s]."""
         known = {one.name: one for one in memories}
         for k, event in enumerate(self.events):
             memory, one = self._memories[k], known.get(event.name)
@@ -232,20 +232,20 @@ class EventWatch:
                 memory.last = t
 
     def side(self, k: int) -> float:
-        """Return the side that event k was last seen on; 0 if that is not known."""
+        """Return the last known side of event k; 0 if unknown."""
         return self._memories[k].side
 
     def value(self) -> tuple[EventMemory, ...]:
-        """Return what the events remember."""
+        """Return the discrete states of the events."""
         return tuple(
             EventMemory(name=event.name, count=m.count, last=m.last, side=m.side, noise=m.noise)
             for event, m in zip(self.events, self._memories, strict=True)
         )
 
     def renew(self) -> None:
-        """Look at the present state, after a step or a change: on which sides the functions are.
+        """Update the sides of the functions at the present state.
 
-        One that has passed zero, and has not been counted yet, keeps its side: it will be found at once.
+        A function that has passed zero, and has not been counted yet, keeps its side, to be found at once.
         """
         if self._functions:
             self._set_here()
@@ -257,7 +257,7 @@ class EventWatch:
         self.moment.set(self.stepper.t, self.stepper.start[: self._y.size])
 
     def _renew(self, k: int) -> None:
-        """Look on which side a function is, at the moment's state."""
+        """Update the side of a function at the moment's state."""
         memory, event = self._memories[k], self.events[k]
         self._values[k] = value = self._whens[k](self.moment)
         side = memory.sign(value)
@@ -266,13 +266,13 @@ class EventWatch:
         ):
             memory.side, memory.noise = side, 0.0
         if isinstance(event.action, Switch) and memory.side < 0.0:
-            memory.side = 1.0  # it stays until it passes: what is behind zero already passes at once
+            memory.side = 1.0  # a function that is negative already passes at once
 
     def logical(self, noise: float, grazed: Collection[tuple[str, int]] = ()) -> None:
-        """Look anew, after changes of mode, on which sides their functions are: by logic at zero.
+        """Reset the sides of elements' functions after changes of mode, by logic at zero.
 
         Args:
-            noise: Up to which size a function is zero.
+            noise: Size up to which a function counts as zero.
             grazed: Functions that stay positive: of elements by place, and their numbers.
         """
         self._set_here()
@@ -286,8 +286,8 @@ class EventWatch:
                 memory.side, memory.noise = (1.0, 0.0) if stays else (0.0, own)
                 self._renew(k)
 
-    def happen(self, crossing: Crossing) -> int:
-        """Count an event that happens at the present state; return how often it has by now."""
+    def count(self, crossing: Crossing) -> int:
+        """Count an event at the present state; return the count."""
         k = crossing.event
         memory, watched = self._memories[k], k in self._functions
         if watched:
@@ -303,7 +303,7 @@ class EventWatch:
         return memory.count
 
     def due(self) -> list[Crossing]:
-        """Return the events whose instants have come at the present time."""
+        """Return the events whose times have come."""
         due = []
         for k in self._times:
             instants: tuple[float, ...] = self.events[k].when.instants  # type: ignore[attr-defined]
@@ -313,11 +313,11 @@ class EventWatch:
     def on_changes(
         self, elements: Mapping[str, ForceElement], changed: Iterable[tuple[str, str]]
     ) -> list[Crossing]:
-        """Return the events on changes of elements that have been recorded at the present time.
+        """Return the events on elements' changes recorded at the present time.
 
         Args:
-            elements: Of the run, by place.
-            changed: Place and words of each.
+            elements: Elements of the run, by place.
+            changed: Place and description of each change.
         """
         made = tuple(changed)
         whens = {k: self.events[k].when for k in self._on_changes if self._memories[k].last != self.stepper.t}
@@ -340,10 +340,10 @@ class EventWatch:
         return self.moment.set(stepper.t + theta * stepper.h, self._y)
 
     def ahead(self) -> list[list[Crossing]]:
-        """Return the events in the trial step as they come, those at the same instant together.
+        """Return the events in the trial step in order of time, coincident ones together.
 
-        The step's dense output must be there. Only the first are returned for sure: none that come after one
-        that changes something, or after something else may happen of an event that has been found already.
+        The dense output of the step must be prepared. Only the first ones are certain: none after an event
+        that changes the system, or after a possible second occurrence of a located event.
         """
         self._theta = math.nan
         looks: dict[int, StepScan] = {}
@@ -379,14 +379,14 @@ class EventWatch:
         return [groups[0], *(group for group in groups[1:] if group[-1].theta < until)]
 
     def _comes_after(self, one: Bracket, theta: float) -> bool:
-        """Whether a function passes zero later than at a fraction, for sure, without looking when."""
+        """Return whether a function certainly passes zero later than a fraction."""
         if one.a >= theta or one.a == one.b:
             return one.a > theta + _SAME_INSTANT
         value = self._whens[one.event](self._at(theta))
         return value * one.fa > 0.0 and abs(value) > _NEAR * abs(one.fb - one.fa) / (one.b - one.a)
 
     def _look(self, nodes: int, looks: dict[int, StepScan]) -> None:
-        """Ask the functions that are looked at in so many parts of a step at the ends of these."""
+        """Evaluate the functions with this number of nodes at the nodes."""
         mine = [k for k in self._functions if self.events[k].nodes == nodes]
         for k in mine:
             looks[k] = StepScan([0.0], [self._values[k]], [])
@@ -400,7 +400,7 @@ class EventWatch:
                 look.rates.append(0.0 if rated is None else rated(moment))
 
     def _bracket(self, k: int, look: StepScan) -> Bracket | None:
-        """Return where in the trial step an event's function passes zero first; None if nowhere."""
+        """Return the first bracket of an event's function in the trial step, or None."""
         event, memory = self.events[k], self._memories[k]
 
         when = self._whens[k]
@@ -414,7 +414,7 @@ class EventWatch:
         if switches and abs(ra) < STILL:
             ra = 0.0
         if side != 0.0 and memory.sign(fa) == -side and side * fa < least:
-            # Passed already: by a jump, or where another event has ended the step.
+            # Passed already: by a jump, or at the end of a step by another event.
             return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -side)
         rated = self._rates[k]
 
@@ -423,7 +423,7 @@ class EventWatch:
 
         fresh = side == 0.0
         if fresh and ra != 0.0:
-            # It is zero here, but for round-off, and moves to this side.
+            # Zero here, but for round-off, and moving to this side.
             side, fa = math.copysign(1.0, ra), 0.0
         elif fresh:
             probe = _PROBE / event.nodes
@@ -455,11 +455,11 @@ class EventWatch:
                     return self._out_and_back(k, b, fb)
                 side = new
             elif side * ra < 0.0 < side * rb:
-                # It comes nearer to zero, then goes away: does it pass in between?
+                # The function approaches zero, then recedes: it may pass twice in between.
                 m = root_between(rate, a, b, absolute=1e-15, ends=(ra, rb))
                 fm = f(m)
                 if side * fm < least:
-                    # Twice: what comes after the first of them is looked for anew.
+                    # Twice: the search is repeated after the first of them.
                     if event.counts(-side):
                         return Bracket(k, a, m, fa, fm, noise, a)
                     return Bracket(k, m, b, fm, fb, noise, m)
@@ -467,9 +467,9 @@ class EventWatch:
         return None
 
     def _out_and_back(self, k: int, b: float, fb: float) -> Bracket:
-        """Return where a function of an element passes that is zero at the start and has passed at b.
+        """Return the bracket of an element's function, zero at the start and negative at b.
 
-        It may have been positive between: as far back as that shows. Where it never was it passes at once.
+        The function may have been positive between, which halving shows; otherwise it passes at once.
         """
         for _ in range(_HALVINGS if b > 0.0 else 0):
             value = self._whens[k](self._at(0.5 * b))
@@ -479,10 +479,10 @@ class EventWatch:
         return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
 
     def _leaves(self, k: int, zero: tuple[float, float], below: tuple[float, float]) -> Bracket:
-        """Return where a function of an element that is zero but for round-off comes to be below that.
+        """Return the bracket at which an element's function falls below round-off.
 
         Args:
-            k: Number of its event.
+            k: Number of the event.
             zero: Fraction at which it is zero, and its value there.
             below: Fraction at which it has passed, and its value there.
         """
@@ -493,7 +493,7 @@ class EventWatch:
         return Bracket(k, at, at, 0.0, 0.0, 0.0, at, -1.0)
 
     def _located(self, one: Bracket) -> Crossing:
-        """Return the crossing between two fractions: its signs there differ, or it is zero at the first."""
+        """Return the crossing in a bracket: a change of sign, or a zero at its first end."""
         if one.side != 0.0:
             return Crossing(one.event, one.a, one.side, until=one.until)
         when, (a, b, fa, fb) = self._whens[one.event], one[1:5]
@@ -507,9 +507,9 @@ class EventWatch:
         return Crossing(one.event, theta, 0.0, slope if math.isfinite(slope) else 0.0, one.noise, one.until)
 
     def lack(self, crossing: Crossing) -> Callable[[], float]:
-        """Return a function that tells how much longer the trial step should be to end at an event [s].
+        """Return a function for the Newton correction of the step size to an event [s].
 
-        Zero if it cannot be told better: within the round-off of time, or where corrections no longer shrink.
+        Zero within the round-off of time, or if corrections no longer shrink.
         """
         stepper = self.stepper
         longest = _LARGEST_CORRECTION * stepper.h
@@ -536,24 +536,24 @@ def _order(crossing: Crossing) -> tuple[float, int]:
 
 
 def is_known(event: Event) -> bool:
-    """Whether compiled code knows an event's function: those of one's own it does not."""
+    """Return whether compiled code evaluates an event's function."""
     return isinstance(
         event.when, Angle | Rate | Gap | Force | Time | ElementChange | KinkFunction | ModeFunction
     )
 
 
 class WatchTable:
-    """The events of a run as compiled code sees them: a step may be one of those that it does not know.
+    """Events of a run as the compiled loop reads them.
 
     Args:
-        watch: The run's.
+        watch: Watch of the run.
 
     Attributes:
-        numbers: As the kernels take them.
+        numbers: Table for kernels.
     """
 
     def __init__(self, watch: EventWatch) -> None:
-        """Lay them out."""
+        """Fill the table."""
         system = watch.moment.system
         self._watch = watch
         known = [k for k, event in enumerate(watch.events) if is_known(event)]
@@ -587,7 +587,7 @@ class WatchTable:
         )
 
     def renew(self) -> None:
-        """Take over on which sides the functions are, and when controllers are called next."""
+        """Update the sides of the functions, and the controllers' next sample time."""
         if self._watch.tick is not None:
             self.numbers.instants[-1] = self._watch.tick
         for row, k in zip(self.numbers.functions, self._places, strict=True):

@@ -60,22 +60,22 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Kink:
-    """A step ends there, unrecorded: where an element's effort has a kink."""
+    """End of a step, unrecorded, at a kink of an element's effort."""
 
 
-#: Of a function of an element's: a rate that is none [1/s].
+#: Rate of an element's function that counts as zero [1/s].
 STILL = 1e-11
-#: How far below zero it may come and go back unseen, as round-off [rad] ([m]).
+#: Negative value of an element's function that counts as round-off [rad] ([m]).
 GRAZE = 1e-15
 
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """An element may change its mode.
+    """Possible change of mode of an element.
 
     Attributes:
-        place: Of the element, as ``latches.hinge``.
-        number: Of its function that passes zero.
+        place: Place of the element, as ``latches.hinge``.
+        number: Number of the element's function that passes zero.
     """
 
     place: str
@@ -84,10 +84,10 @@ class Switch:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """An element changes by itself, at the instants that it names.
+    """Change of an element at times that it defines itself.
 
     Attributes:
-        place: Of the element, as ``forces.jet``.
+        place: Place of the element, as ``forces.jet``.
     """
 
     place: str
@@ -97,12 +97,12 @@ class Edge:
 
 
 class Moment:
-    """Time and state, and what follows from them; valid while the function that gets it runs.
+    """Time and state with derived quantities; valid while the function that receives it runs.
 
     Arrays are copies.
 
     Args:
-        workspace: What the run works on.
+        workspace: Workspace of the run.
 
     Attributes:
         time: [s].
@@ -110,7 +110,7 @@ class Moment:
     """
 
     def __init__(self, workspace: Workspace) -> None:
-        """Make it once; ``set`` gives it its state."""
+        """Allocate once; ``set`` supplies time and state."""
         self.time = 0.0
         self.system: System = workspace.system
         self._workspace = workspace
@@ -124,7 +124,7 @@ class Moment:
         self._measured = self._evaluated = False
 
     def set(self, time: float, y: Array) -> Moment:
-        """Bring it to another time and state; return it."""
+        """Set time and state; return the moment."""
         self.time = time
         self._y[:] = y
         self._found.clear()
@@ -137,13 +137,13 @@ class Moment:
         return bool(self._workspace.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["on"])
 
     def kink(self, block: int, number: int) -> float:
-        """Return how far the effort of an element, by its place in the program, is past one of its kinks."""
+        """Return the distance of an element's effort past one of its kinks."""
         if block >= int(self._workspace.program[: kernels.HEADER].view(PROGRAM)["points"][0]):
             return self._workspace.kink_on_links(block, self.time, self._y)
         return float(kernels.element_kink(self._workspace.program, block, number, self.time, self._y))
 
     def load(self, hold: int) -> float:
-        """Return the torque [N m] (force [N]) that an element carries that holds its joint, by its number."""
+        """Return the torque [N m] (force [N]) of an element that holds its joint."""
         if not self._loads:
             self._workspace.derivative(self.time, self._y, self._rates)
             self._evaluated, self._measured = True, False
@@ -152,11 +152,11 @@ class Moment:
         return float(self._loads[hold])
 
     def inertia(self, block: int) -> float:
-        """Return the reduced inertia of the joint of an element, by its place in the program [kg m^2]."""
+        """Return the reduced inertia of an element's joint [kg m^2]."""
         return reduced_inertia(self._workspace, self.time, self._y, block)
 
     def switch(self, block: int, number: int, hold: int) -> tuple[float, float]:
-        """Return a function of an element, by its place in the program, and its rate (0: not known)."""
+        """Return a mode function of an element, and its rate (0: unknown)."""
         if hold == WEIGHED:
             load = self.inertia(block)
         else:
@@ -244,13 +244,13 @@ class Moment:
 
 @runtime_checkable
 class Rated(Protocol):
-    """A function of the state that knows its own rate."""
+    """Function of the state with its own rate."""
 
     def __call__(self, moment: Moment) -> float:
-        """Return its value."""
+        """Return the value of the function."""
 
     def rate(self, moment: Moment) -> float:
-        """Return its rate, in its unit per second."""
+        """Return the rate of the function, in its unit per second."""
 
 
 # --- functions of the state -----------------------------------------------------------------------------
@@ -259,7 +259,7 @@ class Rated(Protocol):
 @takes(value=("rad", "m"))
 @dataclass(frozen=True, slots=True)
 class Angle:
-    """The angle of a joint, whole turns included, passes a value.
+    """Angle of a joint, whole turns included, at a value.
 
     Attributes:
         joint: Name of the joint; one that has an axis.
@@ -270,7 +270,7 @@ class Angle:
     value: float
 
     def __call__(self, moment: Moment) -> float:
-        """Return how far the joint is past the value [rad]."""
+        """Return the angle less the value [rad]."""
         return moment.angle(self.joint) - self.value
 
     def rate(self, moment: Moment) -> float:
@@ -281,7 +281,7 @@ class Angle:
 @takes(value=("rad/s", "m/s"))
 @dataclass(frozen=True, slots=True)
 class Rate:
-    """The rate of a joint passes a value: zero where it turns back.
+    """Rate of a joint at a value: zero where the joint reverses.
 
     Attributes:
         joint: Name of the joint; one that has an axis.
@@ -292,14 +292,14 @@ class Rate:
     value: float = 0.0
 
     def __call__(self, moment: Moment) -> float:
-        """Return how much faster the joint is [rad/s]."""
+        """Return the rate less the value [rad/s]."""
         return moment.rate(self.joint) - self.value
 
 
 @takes(value="m")
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """The gap of a contact passes a value; minus a penetration.
+    """Gap of a contact at a value; negative for a penetration.
 
     Attributes:
         contact: Name of the contact, such as ``elevation.radial+``.
@@ -310,20 +310,20 @@ class Gap:
     value: float
 
     def __call__(self, moment: Moment) -> float:
-        """Return how much wider the gap is [m]."""
+        """Return the gap less the value [m]."""
         return moment.gap(self.contact) - self.value
 
     def rate(self, moment: Moment) -> float:
-        """Return the gap's rate [m/s]."""
+        """Return the rate of the gap [m/s]."""
         return -moment.depth_rate(self.contact)
 
 
 @takes(value="N")
 @dataclass(frozen=True, slots=True)
 class Force:
-    """The normal force of a contact passes a value.
+    """Normal force of a contact at a value.
 
-    Where a law's force jumps at the onset of a contact, that is a passage too.
+    A jump of a law's force at the onset of a contact is a crossing too.
 
     Attributes:
         contact: Name of the contact, such as ``elevation.radial+``.
@@ -339,23 +339,23 @@ class Force:
             raise InvalidParameterError(self, "value", "positive and finite [N]", self.value)
 
     def __call__(self, moment: Moment) -> float:
-        """Return how much larger the force is [N]."""
+        """Return the force less the value [N]."""
         return moment.force(self.contact) - self.value
 
 
 @takes(instants="s")
 class Time:
-    """Instants are reached; steps end on them exactly.
+    """Times on which steps end exactly.
 
     Args:
-        instants: When, zero or later [s], or as text with a unit. At zero nothing is recorded: what is set
+        instants: Times of zero or more [s], or text with a unit. At zero nothing is recorded: what is set
             there holds from the start.
     """
 
     __slots__ = ("instants",)
 
     def __init__(self, *instants: float | str) -> None:
-        """Check and sort them."""
+        """Check and sort the times."""
         if not instants or not all(holds(t, "zero or more") for t in instants):
             raise InvalidParameterError("Time", "instants", "one or more times of zero or more [s]", instants)
         self.instants = tuple(sorted({float(t) for t in instants}))
@@ -368,10 +368,10 @@ class Time:
 @takes()
 @dataclass(frozen=True, slots=True)
 class ElementChange:
-    """An element changes its mode: a latch captures, a stop is touched, a friction sticks.
+    """Change of mode of an element: a capture of a latch, a touch of a stop, a sticking friction.
 
-    What a run records as a change (``change`` of the result) is meant; a latch that an event puts off is that
-    event. No function passes zero: the event is at the instant of the change, behind it.
+    Changes are those that a run records (``change`` of the result), not an event that switches a latch off.
+    The event occurs at the time of the change, after it; no function passes zero.
 
     Attributes:
         element: Place of the element, as ``latches.root``.
@@ -385,11 +385,11 @@ class ElementChange:
     side: str | None = None
 
     def __call__(self, moment: Moment) -> float:
-        """Return 1: it never passes by itself."""
+        """Return 1: the function never passes zero by itself."""
         return 1.0
 
     def is_met(self, elements: Mapping[str, ForceElement], element: str, what: str) -> bool:
-        """Return whether a recorded change of an element is the one meant."""
+        """Return whether a recorded change of an element is the specified one."""
         found = elements[element]
         return (
             element == self.element
@@ -398,10 +398,10 @@ class ElementChange:
         )
 
     def check(self, event: str, system: System) -> None:
-        """Refuse an element, a change or a side that there is not.
+        """Refuse an unknown element, change or side.
 
         Raises:
-            UnknownNameError: It lists those that there are.
+            UnknownNameError: The message lists the known names.
         """
         known = {
             one.place: one.element
@@ -427,18 +427,18 @@ Condition = Angle | Rate | Gap | Force | Time | ElementChange
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Nothing but what every event does: it is recorded, with a sample of the state."""
+    """No action beyond the record of the event and a sample of the state."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """The run ends there."""
+    """End of the run."""
 
 
 @takes()
 @dataclass(frozen=True, slots=True)
 class Set:
-    """A number of a drive or a spring changes.
+    """New value of a number of a drive or a spring.
 
     Energy that springs gain or lose by that counts as the event's.
 
@@ -455,9 +455,9 @@ class Set:
 @takes()
 @dataclass(frozen=True, slots=True)
 class Jump:
-    """The state jumps: a latch, an impulse.
+    """Jump of the state: a latch, an impulse.
 
-    The energy that this brings in counts as the event's. What contacts remember stays as it is.
+    The energy brought in counts as the event's. Contact memory is not changed.
 
     Attributes:
         change: Returns configuration and velocity after it, (nq,) and (nv,).
@@ -466,18 +466,18 @@ class Jump:
     change: Callable[[Moment], tuple[ArrayLike, ArrayLike]]
 
     def __post_init__(self) -> None:
-        """Check that it can be asked."""
+        """Check that the function takes a moment."""
         check_takes(self, "change", self.change, "moment")
 
     def state_after(self, event: str, moment: Moment) -> Array:
-        """Return the state behind it [q, v, x].
+        """Return the state after the jump [q, v, x].
 
         Args:
-            event: Whose action it is.
-            moment: Before it.
+            event: Name of the event.
+            moment: State before the jump.
 
         Raises:
-            FunctionError: Its function gives none.
+            FunctionError: The function returns no state.
         """
         name, told, rule = (
             f"event {event!r}: change",
@@ -499,22 +499,22 @@ Action = Mark | Stop | Set | Jump | Kink | Switch | Edge
 @takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """Something that happens when a function of the state passes zero.
+    """Zero crossing of a function of the state, with actions.
 
-    A step is looked at in ``nodes`` equal parts: what passes zero and comes back within one is not seen,
-    unless the function has a ``rate``, whose sign then tells (:class:`Angle` and :class:`Gap` have one).
-    Each passage is recorded, with its time and a sample of the state. An event happens once at one instant.
+    A step is searched in ``nodes`` equal parts: two crossings within one part are missed,
+    unless the function has a ``rate``, whose sign shows them (:class:`Angle` and :class:`Gap` have one).
+    Each crossing is recorded, with its time and a sample of the state. An event occurs once at one time.
 
     Attributes:
-        name: Its name in the result.
-        when: The function, ``(moment) -> float``: continuous within a step, smooth if its zero is to be found
-            to round-off. A jump of it past zero, at a contact or by another event, is a passage too. It must
-            answer equal questions equally, or the run ends as ``FUNCTION_WITH_MEMORY``.
+        name: Name in the result.
+        when: Function ``(moment) -> float``: continuous within a step, smooth if its zero is to be located
+            to round-off. A jump past zero, at a contact or by another event, is a crossing too. Equal
+            arguments must give equal values, or the run ends as ``FUNCTION_WITH_MEMORY``.
         direction: +1: rising; -1: falling; 0: both.
-        action: What happens; or several of :class:`Set`, :class:`Stop` and :class:`Mark`, done in order.
-        after: The passage from which on ``action`` is taken; the earlier ones are only recorded [-].
-        once: Whether it is taken at that passage alone.
-        nodes: Parts of a step that are looked at [-].
+        action: Action; or several of :class:`Set`, :class:`Stop` and :class:`Mark`, in order.
+        after: Number of the crossing from which ``action`` is taken; earlier ones are only recorded [-].
+        once: Whether the action is taken at that crossing only.
+        nodes: Equal parts of a step at whose ends the function is evaluated [-].
     """
 
     name: str
@@ -526,7 +526,7 @@ class Event:
     nodes: int = 4
 
     def __post_init__(self) -> None:
-        """Check what can be checked without a system."""
+        """Check everything that needs no system."""
         place = f"event {self.name!r}"
         if not self.name:
             raise InvalidParameterError("Event", "name", "given", self.name)
@@ -539,8 +539,8 @@ class Event:
             if not (isinstance(getattr(self, name), int) and getattr(self, name) >= 1):
                 raise InvalidParameterError(place, name, "a whole number of 1 or more", getattr(self, name))
 
-    def asked(self) -> tuple[AskedFunction, AskedFunction | None]:
-        """Return its function as a run asks it, and that of its rate, None if it has none."""
+    def functions(self) -> tuple[AskedFunction, AskedFunction | None]:
+        """Return the checked functions of value and rate; None without a rate."""
         name = f"event {self.name!r}: "
         rate = (
             AskedFunction(f"{name}rate", self.when.rate, moment_text)
@@ -551,7 +551,7 @@ class Event:
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """What happens, in order."""
+        """Actions, in order."""
         return (self.action,) if isinstance(self.action, Action) else tuple(self.action)
 
     def has(self, *kinds: type) -> bool:
@@ -559,19 +559,19 @@ class Event:
         return any(isinstance(one, kinds) for one in self.actions)
 
     def acts(self, count: int) -> bool:
-        """Return whether its actions are taken at this passage, counted from 1."""
+        """Return whether the actions are taken at this crossing, counted from 1."""
         return count == self.after if self.once else count >= self.after
 
     @property
     def changes(self) -> bool:
-        """Whether it may change what moves, or end it: nothing is known of what comes after it."""
+        """Whether the event may change the motion or end the run."""
         return self.has(Set, Jump, Stop, Switch, Edge)
 
     def counts(self, side: float) -> bool:
-        """Whether the function's passing to this sign is what is looked for."""
+        """Return whether a crossing to this sign is an event."""
         return self.direction in (0, side)
 
 
 def moment_text(question: Sequence[Moment]) -> str:
-    """Return in words what the function of an event is asked."""
+    """Return the argument of an event's function as text."""
     return f"the moment t = {question[0].time:.9g} s"

@@ -42,37 +42,37 @@ Array = NDArray[np.float64]
 
 
 class ExchangeableFunction(Protocol):
-    """A compiled function whose address may be exchanged."""
+    """Compiled function whose address may be exchanged."""
 
     arguments: int
 
     @property
-    def asked(self) -> Callable[..., float]:
-        """It, as Python asks it."""
+    def call(self) -> Callable[..., float]:
+        """Function as called from Python."""
 
     def places(self, program: Array) -> NDArray[np.int64]:
-        """Return where in a program its address stands."""
+        """Return the places of the function's address in a program."""
 
 
 class CompiledFunction:
-    """A compiled function, and where in a program its address stands.
+    """Compiled function, and the places of its address in a program.
 
     Args:
-        asked: It, as a run asks it.
-        function: It.
-        arguments: How many numbers it is asked.
-        block: Where the block begins whose function it is.
+        function: Function with checked results.
+        given: Function as given by the user.
+        arguments: Number of arguments.
+        block: Place of the function's element in the program.
     """
 
-    def __init__(self, asked: AskedFunction, function: Any, arguments: int, block: int) -> None:
-        """Find its address."""
-        self.asked, self.arguments, self._block = asked, arguments, block
+    def __init__(self, function: AskedFunction, given: Any, arguments: int, block: int) -> None:
+        """Find the address of the function."""
+        self.call, self.arguments, self._block = function, arguments, block
         self._address = (
-            address_of(asked.name, "function", function, arguments) if is_compiled(function) else math.nan
+            address_of(function.name, "function", given, arguments) if is_compiled(given) else math.nan
         )
 
     def places(self, program: Array) -> NDArray[np.int64]:
-        """Return where in a program its address stands; nowhere if it is not compiled."""
+        """Return the places of the address in a program; none if not compiled."""
         first = self._block
         length = int(program[first : first + 2].view(np.int64)[1])  # of every block the second number
         return first + np.flatnonzero(program[first : first + length] == self._address)
@@ -81,20 +81,24 @@ class CompiledFunction:
 def failure_in(
     functions: Sequence[ExchangeableFunction], program: Array, stepper: Stepper, h: float
 ) -> FunctionError | None:
-    """Return what a function has failed by at a stepper's state, or in a step from there; None if none has.
+    """Return the failure of a function at a stepper's state or in a step; None if none.
+
+    Kernels call functions by address, and a failed call shows only as a step without a valid error. The step
+    is therefore repeated with other addresses in the program: those of functions in Python that call the
+    user's and check the values.
 
     Args:
-        functions: Those that may have.
-        program: Of the run's force elements, in which they stand.
-        stepper: Of the run; what it has tried is lost.
+        functions: Functions to test.
+        program: Program of the run, with their addresses.
+        stepper: Stepper of the run; its trial step is lost.
         h: Size of the step [s].
     """
-    seen: list[BaseException] = []
-    with _seen_by(functions, program, seen):
+    errors: list[BaseException] = []
+    with _called_from_python(functions, program, errors):
         stepper.rates(stepper.t, stepper.start)
-        if not seen:
+        if not errors:
             stepper.attempt(h)
-    for error in seen[:1]:
+    for error in errors[:1]:
         if isinstance(error, FunctionError):
             return error
         raise FunctionInterrupted from error
@@ -102,15 +106,15 @@ def failure_in(
 
 
 @contextmanager
-def _seen_by(
-    functions: Sequence[ExchangeableFunction], program: Array, seen: list[BaseException]
+def _called_from_python(
+    functions: Sequence[ExchangeableFunction], program: Array, errors: list[BaseException]
 ) -> Iterator[None]:
-    """Have functions asked by Python, and what they fail by noted."""
+    """Redirect the functions' addresses to Python, and collect their exceptions."""
     before, kept = program.copy(), []
     for one in functions:
         places = one.places(before)
         if places.size:
-            called = ctypes.CFUNCTYPE(*[ctypes.c_double] * (one.arguments + 1))(_noting(one.asked, seen))
+            called = ctypes.CFUNCTYPE(*[ctypes.c_double] * (one.arguments + 1))(_recording(one.call, errors))
             kept.append(called)
             program[places] = float(ctypes.cast(called, ctypes.c_void_p).value or 0)
     try:
@@ -121,12 +125,12 @@ def _seen_by(
             program[places] = before[places]
 
 
-def _noting(asked: Callable[..., float], seen: list[BaseException]) -> Callable[..., float]:
-    def call(*question: float) -> float:
+def _recording(function: Callable[..., float], errors: list[BaseException]) -> Callable[..., float]:
+    def call(*inputs: float) -> float:
         try:
-            return asked(*question)
+            return function(*inputs)
         except BaseException as error:  # nothing passes through machine code
-            seen.append(error)
+            errors.append(error)
             return math.nan
 
     return call
@@ -134,21 +138,21 @@ def _noting(asked: Callable[..., float], seen: list[BaseException]) -> Callable[
 
 # --- users' functions of a run ------------------------------------------------------------------------------
 
-# --- functions of a user's that act on links, asked again as others are, and where their addresses stand ---
+# --- users' functions that act on links ---
 
-Question = tuple[float, Array, Array]
+Inputs = tuple[float, Array, Array]
 
 
 class LinkFunction:
-    """A function that acts on links, asked in a place of its own with elements as they were.
+    """Function that acts on links, evaluated in a workspace of its own.
 
     Args:
-        one: The element.
-        workspace: What the run works on.
+        one: Element.
+        workspace: Workspace of the run.
     """
 
     def __init__(self, one: Acting, workspace: Workspace) -> None:
-        """Begin without a question."""
+        """Begin without a call."""
         self.name, self.first = f"{one.label}: its function", None
         self._one, self._run = one, workspace
         self._own = Workspace(workspace.system)
@@ -156,41 +160,41 @@ class LinkFunction:
         self._head = head.view(kernels.ELEMENT)[0]
         self.arguments = 3
 
-    def question(self, t: float, y: Array) -> Question | None:
-        """Return what it is asked: time, state, and the elements; None if it is off."""
+    def inputs_at(self, t: float, y: Array) -> Inputs | None:
+        """Return the arguments: time, state and elements; None if off."""
         return None if self._head["on"] == 0.0 else (t, y.copy(), self._run.program.copy())
 
-    def answer(self, question: Question) -> tuple[float, ...]:
-        """Return all that it writes."""
-        t, y, program = question
+    def evaluate(self, inputs: Inputs) -> tuple[float, ...]:
+        """Return all numbers that the function writes."""
+        t, y, program = inputs
         self._own.program[:] = program
         self._own.see_on_links(self._one.block, t, y, self._one.element)
         return written_by(self._own.program, self._one.block)
 
-    def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-        """Whether two answers are not the same one."""
+    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+        """Return whether two results differ."""
         return _differ(one, other)
 
-    def told(self, question: Question) -> str:
-        """Return a question in words."""
-        return f"t = {question[0]:.9g} s"
+    def text(self, inputs: Inputs) -> str:
+        """Return the arguments as text."""
+        return f"t = {inputs[0]:.9g} s"
 
-    # --- as what kernels call -------------------------------------------------------------------------------
+    # --- as called by kernels -------------------------------------------------------------------------------
 
     @property
     def called(self) -> LinkFunction | None:
-        """Itself, if kernels call it."""
+        """The function itself, if kernels call it."""
         return self if getattr(self._one.element, "called", False) else None
 
     def places(self, program: Array) -> NDArray[np.int64]:
-        """Return where in a program its address stands."""
+        """Return the place of the function's address in a program."""
         return np.array([self._one.block + int(kernels.PARAMETERS)])
 
-    def asked(self, t: float, place: float, _: float) -> float:
-        """Ask it in Python, as kernels do: with a time [s] and the place of a desk.
+    def call(self, t: float, place: float, _: float) -> float:
+        """Call the function in Python as kernels do: with a time [s] and a desk's address.
 
         Raises:
-            FunctionError: It has no answer.
+            FunctionError: The function has no valid result.
         """
         numbers = len(self._one.element.tail())
         behind = int(self._head["length"]) - int(self._head["partner"])
@@ -202,27 +206,27 @@ class LinkFunction:
 
 
 class UserFunction(Protocol):
-    """A function of a user's that a run asks.
+    """Function of a user's that a run calls.
 
     Attributes:
-        name: Whose it is and what it is called.
-        first: What it may be asked before it has a question, so that there is one from before all others.
+        name: Name of the function and its owner.
+        first: Arguments for a call before all others; None if the first state supplies them.
     """
 
     name: str
     first: Any
 
-    def question(self, t: float, y: Array) -> Any:
-        """Return what it is asked at time t [s] and state y; None if nothing."""
+    def inputs_at(self, t: float, y: Array) -> Any:
+        """Return the arguments at time t [s] and state y; None if not called there."""
 
-    def answer(self, question: Any) -> tuple[float, ...]:
-        """Return what it answers."""
+    def evaluate(self, inputs: Any) -> tuple[float, ...]:
+        """Return the function's results."""
 
-    def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-        """Whether two answers are not the same one."""
+    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+        """Return whether two results differ."""
 
-    def told(self, question: Any) -> str:
-        """Return a question in words."""
+    def text(self, inputs: Any) -> str:
+        """Return the arguments as text."""
 
 
 def _differ(one: Sequence[float], other: Sequence[float]) -> bool:
@@ -230,43 +234,43 @@ def _differ(one: Sequence[float], other: Sequence[float]) -> bool:
 
 
 class _NumberFunction:
-    """A function of numbers.
+    """Function of numbers.
 
     Args:
-        function: The function; compiled ones are called from Python.
-        asked: Returns its arguments at a time and state, or None.
-        called: It, if kernels may call it.
-        first: Arguments before there are any; None if there always are.
+        function: Function; a compiled one is called from Python.
+        inputs_at: Function for its arguments at a time and state, or None.
+        called: Function as kernels may call it.
+        first: Arguments for a call before all others; None if never needed.
     """
 
     def __init__(
         self,
         function: AskedFunction,
-        asked: Callable[[float, Array], tuple[float, ...] | None],
+        inputs_at: Callable[[float, Array], tuple[float, ...] | None],
         called: CompiledFunction,
         first: tuple[float, ...] | None = None,
     ) -> None:
         self.name, self.first, self.called = function.name, first, called
-        self._function, self._asked = function, asked
+        self._function, self._inputs_at = function, inputs_at
 
-    def question(self, t: float, y: Array) -> tuple[float, ...] | None:
-        return self._asked(t, y)
+    def inputs_at(self, t: float, y: Array) -> tuple[float, ...] | None:
+        return self._inputs_at(t, y)
 
-    def answer(self, question: tuple[float, ...]) -> tuple[float, ...]:
-        return (self._function(*question),)
+    def evaluate(self, inputs: tuple[float, ...]) -> tuple[float, ...]:
+        return (self._function(*inputs),)
 
-    def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
         return _differ(one, other)
 
-    def told(self, question: tuple[float, ...]) -> str:
-        return self._function.told(question)
+    def text(self, inputs: tuple[float, ...]) -> str:
+        return self._function.told(inputs)
 
 
 class _BackendFunction:
-    """What measures the gaps of a joint.
+    """Function that measures the gaps of a joint.
 
-    One that searches from its last answer on comes to the same gap up to its own round-off only. So answers
-    are the same within a billionth of the play, the distance up to which contacts are located.
+    A search that starts from the last result reproduces a gap up to its own round-off only. Results therefore
+    count as equal within a billionth of the play, the distance up to which contacts are located.
     """
 
     def __init__(self, distances: OwnBackend, workspace: Workspace, joint: int) -> None:
@@ -281,26 +285,26 @@ class _BackendFunction:
         self._pose = np.zeros(1, POSE)
         self._small = 1e-9 * clearance.geometry.radial_clearance
 
-    def question(self, t: float, y: Array) -> NDArray[Any]:
+    def inputs_at(self, t: float, y: Array) -> NDArray[Any]:
         place_journal(self._program, self._block, y, self._nq, self._pose)
         return self._pose.copy()
 
-    def answer(self, question: NDArray[Any]) -> tuple[float, ...]:
-        self._distances.query(question.copy(), self._table, self._rows.start)
+    def evaluate(self, inputs: NDArray[Any]) -> tuple[float, ...]:
+        self._distances.query(inputs.copy(), self._table, self._rows.start)
         rows = self._table[self._rows]
         return tuple(float(gap) for gap in rows["gap"])
 
-    def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
         return any(
             not abs(a - b) <= self._small and not (a != a and b != b) for a, b in zip(one, other, strict=True)
         )
 
-    def told(self, question: NDArray[Any]) -> str:
-        return self._distances.told(question)
+    def text(self, inputs: NDArray[Any]) -> str:
+        return self._distances.told(inputs)
 
 
 class _EventFunction:
-    """The function of an event, asked in a place of its own with contacts and elements as they were."""
+    """Function of an event, evaluated in a workspace of its own."""
 
     def __init__(self, function: AskedFunction, workspace: Workspace) -> None:
         self.name, self.first = function.name, None
@@ -309,33 +313,33 @@ class _EventFunction:
         self._own = Workspace(workspace.system)
         self._moment = Moment(self._own)
 
-    def question(self, t: float, y: Array) -> tuple[float, Array, NDArray[Any], Array]:
+    def inputs_at(self, t: float, y: Array) -> tuple[float, Array, NDArray[Any], Array]:
         return t, y.copy(), self._run.memory.copy(), self._run.program.copy()
 
-    def answer(self, question: tuple[float, Array, NDArray[Any], Array]) -> tuple[float, ...]:
-        t, y, memory, program = question
+    def evaluate(self, inputs: tuple[float, Array, NDArray[Any], Array]) -> tuple[float, ...]:
+        t, y, memory, program = inputs
         self._own.memory[:], self._own.program[:] = memory, program
         return (self._function(self._moment.set(t, y)),)
 
-    def differ(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
         return _differ(one, other)
 
-    def told(self, question: tuple[float, Array, NDArray[Any], Array]) -> str:
-        return moment_text((self._moment.set(*question[:2]),))
+    def text(self, inputs: tuple[float, Array, NDArray[Any], Array]) -> str:
+        return moment_text((self._moment.set(*inputs[:2]),))
 
 
 def functions_in_kernels(functions: Sequence[UserFunction]) -> tuple[CompiledFunction | LinkFunction, ...]:
-    """Return those of a run's functions that kernels may call."""
+    """Return the functions of a run that kernels may call."""
     found = (one.called for one in functions if isinstance(one, _NumberFunction | LinkFunction))
     return tuple(one for one in found if one is not None)
 
 
 def user_functions(workspace: Workspace, events: Sequence[Event]) -> tuple[UserFunction, ...]:
-    """Return the functions of a user's that a run asks, compiled by the user or not.
+    """Return the users' functions that a run calls, compiled or not.
 
     Args:
-        workspace: What the run works on.
-        events: What it looks for.
+        workspace: Workspace of the run.
+        events: Users' events.
     """
     return (*_of_elements(workspace), *_of_joints(workspace), *_of_events(workspace, events))
 
@@ -347,35 +351,35 @@ def _of_elements(workspace: Workspace) -> Iterator[UserFunction]:
             yield LinkFunction(one, workspace)
         if not isinstance(one.element, Element):
             continue
-        asked = one.element.asked(one.label, system.slides(one.element.joint))
-        for function, (_, own, count) in zip(asked, one.element.functions, strict=True):
+        functions = one.element.asked(one.label, system.slides(one.element.joint))
+        for function, (_, own, count) in zip(functions, one.element.functions, strict=True):
             called = CompiledFunction(function, own, count, one.block)
             yield _NumberFunction(function, _motion_of(workspace, one.block, count), called)
 
 
 def _motion_of(workspace: Workspace, block: int, count: int) -> Callable[[float, Array], Any]:
-    """Return what gives time, angle and rate of an element's joint, the first so many; None if it is off."""
+    """Return a function for time, angle and rate of an element's joint; None if off."""
     program, nq = workspace.program, workspace.model.nq
     on = program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)["on"]
 
-    def asked(t: float, y: Array) -> tuple[float, ...] | None:
+    def inputs_at(t: float, y: Array) -> tuple[float, ...] | None:
         if on[0] == 0.0:
             return None
         angle, rate, _, _ = kernels.joint_motion(program, block, y, nq)
         return (t, float(angle), float(rate))[:count]
 
-    return asked
+    return inputs_at
 
 
 def _of_joints(workspace: Workspace) -> Iterator[UserFunction]:
     row = 0
     for number, joint in enumerate(workspace.system.clearances):
-        seen = set()
+        checked = set()
         for k, law in enumerate(joint.normal_laws):
-            if id(law) not in seen and (isinstance(law, CustomNormal) or not has_code(law)):
-                seen.add(id(law))
+            if id(law) not in checked and (isinstance(law, CustomNormal) or not has_code(law)):
+                checked.add(id(law))
                 rows = [row + i for i, other in enumerate(joint.normal_laws) if other is law]
-                # A thousandth of what it may be pressed to, at the slowest approach that it is told of.
+                # A thousandth of the depth limit, at the slowest approach speed.
                 first = 1e-3 * joint.depth_limits[k], 0.0, joint.approach_speed_floor
                 block = workspace.system.clearance_blocks[joint.name]
                 yield from _of_law(joint.law_names[k], law, rows, workspace, block, first)
@@ -397,12 +401,14 @@ def _of_law(
 ) -> Iterator[UserFunction]:
     for function, (_, own, words) in zip(functions_of_law(law, name), normal_questions(law), strict=True):
         count = len(words)
-        asked = _depth_of(workspace, rows, range_of(law), count)
-        yield _NumberFunction(function, asked, CompiledFunction(function, own, count, block), first[:count])
+        inputs_at = _depth_of(workspace, rows, range_of(law), count)
+        yield _NumberFunction(
+            function, inputs_at, CompiledFunction(function, own, count, block), first[:count]
+        )
 
 
 def _deepest(workspace: Workspace, rows: Sequence[int]) -> int:
-    """Return the row of some that touches and is the deepest at the last evaluation; -1 if none is."""
+    """Return the row of the deepest touching contact at the last evaluation; -1 if none."""
     gaps = [(float(workspace.table[k].gap), k) for k in rows if workspace.memory[k].touching]
     gap, row = min(gaps, default=(0.0, -1))
     return row if gap < 0.0 else -1
@@ -411,9 +417,9 @@ def _deepest(workspace: Workspace, rows: Sequence[int]) -> int:
 def _depth_of(
     workspace: Workspace, rows: Sequence[int], limit: float, count: int
 ) -> Callable[[float, Array], Any]:
-    """Return what gives depth, rate and approach speed of a contact, the first so many; None if apart."""
+    """Return a function for depth, rate and approach speed of a contact; None if apart."""
 
-    def asked(t: float, y: Array) -> tuple[float, ...] | None:
+    def inputs_at(t: float, y: Array) -> tuple[float, ...] | None:
         row = _deepest(workspace, rows)
         if row < 0:
             return None
@@ -421,108 +427,115 @@ def _depth_of(
         depth = min(-float(contact.gap), limit)
         return (depth, float(contact.rate), float(memory.approach_speed))[:count]
 
-    return asked
+    return inputs_at
 
 
 def _slip_of(workspace: Workspace, rows: Sequence[int]) -> Callable[[float, Array], Any]:
-    """Return what gives the slip speed of a contact; None if none slips."""
+    """Return a function for the slip speed of a contact; None if none slips."""
 
-    def asked(t: float, y: Array) -> tuple[float, ...] | None:
+    def inputs_at(t: float, y: Array) -> tuple[float, ...] | None:
         row = _deepest(workspace, rows)
         speed = 0.0 if row < 0 else float(np.linalg.norm(workspace.table[row].slip))
         return (speed,) if speed > 0.0 else None
 
-    return asked
+    return inputs_at
 
 
 def _of_events(workspace: Workspace, events: Sequence[Event]) -> Iterator[UserFunction]:
     for event in events:
         if is_known(event):
             continue
-        yield from (_EventFunction(function, workspace) for function in event.asked() if function is not None)
+        yield from (
+            _EventFunction(function, workspace) for function in event.functions() if function is not None
+        )
 
 
 # --- repeatability ------------------------------------------------------------------------------------------
 
-_LOOKS_AT_FIRST = 32  # states, one after the other
-_EVALUATIONS = 192  # of the run from one look to the next: each asks three times, 1.6 % of what the run asks
-_AGES = 8  # questions kept besides the first: of ages 1, 2, 4, ... looks
+_LOOKS_AT_FIRST = 32  # consecutive states
+_EVALUATIONS = 192  # of the run between two checks: three calls each, 1.6 % of the run's
+_AGES = 8  # calls stored besides the first: of ages 1, 2, 4, ... checks
 
 
 class _FunctionHistory:
-    """One function, with questions of several ages and its answers to them."""
+    """One function, with arguments of several ages and the results."""
 
-    def __init__(self, asked: UserFunction) -> None:
-        self._asked = asked
+    def __init__(self, function: UserFunction) -> None:
+        self._function = function
         self._looks = 0
         self._first: tuple[Any, tuple[float, ...]] | None = None
         self._kept: dict[int, tuple[Any, tuple[float, ...]]] = {}
         self._last = -1
 
     def check(self, t: float, y: Array) -> str:
-        """Ask two questions again and a new one; return what is wrong in words."""
+        """Repeat two calls and make a new one; return the contradiction as text."""
         words = self._again(self._older()) or self._again(self._kept.get(self._last))
-        question = None if words else self._asked.question(t, y)
-        if question is None and self._first is None:
-            question = self._asked.first
-        if question is not None:
+        inputs = None if words else self._function.inputs_at(t, y)
+        if inputs is None and self._first is None:
+            inputs = self._function.first
+        if inputs is not None:
             self._looks += 1
             self._last = min((self._looks & -self._looks).bit_length() - 1, _AGES - 1)
-            self._kept[self._last] = question, self._asked.answer(question)
+            self._kept[self._last] = inputs, self._function.evaluate(inputs)
             self._first = self._first or self._kept[self._last]
         return words
 
     def _older(self) -> tuple[Any, tuple[float, ...]] | None:
-        """Return the first question, or one of another age, in turn."""
+        """Return the first call, or one of another age, in turn."""
         kept = [self._first, *self._kept.values()]
         return kept[self._looks % len(kept)]
 
     def again(self) -> str:
-        """Ask all again; return what is wrong in words."""
+        """Repeat all calls; return the contradiction as text."""
         return next((words for one in (self._first, *self._kept.values()) if (words := self._again(one))), "")
 
     def _again(self, one: tuple[Any, tuple[float, ...]] | None) -> str:
         if one is None:
             return ""
-        question, before = one
-        now = self._asked.answer(question)
-        if not self._asked.differ(before, now):
+        inputs, before = one
+        now = self._function.evaluate(inputs)
+        if not self._function.differs(before, now):
             return ""
-        k = next(k for k in range(len(now)) if self._asked.differ(before[k : k + 1], now[k : k + 1]))
-        told = self._asked.told(question)
-        return f", {self._asked.name} of {told} gave {before[k]:.12g} and then {now[k]:.12g}"
+        k = next(k for k in range(len(now)) if self._function.differs(before[k : k + 1], now[k : k + 1]))
+        described = self._function.text(inputs)
+        return f", {self._function.name} of {described} gave {before[k]:.12g} and then {now[k]:.12g}"
 
 
 class RepeatabilityCheck:
-    """Asks again what a run's functions of a user's were asked before.
+    """Repeated calls of a run's user functions with earlier arguments.
+
+    A run calls functions out of order: in stages of a step, in rejected and repeated steps, in dense output,
+    for samples. A function with memory, of chance or of the clock returns different values each time, and
+    error control, located events and the path between states become meaningless. Calls at earlier states are
+    therefore repeated now and then, with all other calls of the run in between.
 
     Args:
-        workspace: What the run works on.
-        events: What it looks for.
+        workspace: Workspace of the run.
+        events: Users' events.
     """
 
     def __init__(self, workspace: Workspace, events: Sequence[Event]) -> None:
-        """Begin without a question."""
-        #: What it asks.
-        self.asked = user_functions(workspace, events)
-        self._functions = [_FunctionHistory(asked) for asked in self.asked]
+        """Begin without a call."""
+        #: Functions to check.
+        self.functions = user_functions(workspace, events)
+        self._histories = [_FunctionHistory(one) for one in self.functions]
         self._at_first = _LOOKS_AT_FIRST
         self._next = 0
 
     def check(self, t: float, y: Array, evaluations: int) -> str:
-        """Ask at a state that the run has come to, if it is time to; return what is wrong in words.
+        """Repeat calls at a state of the run, if due; return the contradiction as text.
 
         Args:
             t: Time [s].
             y: State [q, v, x].
-            evaluations: That the run has made so far.
+            evaluations: Evaluations of the run so far.
         """
-        if not self._functions or (self._at_first <= 0 and evaluations < self._next):
+        if not self._histories or (self._at_first <= 0 and evaluations < self._next):
             return ""
         self._at_first -= 1
         self._next = evaluations + _EVALUATIONS
-        return next((words for one in self._functions if (words := one.check(t, y))), "")
+        return next((words for one in self._histories if (words := one.check(t, y))), "")
 
     def end(self) -> str:
-        """Ask all again, when the run has made its last step; return what is wrong in words."""
-        return next((words for one in self._functions if (words := one.again())), "")
+        """Repeat all calls after the last step; return the contradiction as text."""
+        return next((words for one in self._histories if (words := one.again())), "")

@@ -74,7 +74,7 @@ _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"both": 0, "rising": 1, "falling": 
 
 
 def settings_of(scenario: Scenario) -> RunSettings:
-    """Return how a scenario is to be integrated and sampled."""
+    """Return the settings of integration and sampling of a scenario."""
     output = scenario.output
     settings: RunSettings = scenario.integrator.build(
         output_rate=output.rate, output_times=output.times, output_form=output.form
@@ -83,7 +83,7 @@ def settings_of(scenario: Scenario) -> RunSettings:
 
 
 def as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scenario:
-    """Return the scenario with what was given beside it, so that the result tells how to repeat it."""
+    """Return the scenario with the given settings, so that the result can be repeated."""
     changes: dict[str, Any] = {}
     planned = settings_of(scenario)
     for name, place in (("", "integrator"), ("scales", "integrator.scales")):
@@ -101,7 +101,7 @@ def as_run(scenario: Scenario, duration: float, settings: RunSettings) -> Scenar
 
 
 def events_of(scenario: Scenario) -> tuple[Event, ...]:
-    """Return the events that a scenario looks for."""
+    """Return the events of a scenario."""
     return tuple(
         Event(
             name=name,
@@ -129,10 +129,10 @@ def controllers_of(scenario: Scenario) -> dict[str, Controller]:
 def merged_controllers(
     own: Mapping[str, Controller], given: Mapping[str, Controller]
 ) -> dict[str, Controller]:
-    """Return a scenario's controllers and those that are given beside it.
+    """Return a scenario's controllers together with further ones.
 
     Raises:
-        InvalidParameterError: Two have one name.
+        InvalidParameterError: Two controllers have one name.
     """
     for name in given:
         if name in own:
@@ -142,17 +142,17 @@ def merged_controllers(
 
 
 def check_without_controllers(place: str, scenario: Scenario) -> None:
-    """Refuse a scenario with controllers, where a state must be all that the motion after it depends on.
+    """Refuse a scenario with controllers, for uses in which the state alone determines the motion.
 
     Raises:
-        InvalidParameterError: It has some.
+        InvalidParameterError: The scenario has controllers.
     """
     if scenario.controllers:
         rule = "without [controllers], whose memory is no part of its states; have a pd drive follow a course"
         raise InvalidParameterError(place, "scenario", rule, said=", ".join(scenario.controllers))
 
 
-# What is looked for, by the kind of an event's table.
+# Conditions by the kind of an event's table.
 _CONDITIONS: Mapping[str, Callable[[Any], Condition]] = {
     "angle": lambda table: Angle(table.joint, table.value),
     "rate": lambda table: Rate(table.joint, table.value),
@@ -163,7 +163,7 @@ _CONDITIONS: Mapping[str, Callable[[Any], Condition]] = {
         ElementChange(table.of, table.change, table.side) if _is_element(table) else _of_contact(table)
     ),
 }
-# Of a contact, by the way of its gap through zero.
+# Changes of a contact by the direction of its gap through zero.
 _OF_CONTACTS = {"touch": "falling", "lift-off": "rising"}
 
 
@@ -200,13 +200,13 @@ def _actions(scenario: Scenario, name: str) -> Action | tuple[Mark | Stop | Set,
 
 
 def check_sizes(system: System, state: State, place: str = "simulate", name: str = "start") -> None:
-    """Refuse a state that no run leaves, or that is not one of this system.
+    """Refuse a state that no run leaves, or that is of another system.
 
     Args:
         system: The system.
-        state: To go on from.
-        place: Function that is passed it, for the message.
-        name: Of its argument.
+        state: State from which to continue.
+        place: Function that receives the state, for the message.
+        name: Name of its argument.
     """
     if not isinstance(state, State):
         raise InvalidParameterError(place, name, "a State", type(state).__name__)
@@ -223,7 +223,7 @@ def check_sizes(system: System, state: State, place: str = "simulate", name: str
 
 
 def check_start(system: System, y: np.ndarray) -> None:
-    """Refuse an initial pose that the parts cannot have, or in which a joint moves without any inertia."""
+    """Refuse an impossible initial pose, or a joint that moves without any inertia."""
     system.check_pose(y[: system.model.nq], "initial pose")
     first_modes(system, y)
     check_begins(system, y)
@@ -256,7 +256,7 @@ def check_start(system: System, y: np.ndarray) -> None:
 
 
 def check_lengths(system: System, y: np.ndarray) -> None:
-    """Refuse a start in which a spring between points that coincide has no direction."""
+    """Refuse a start in which a spring between coincident points has no direction."""
     if not system.point_springs:
         return
     workspace = Workspace(system)
@@ -265,16 +265,16 @@ def check_lengths(system: System, y: np.ndarray) -> None:
 
 
 def check_spans(system: System, begin: float, end: float) -> None:
-    """Refuse a run that goes beyond the times that an element knows of."""
+    """Refuse a run beyond the times that an element covers."""
     for one in acting_in(system):
         one.element.check_span(one.label, begin, end)
 
 
 def check_events(events: Sequence[Event], system: System, y: ArrayLike) -> None:
-    """Refuse events that do not fit a system, by asking each in its initial state [q, v, x].
+    """Refuse events that do not fit a system, by evaluating each in its initial state [q, v, x].
 
     Raises:
-        AntennaPinError: Names that there are not, places that cannot be set, a function without an answer.
+        AntennaPinError: Unknown names, places that cannot be set, a function without a valid value.
     """
     names = [event.name for event in events]
     if len(set(names)) != len(names):
@@ -290,7 +290,7 @@ def check_events(events: Sequence[Event], system: System, y: ArrayLike) -> None:
             moment.contact_number(event.when.contact)
         if isinstance(event.when, ElementChange):
             event.when.check(f"event {event.name!r}", system)
-        for function in event.asked():
+        for function in event.functions():
             if function is not None:
                 function(moment)
         for action in event.actions:
@@ -302,7 +302,7 @@ def check_events(events: Sequence[Event], system: System, y: ArrayLike) -> None:
 
 
 class RunStart(NamedTuple):
-    """Where a run starts, as its user gives it (:func:`simulate`)."""
+    """Start of a run as its user gives it (:func:`simulate`)."""
 
     q: ArrayLike | None = None
     v: ArrayLike | None = None
@@ -310,7 +310,7 @@ class RunStart(NamedTuple):
     start: State | None = None
 
     def told(self, scenario: Scenario | None) -> str:
-        """Return where from, in words; empty if from where the scenario starts, or without one."""
+        """Return the origin of the start as text; empty for a scenario's own start."""
         if self.start is not None:
             return f"another run's state at {self.start.reached:.12g} s: the first sample"
         own = scenario is None or (self.q is None and self.v is None)
@@ -318,17 +318,17 @@ class RunStart(NamedTuple):
 
 
 class PreparedRun(NamedTuple):
-    """What a run is made of, all of it looked at.
+    """Checked inputs of a run.
 
     Attributes:
-        system: What is run.
-        scenario: What it came from; None for a system built in Python.
-        settings: How it is integrated and sampled.
-        events: What is looked for.
-        controllers: What commands it, by name.
-        begin: From when on it records [s].
-        span: How long it is to be [s]; None where nobody has said.
-        first: A state that a run left, or the first one as [q, v, x].
+        system: System to run.
+        scenario: Scenario; None for a system built in Python.
+        settings: Settings of integration and sampling.
+        events: Events of the scenario and the user.
+        controllers: Controllers, by name.
+        begin: Time from which the run records [s].
+        span: Duration [s]; None if open.
+        first: State left by a run, or initial state [q, v, x].
     """
 
     system: System
@@ -351,17 +351,17 @@ def prepared(
     begin: float | None = None,
     controllers: Mapping[str, Controller] = MappingProxyType({}),
 ) -> PreparedRun:
-    """Return what a run is made of, or refuse it before any work.
+    """Return the checked inputs of a run, or refuse them before any work.
 
     Args:
-        place: Who asks, for messages.
-        model: What to run.
-        given: Where it starts.
-        settings: Integration and sampling; the scenario's, or the defaults.
-        events: What to look for beside the scenario's own.
-        duration: Time span [s]; the scenario's if not given.
-        begin: From when on it records, if not from where it starts [s].
-        controllers: What commands it beside the scenario's own.
+        place: Calling function, for messages.
+        model: Scenario or system.
+        given: Start of the run.
+        settings: Settings of integration and sampling; by default the scenario's.
+        events: Events besides the scenario's.
+        duration: Duration [s]; by default the scenario's.
+        begin: Time from which the run records; by default its start [s].
+        controllers: Controllers besides the scenario's.
 
     Raises:
         AntennaPinError: The input is not valid.
@@ -413,7 +413,7 @@ def prepared(
     if span is not None:
         check_motions(system, y, here, begin + span)
     check_events(events, system, y)
-    if start is None:  # else numbers may be others by now: the run itself tells
+    if start is None:  # else numbers may have changed: the run itself refuses
         check_sets(events, system, y)
     check_controllers(controllers, system)
     return PreparedRun(system, scenario, used, tuple(events), controllers, begin, span, first)
@@ -423,7 +423,7 @@ def check_scenario(scenario: Scenario) -> None:
     """Refuse a scenario that :func:`simulate` would refuse, without a step.
 
     Raises:
-        AntennaPinError: As it would say.
+        AntennaPinError: The scenario is not valid.
     """
     system = build_system(scenario)
     q, v = initial_state(scenario, system)
@@ -445,7 +445,7 @@ def check_scenario(scenario: Scenario) -> None:
 def _check_settings(
     place: str, used: RunSettings, begin: float, end: float, scenario: Scenario | None
 ) -> None:
-    """Refuse settings that do not fit a run's times, by the keys of the scenario that they come from."""
+    """Refuse settings that do not fit a run's times, naming the scenario's keys."""
     try:
         used.check_span(begin, end)
     except InvalidParameterError as error:

@@ -1,6 +1,6 @@
-r"""The audit of a run: does its ledger of energy close, and is its momentum kept?
+r"""Audit of a run: closure of the energy ledger, conservation of momentum.
 
-An error of the balance is *explained* where it is at most
+An error of the balance is *explained* if it is at most
 
 .. math:: \min[r\,(300 + \kappa N)\,(E + S),\, E / 10] + r^2 (300 + \kappa N)\,T + (100 + N)\,\epsilon\,E_0
 
@@ -9,10 +9,10 @@ with the relative tolerance r of a step and N accepted steps.
 - E is the largest over the run of the gross work of drives and forces, the kinetic energy and the stored
   energy, that of gravity and of central forces counted from the start.
 - :math:`\kappa` is the part of its tolerance that a step adds to the error in the mean (``GROWTH``).
-- S is what velocities that are wrong by their error scales amount to, :math:`\max_t \sum_i M_{ii} |v_i| s_i`
-  with the inertia at the start: what moves far below its scale is hardly controlled.
+- S is the energy of velocities wrong by their error scales, :math:`\max_t \sum_i M_{ii} |v_i| s_i`
+  with the inertia at the start: motion far below its scale is hardly controlled.
 - T is the energy of a motion as large as its scales, of velocity and of position,
-  :math:`\sum_i \tfrac12 (M_{ii} s_i^2 + k_i p_i^2)`: what moves within the tolerance is not controlled.
+  :math:`\sum_i \tfrac12 (M_{ii} s_i^2 + k_i p_i^2)`: motion within the tolerance is not controlled.
   :math:`k_i` is the stiffness that the largest displacement :math:`d_i` shows, the largest
   :math:`M_{ii} |a_i| / d_i`, at most :math:`2 E / d_i^2`.
 - The last term is round-off: :math:`E_0` is the largest number in the ledger, or the energy of a motion at
@@ -20,7 +20,7 @@ with the relative tolerance r of a step and N accepted steps.
 
 Of momentum E and :math:`E_0` are the largest sum of magnitudes over the bodies and the largest momentum, with
 the momentum of the base at its scales, of angular momentum also the linear one times the distance to the
-origin; S and T are zero. Of a run whose events let the state jump nothing is asked of momentum.
+origin; S and T are zero. A run whose events let the state jump need not conserve momentum.
 """
 
 from __future__ import annotations
@@ -46,15 +46,15 @@ Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 
 
-# --- where the ledger of a run opened: the first sample, what happened there, and what changed most ---
+# --- place at which the ledger opened: first sample, events there, largest changes ---
 
 
 class Opening(NamedTuple):
-    """A ledger that does not close.
+    """Ledger that does not close.
 
     Attributes:
-        time: Of the first sample whose error is not explained [s].
-        text: Which ledger, by how much it is off, and the events at that sample.
+        time: Time of the first sample with an unexplained error [s].
+        text: Ledger, error, and events at that sample.
     """
 
     time: float
@@ -62,12 +62,12 @@ class Opening(NamedTuple):
 
 
 class FirstExcess(NamedTuple):
-    """The first sample at which an error is larger than explained.
+    """First sample with an error larger than explained.
 
     Attributes:
-        time: Of the sample [s].
-        before: Of the sample before; NaN if there is none [s].
-        error: In its unit.
+        time: Time of the sample [s].
+        before: Time of the previous sample; NaN without one [s].
+        error: Error, in its unit.
         movers: Numbers of the coordinate and of the element that changed most since the sample before; -1
             for none.
     """
@@ -79,7 +79,7 @@ class FirstExcess(NamedTuple):
 
 
 class ErrorTrail:
-    """Samples at which an error grew beyond all before, and beyond what was known to be explained then."""
+    """Samples at which an error exceeds all earlier ones and the bound known then."""
 
     def __init__(self) -> None:
         """Begin without a sample."""
@@ -87,7 +87,7 @@ class ErrorTrail:
         self._largest = 0.0
 
     def add(self, times: Array, before: Array, errors: Array, least: float, movers: NDArray[np.intp]) -> None:
-        """Keep of a block what grew beyond all before and beyond ``least``."""
+        """Keep the samples of a block whose error exceeds all earlier ones and ``least``."""
         so_far = np.fmax.accumulate(np.concatenate([[max(self._largest, least)], errors]))
         grown = errors > so_far[:-1]
         self._largest = max(self._largest, float(np.fmax.reduce(errors, initial=0.0)))
@@ -105,12 +105,12 @@ class ErrorTrail:
         return None
 
 
-# Events that are named where a ledger opens.
+# Events in the message of an opening.
 _MOST = 4
 
 
 def events_between(run: Run, before: float, time: float) -> str:
-    """Return what happened from one sample to the next, in words: events, changes of elements, contacts."""
+    """Return the events, changes of elements and contacts between two samples, as text."""
     found = list(dict.fromkeys(_events(run, before, time)))
     more = f" and {len(found) - _MOST} more" if len(found) > _MOST else ""
     return (", ".join(found[:_MOST]) or "no event") + more
@@ -118,7 +118,7 @@ def events_between(run: Run, before: float, time: float) -> str:
 
 def _events(run: Run, before: float, time: float) -> Iterator[str]:
 
-    # An instant may have two samples, one before and one after what happens at it.
+    # An event may have two samples, before and after it.
     def here(when: float) -> bool:
         return (math.isnan(before) or when >= before) and when <= time
 
@@ -136,7 +136,7 @@ def _events(run: Run, before: float, time: float) -> Iterator[str]:
             yield f"contact {name} ends"
 
 
-# Entries of the ledger that elements have, by the dimension of their names, and what stands before those.
+# Entries of elements in the ledger, by the dimension of their names, with prefixes of the names.
 _OWNERS = (
     ("drive", "drives.", ("drive_work",)),
     ("force", "forces.", ("force_work", "force_loss", "force_energy")),
@@ -148,7 +148,7 @@ _OWNERS = (
 
 
 def entries_of(values: Values, labels: Mapping[str, Any]) -> tuple[list[str], list[Array]]:
-    """Return elements with the entries that they have in the ledger, (n,) [J]; one may be named twice."""
+    """Return elements with their entries in the ledger, (n,) [J]; names may repeat."""
     springs = values["spring_energy"] - values["element_energy"].sum(axis=1)
     names, columns = ["springs", "energy in contacts"], [springs, values["contact_energy"]]
     for dim, before, of in _OWNERS:
@@ -166,7 +166,7 @@ GROWTH = {
     "dormand-prince-853": 0.2,
     "radau5": 0.2,
 }
-#: Of fixed steps, whose error nobody has asked for: relative error that counts as closed [-].
+#: Relative error with fixed steps, which have no tolerance, that counts as closed [-].
 FIXED_STEP = 1e-2
 #: Share of the scale beyond which no tolerance explains an error [-].
 MOST = 0.1
@@ -174,7 +174,7 @@ MOST = 0.1
 _BESIDES = 300.0
 # Roundings of the ledger's largest number, besides one of each step.
 _ROUNDINGS = 100.0
-# Samples of a block at which it is looked how far coordinates are.
+# Samples of a block at which displacements of coordinates are evaluated.
 _PLACES = 64
 
 # Series of energies, works and losses, whose round-off is the ledger's.
@@ -187,7 +187,7 @@ _MOMENTA = {"linear": "kg m/s", "angular": "kg m^2/s"}
 
 
 class Audit:
-    """Errors of a run's energy and momentum, block by block, and the bounds of what explains them.
+    """Errors of a run's energy and momentum, block by block, and their explained bounds.
 
     Args:
         run: The run.
@@ -208,7 +208,7 @@ class Audit:
     # --- block by block -------------------------------------------------------------------------------------
 
     def add(self, block: SampleBlock, values: Values, labels: Mapping[str, Any]) -> None:
-        """Take up a block of samples.
+        """Add a block of samples.
 
         Args:
             block: The samples.
@@ -249,7 +249,7 @@ class Audit:
         self._last = float(times[-1])
 
     def _begin(self, block: SampleBlock, gravity: float, kept: float) -> None:
-        """Keep what the ledger starts from, and what velocities count at their error scales."""
+        """Store the start of the ledger, and the weights of velocities at their error scales."""
         system = self._run.system
         model, nv = system.model, system.model.nv
         scales = self._run.stepper.scales
@@ -268,7 +268,7 @@ class Audit:
         }
 
     def _extend(self, block: SampleBlock, accelerations: Array) -> None:
-        """Take up how far coordinates went, at some samples, and how sharply they were accelerated."""
+        """Update the largest displacements and accelerations of the coordinates."""
         start, model = self._start, self._run.system.model
         for q in block.q[:: max(len(block.q) // _PLACES, 1)]:
             way = pin.difference(model, start["q"], np.ascontiguousarray(q))
@@ -280,7 +280,7 @@ class Audit:
             self._most[name] = float(np.fmax(self._most[name], of.max(initial=0.0)))
 
     def _movers(self, block: SampleBlock, values: Values, labels: Mapping[str, Any]) -> NDArray[np.intp]:
-        """Return which coordinate and which element changed most since the sample before, -1 for none.
+        """Return the coordinate and the element that changed most at each sample, -1 for none.
 
         A coordinate by the kinetic energy of its change, an element by its largest entry.
         """
@@ -303,7 +303,7 @@ class Audit:
 
     @property
     def scale(self) -> tuple[float, str]:
-        """The energy that an error counts against [J], and what it is."""
+        """Reference energy of an error [J], and its name."""
         most = self._most
         return max(
             (most["gross"], "gross work of the drives"),
@@ -342,23 +342,23 @@ class Audit:
 
     @property
     def _least(self) -> float:
-        """The energy of all that moves at its scales [J]."""
+        """Energy of all motion at its error scales [J]."""
         start, energy = self._start, self.scale[0]
         position, velocity = start["scales"]
         stiffness = np.zeros_like(position)
         moved = start["farthest"] > np.finfo(float).eps * position
         way = start["farthest"][moved]
-        with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is told by the outcome
+        with np.errstate(over="ignore", invalid="ignore"):  # reported by the outcome
             by_force = start["inertia"][moved] * start["sharpest"][moved] / way
             stiffness[moved] = np.fmin(by_force, 2.0 * energy / way / way)
             return float(0.5 * (start["inertia"] * velocity**2 + stiffness * position**2).sum())
 
     def energy_bound(self) -> float:
-        """Return the error of the balance that is explained [J]."""
+        """Return the explained error of the balance [J]."""
         return self._explained(self.scale[0], self._most["slip"], self._least) + self.round_off
 
     def momentum_bound(self, name: str) -> float:
-        """Return the drift of momentum that is explained [kg m/s], [kg m^2/s].
+        """Return the explained drift of momentum [kg m/s], [kg m^2/s].
 
         Args:
             name: ``linear`` or ``angular``.
@@ -373,11 +373,11 @@ class Audit:
 
     @property
     def at_rest(self) -> bool:
-        """Whether all that moves is round-off of the energies that there are."""
+        """Whether all motion is round-off of the energies present."""
         return not self._most["kinetic"] > self.round_off
 
     def conservation(self) -> dict[str, Any]:
-        """Return how well what must be kept was kept, relative to scales that do not pass through zero."""
+        """Return the errors of the conserved quantities, relative to non-vanishing scales."""
         most = self._most
         scale, of = self.scale
         error = most["energy_error"]
@@ -401,7 +401,7 @@ class Audit:
         return found
 
     def opening(self) -> Opening | None:
-        """Return where and by how much the ledger opened first; None if it closes, or nobody is to look."""
+        """Return place and size of the first opening; None if the ledger closes or is unchecked."""
         if not self._run.settings.ledger_alarm:
             return None
         found = []

@@ -59,11 +59,11 @@ _INTERVAL = 0.1  # [s] of wall time between reports
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Where a run is.
+    """Progress of a run.
 
     Attributes:
-        time: Simulated so far [s].
-        end: To be simulated [s].
+        time: Simulated time [s].
+        end: End of the run [s].
         step: Size of the last step [s].
         steps: Steps accepted.
         wall: Wall time so far [s].
@@ -77,39 +77,39 @@ class Progress:
 
 
 class RunObserver(Protocol):
-    """What keeps a run's record, and so much of it that it can be taken up."""
+    """Observer of a run between its batches of steps."""
 
     def observe(self, run: Any) -> None:
-        """See a run between two steps."""
+        """Inspect the run between two steps."""
 
     def end(self, run: Any) -> None:
-        """See it after its last step, before its record is completed."""
+        """Inspect the run after its last step, before its record is completed."""
 
 
 class StepListener(Protocol):
-    """What is told of things to come in a run, before it comes to them."""
+    """Listener to steps that a run is about to make."""
 
     def step(self) -> None:
-        """Hear that a step is made, and more are to come."""
+        """Handle the end of a batch of steps that is not the last."""
 
     def end(self) -> State:
-        """Hear that the next step is the first that the run's end cuts; return the state there."""
+        """Handle the first step that the run's end cuts; return the state before it."""
 
     def events(self, ahead: Sequence[Sequence[Any]]) -> None:
-        """Hear which events are in the step that was tried: as they come, those at one instant together."""
+        """Handle the events in the trial step, coincident ones together."""
 
 
 class ProgressReporter:
-    """Tells of a run's progress now and then.
+    """Reports of a run's progress, at intervals of wall time.
 
     Args:
-        progress: Whom; None for nobody.
-        end: Of the run [s].
-        before: Wall time that it took already [s].
+        progress: Callback of reports; None for none.
+        end: End of the run [s].
+        before: Wall time of the run so far [s].
     """
 
     def __init__(self, progress: Callable[[Progress], None] | None, end: float, before: float = 0.0) -> None:
-        """Begin to take the time."""
+        """Start the clock."""
         self._progress = progress
         self._end = end
         self._told = time.perf_counter()
@@ -121,7 +121,7 @@ class ProgressReporter:
         return time.perf_counter() - self._began
 
     def __call__(self, t: float, h: float, accepted: int, *, last: bool = False) -> None:
-        """Tell that the run is at t [s], with steps of h [s] and so many made, if it is time to."""
+        """Report time [s], step size [s] and accepted steps, if a report is due."""
         if self._progress is None:
             return
         now = time.perf_counter()
@@ -140,19 +140,19 @@ class ProgressReporter:
 
 
 class Run:
-    """One run of a system from an initial state.
+    """Run of a system from an initial state.
 
     Args:
         system: The system; its contact memory is set from the initial state.
-        start: A state that a run left, or the first one as [q, v, x] (:meth:`System.state`), at time zero,
+        start: State left by a run, or the initial one as [q, v, x] (:meth:`System.state`), at time zero,
             whose contacts touch by the rule of :func:`antenna_pin.dynamics.contact_memory`.
         end: Time at which the run ends [s].
-        settings: How to integrate and sample.
-        events: What to look for besides contacts.
-        since: From when on it records [s]; when ``start`` was reached, if not given.
-        singly: Whether what keeps it looks at it after each step.
-        logged: Whether that looks where contacts change and events happen, at the steps up to there.
-        controllers: That command it, by name.
+        settings: Settings of integration and sampling.
+        events: Users' events.
+        since: Time from which the run records [s]; by default the time of ``start``.
+        singly: Whether a batch ends after each step.
+        logged: Whether steps are logged, and a batch ends at each change of contact and event.
+        controllers: Controllers, by name.
     """
 
     def __init__(
@@ -167,18 +167,18 @@ class Run:
         logged: bool = False,
         controllers: Mapping[str, Controller] = MappingProxyType({}),
     ) -> None:
-        """Prepare the stepper, the search of its steps, and the contacts that touch at the start."""
+        """Prepare the stepper, the search of its steps, and the initial contacts."""
         self.system, self.settings = system, settings
         self.workspace = Workspace(system)
         self.duration = end
-        #: Told of the first step that the run's end cuts, before it is made, and of events that are foreseen.
+        #: Listener to the first step that the run's end cuts, before it is made, and to events ahead.
         self.listener: StepListener | None = None
-        #: From when on it records [s].
+        #: Time from which the run records [s].
         self.begin = since if since is not None else start.reached if isinstance(start, State) else 0.0
         method = method_named(settings.method)
         scales = scale_vector(system, settings.scales)
         self.stepper = stepper_of(self.workspace, method, scales, settings)
-        #: What happens later than this is recorded [s]; at the start of a run that goes on it was before.
+        #: Time after which events are recorded [s]; those at the start of a continued run were before.
         self.after = self.begin if isinstance(start, State) else math.nextafter(self.begin, -math.inf)
         self.control = StepControl(self.workspace, method, settings, self.begin, end)
         self.samples = Samples(self.workspace, settings.output_rate, settings.output_times, self.begin, end)
@@ -221,11 +221,11 @@ class Run:
         self.samples.add(0.0, self.here.copy())
         self.following = self.control.first
 
-    # --- what there is at the end ---------------------------------------------------------------------------
+    # --- results --------------------------------------------------------------------------------------------
 
     @property
     def state(self) -> State:
-        """The state that the run leaves: one to go on from."""
+        """State that the run leaves, from which another run can continue."""
         return self.left if self.left is not None else self.present()
 
     @property
@@ -234,7 +234,7 @@ class Run:
         return self.contacts.all
 
     def counts(self) -> Counts:
-        """Return what the run took so far."""
+        """Return the counts of steps and evaluations so far."""
         made = self.steps
         return Counts(made.accepted, made.rejected, made.relocated, self.stepper.evaluations, self.wall)
 
@@ -288,7 +288,7 @@ class Run:
 
     @property
     def here(self) -> Array:
-        """The present state [q, v, x]; a view."""
+        """Present state [q, v, x]; a view."""
         return np.asarray(self.stepper.start[: self.system.manifold.size])
 
     # --- stepping -------------------------------------------------------------------------------------------
@@ -299,11 +299,11 @@ class Run:
         interrupted: Callable[[], bool] = lambda: False,
         observer: RunObserver | None = None,
     ) -> None:
-        """Run to the end, or to what ends it earlier.
+        """Run to the end, or to an earlier stop.
 
         Args:
-            progress: Called now and then.
-            interrupted: Asked between steps.
+            progress: Callback of progress.
+            interrupted: Callback that requests an interrupt, called between batches of steps.
             observer: Called between batches of steps, and at the end.
         """
         report = ProgressReporter(progress, self.duration, self.wall)
@@ -323,7 +323,7 @@ class Run:
         report(self.stepper.t, self.steps.following, self.steps.accepted, last=True)
 
     def go_to(self, end: float, interrupted: Callable[[], bool] = lambda: False) -> None:
-        """Run up to a time [s], from which it may go on to another, or to what ends it earlier."""
+        """Run up to a time [s], from which the run may continue, or to an earlier stop."""
         clock = ProgressReporter(None, end, self.wall)
         self.duration = end
         self.control.move_end(end)
@@ -337,12 +337,12 @@ class Run:
                     self.listener.step()
 
     def judge(self) -> None:
-        """Look whether what the run has come to means nothing after all."""
+        """Check at the end whether the users' functions were repeatable."""
         with self.monitor.guarded(self._stop):
             self._stop(*self.monitor.end(self.outcome))
 
     def complete(self) -> None:
-        """Complete the record of a run that has come to its end."""
+        """Complete the record of a run that has reached its end."""
         self.left = dataclasses.replace(self.state, reached=self.stepper.t)
         self.contacts.close()
         self.samples.finish(self.stepper.t, self.here.copy())
@@ -351,12 +351,12 @@ class Run:
         self.message += _undetermined(self) + self.monitor.text(self.outcome)
 
     def obey(self, name: str, action: Set) -> None:
-        """Do at the present state what an event of this name would that happened here."""
+        """Carry out an action at the present state, recorded as an event of this name."""
         with self.monitor.guarded(self._stop), self._settling():
             self.actions.obey(name, action)
 
     def look_for(self, events: Sequence[Event], singly: bool) -> None:
-        """Look from now on for these events beside those that the system has; what is known of them stays."""
+        """Replace the users' events, keeping the discrete states of known ones."""
         known = self.watch.value()
         self.events = tuple(events)
         self.watch = EventWatch((*self.events, *own_events(self.system)), self.workspace, self.stepper)
@@ -370,7 +370,7 @@ class Run:
         self.watch.renew()
 
     def _batches(self, wall: Callable[[], float], interrupted: Callable[[], bool]) -> Iterator[None]:
-        """Make steps to the end, or to what ends the run earlier; yield between them."""
+        """Make steps to the end, or to an earlier stop; yield after each batch."""
         while self.stepper.t < self.duration and self.outcome is Outcome.COMPLETED:
             self._step()
             self.wall = wall()
@@ -379,13 +379,13 @@ class Run:
                 yield
 
     def _step(self) -> None:
-        """Make steps up to the end of one that is seen to here, or of a stretch."""
+        """Make a batch of steps, or one step up to its end."""
         self._handle(self.steps.go_on())
         while not self.steps.at_rest:
             self._handle(self.steps.finish_step())
 
     def _handle(self, reason: int) -> None:
-        """See to what the loop cannot."""
+        """Handle an interruption of the compiled loop."""
         if self.watch and (reason == kernels.MOVED_ON or self.steps.has_moved):
             self.watch.renew()
         if reason == kernels.CUT_BY_END:
@@ -397,7 +397,7 @@ class Run:
                 self.listener.events(self._ahead)
             self.steps.search_until(self._ahead[0][0].theta if self._ahead else 2.0)
         elif reason == kernels.EVENT:
-            self._happen(self._ahead)
+            self._carry_out(self._ahead)
         elif reason == kernels.MOVED_ON:
             self._due()
         elif reason == kernels.TOO_DEEP:
@@ -406,10 +406,10 @@ class Run:
             self.steps.rest()
             self._stop(*_no_step(self, reason))
 
-    def _happen(self, ahead: list[list[Crossing]]) -> None:
-        """Let events happen, one instant after the other, where they do.
+    def _carry_out(self, ahead: list[list[Crossing]]) -> None:
+        """Carry out the events ahead in the trial step, one time after the other.
 
-        Where those at one instant change nothing, those at the next were found with them: a step leads there.
+        If the events at one time change nothing, the next ones were located with them: a step leads there.
         """
         stepper, steps, watch = self.stepper, self.steps, self.watch
         begin, size = stepper.t, stepper.h
@@ -435,31 +435,31 @@ class Run:
             watch.renew()
 
     def _due(self) -> None:
-        """Let happen what is due at this time: events first, then controllers."""
+        """Carry out the events and then the controllers due at the present time."""
         self._act(self.watch.due())
         self.tick()
 
     def tick(self) -> None:
-        """Ask controllers whose instant has come, and let the next step that must end at one end there."""
+        """Call the controllers that are due, and let the next step end at their next sample time."""
         following, t = self.controllers.next, self.stepper.t
         if following is None or self.outcome is not Outcome.COMPLETED:
             return
         if following <= t:
             with self._settling():
-                self.controllers.happen(t, self.here)
+                self.controllers.update(t, self.here)
             following = self.controllers.next
         if following is not None:
             self.watch.tick = following
             self.control.end_next_at(t, following)
 
     def _act(self, crossings: list[Crossing]) -> None:
-        """Let all happen that does at this instant."""
+        """Carry out all events of the present time."""
         with self._settling():
             self.actions.take(crossings)
 
     @contextmanager
     def _settling(self) -> Iterator[None]:
-        """End the run where modes come to no end, a motion cannot be followed, or an event says so."""
+        """End the run on endless mode changes, on a motion that cannot be followed, or on request."""
         try:
             yield
             last, self.actions.ending = self.actions.ending, None
@@ -471,7 +471,7 @@ class Run:
             self._stop(Outcome.REFUSED, f", {error}")
 
     def _stop(self, outcome: Outcome | None, what: str = "") -> bool:
-        """End the run for a reason; return whether there is none."""
+        """End the run for a reason; return whether there is no reason."""
         if outcome is None:
             return True
         self.outcome, self.message = _message_of(self, outcome, what)
@@ -482,11 +482,11 @@ class Run:
 
 
 def _no_step(run: Run, reason: int) -> tuple[Outcome, str]:
-    """Return how a run ends whose step does not come about, and what is to be said of it.
+    """Return outcome and reason of a run whose step failed.
 
     Args:
-        run: The run.
-        reason: Why the loop came back.
+        run: Run.
+        reason: Reason by which the compiled loop returned.
     """
     tried, error, refused = run.steps.tried
     if reason == kernels.NO_WAY:
@@ -500,14 +500,14 @@ def _no_step(run: Run, reason: int) -> tuple[Outcome, str]:
 
 
 def _too_deep(run: Run) -> tuple[Outcome, str]:
-    """Return how a run ends whose contact has come to a limit of its depth, and what is to be said of it."""
+    """Return outcome and reason of a run whose contact has reached a depth limit."""
     c = run.steps.contact
     of_joint = run.search.reasons[c] == "maximum_depth"
     return (Outcome.TOO_DEEP if of_joint else Outcome.OUT_OF_LAW_RANGE), f", {run.search.depth_text(c)}"
 
 
 def _undetermined(run: Run) -> str:
-    """Return of which elements the load is not determined while their joint stands; "" if of none."""
+    """Return the elements whose load is indeterminate, as part of a message; "" if none."""
     names = [
         one.label
         for one in acting_in(run.system)
@@ -527,12 +527,12 @@ def _undetermined(run: Run) -> str:
 
 
 def _message_of(run: Run, outcome: Outcome, what: str) -> tuple[Outcome, str]:
-    """Return an outcome as it is once what a run was near to is known, and the message.
+    """Return the outcome, refined by known causes, and the message.
 
     Args:
-        run: The run.
-        outcome: How it ends.
-        what: What is to be said of that, from a comma on.
+        run: Run.
+        outcome: Outcome.
+        what: Details, from a comma on.
     """
     found = outcome
     if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL) and run.singular and run.singular.near:

@@ -56,13 +56,13 @@ Array = NDArray[np.float64]
 
 
 class ChangeResult(NamedTuple):
-    """A change of an element, as it meets its joint before, with the impulse that it takes.
+    """Change of an element, with the state of its joint before and the impulse.
 
     Attributes:
-        met: How it met its joint.
-        change: Of its mode.
+        met: State of the joint before the change.
+        change: Change of mode.
         loss: Energy that the impulse takes [J].
-        impulse: On the child [N m s] ([N s]).
+        impulse: Impulse on the child [N m s] ([N s]).
     """
 
     met: Met
@@ -72,19 +72,23 @@ class ChangeResult(NamedTuple):
 
 
 class Impacts:
-    """Makes the impulses of a run's elements.
+    """Impulses of a run's stops and latches.
+
+    All elements struck at one time are one problem (:func:`antenna_pin.dynamics.push_apart`). Joints that
+    rest on stops leave them where an impulse lifts them off; friction is finite, bears no impulse, and slips
+    if its joint moves afterwards.
 
     Args:
-        workspace: What the run works on.
-        adjustments: Its elements as they are.
+        workspace: Workspace of the run.
+        adjustments: Present elements of the run.
         acting: Elements with modes, by place.
 
     Attributes:
-        losses: Where in the state each books what is lost, by place.
+        losses: Places of the losses in the state, by element.
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]) -> None:
-        """Find where in the state what impulses take and do is booked."""
+        """Find the places of losses and works in the state."""
         self._workspace, self._adjustments, self._acting = workspace, adjustments, acting
         self._holds = [one.name for one in workspace.system.holds]
         at = workspace.model.nq + workspace.model.nv
@@ -97,14 +101,14 @@ class Impacts:
             for place, one in acting.items()
         }
         self._slots = {place: int(heads[place]["v"]) for place in acting}
-        #: Of each motion of the plan where its work and its gross work stand in a state.
+        #: Places in a state of the work and the gross work of each motion of the plan.
         self._works = [
             [at + one.x + Motion.integrals.index(which) for which in (WORK, GROSS_WORK)]
             for one in workspace.system.motions
         ]
 
     def taken(self, y: Array) -> float:
-        """Return what these elements have lost so far, but for works of motions [J]."""
+        """Return the losses of these elements so far, without works of motions [J]."""
         return float(sum(y[k] for k in self.losses.values()) - self.worked(y))
 
     def worked(self, y: Array) -> float:
@@ -119,17 +123,17 @@ class Impacts:
     def make(
         self, together: Mapping[str, ChangeResult], t: float, y: Array
     ) -> tuple[dict[str, ChangeResult], tuple[StruckElement, ...], bool]:
-        """Make impulses, all together; y is changed in place.
+        """Apply simultaneous impulses; y is changed in place.
 
         Args:
-            together: Stops that joints come to, or rigid latches that hold them by now, by place.
+            together: Stops that joints reach, or rigid latches that now hold them, by place.
             t: Time [s].
             y: State.
 
         Returns:
-            What becomes of elements, by place: of these, unless others keep their joint from its stop; of
-            those that joints rested on and leave; of friction that no longer sticks. Further those of which
-            impulses are, and whether none of these feels the others.
+            Changes of elements, by place: of these, unless others keep their joint from its stop; of stops
+            that a resting joint leaves; of friction that no longer sticks. Further the elements at which
+            impulses act, and whether these are independent.
         """
         ways = {
             place: -math.copysign(1.0, one.met.rate)
@@ -189,7 +193,7 @@ class Impacts:
         return results, tuple(struck), alone
 
     def _one_sided(self) -> tuple[dict[str, float], list[str]]:
-        """Return stops that joints rest on, with the way that each pushes, and what bears no impulse."""
+        """Return stops that carry a resting joint, with directions, and holds without impulse."""
         resting, loose = {}, []
         for place in self._holds:
             if place in self._acting and self._adjustments.holds(place):
@@ -208,26 +212,30 @@ class Impacts:
 
 # --- changes of mode ----------------------------------------------------------------------------------------
 
-# Changes at one instant, for each element, from which on they would never end.
+# Changes at one time, per element, beyond which they count as endless.
 _AT_MOST = 100
 
 
 class ModeChanges:
-    """The elements with modes of a run.
+    """Elements of a run that have modes.
+
+    A function of an element (:mod:`antenna_pin.elements.modal`) is positive while its mode persists. Its zero
+    is located like an event's; the element defines the change. Coincident changes are carried out together,
+    in rounds (:meth:`resolve`).
 
     Args:
-        workspace: What the run works on.
-        adjustments: Its elements as they are; written.
+        workspace: Workspace of the run.
+        adjustments: Present elements of the run; changed.
 
     Attributes:
-        changed: What has happened, in order.
-        effects: What has been done since that was last forgotten, for who does it again to neighbours.
-        grazed: Functions that were located at the last instant and do not pass: of elements by place, and
+        changed: Recorded changes of mode, in order.
+        effects: Effects at the present time, to be applied to perturbed states.
+        grazed: Functions located at the last event that do not pass: places of the elements, and
             their numbers.
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments) -> None:
-        """Begin with what the system has."""
+        """Begin with the elements of the system."""
         self._workspace = workspace
         self._adjustments = adjustments
         system = workspace.system
@@ -241,13 +249,13 @@ class ModeChanges:
         self.grazed: set[tuple[str, int]] = set()
         self._rest = RestingJoints(workspace, adjustments, self._acting)
         self._blows = Impacts(workspace, adjustments, self._acting)
-        #: What has held a freedom together with others, by name: how they share its load is not determined.
+        #: Elements that have held a freedom together with others, by name: their shares are indeterminate.
         self.shares: set[str] = set()
         self._limit = _AT_MOST * (1 + len(self._acting))
         self._instant, self._taken = math.nan, 0
 
     def __bool__(self) -> bool:
-        """Whether there are any."""
+        """Return whether the system has elements with modes."""
         return bool(self._acting)
 
     def _element(self, place: str) -> Modal:
@@ -256,17 +264,17 @@ class ModeChanges:
         return element
 
     def prepare(self, t: float, y: Array) -> None:
-        """Bring all into the modes that they have before anything happens at the start of a run."""
+        """Set the modes that elements have before any event at the start of a run."""
         for place, value in first_modes(self._workspace.system, y, t):
             self._adjustments.set(place, value)
 
     def begin(self, t: float, y: Array) -> None:
-        """Let happen what does at the start of a run; y is changed in place.
+        """Carry out the changes at the start of a run; y is changed in place.
 
-        What takes an impulse is recorded; modes in which elements begin are none of its changes.
+        Impulses are recorded; initial modes are no changes of the run.
 
         Raises:
-            MechanismError: What sticks and what slips does not settle.
+            MechanismError: No consistent modes of sticking and slipping are found.
         """
         try:
             self.resolve((), t, y)
@@ -278,7 +286,7 @@ class ModeChanges:
         self.changed[:] = [one for one in self.changed if one.impulse != 0.0]
 
     def arm(self, place: str, key: str, t: float, y: Array) -> None:
-        """Pass the state of its joint to an element with modes of which a number, or ``on``, was set."""
+        """Pass the state of the joint to an element of which a number, or ``on``, was set."""
         element = self._adjustments.elements.get(place)
         if isinstance(element, Modal) and element.acts:
             change = element.moved(key, self._due.met(place, t, y))
@@ -286,32 +294,32 @@ class ModeChanges:
                 self._adjustments.change(place, change)
 
     def jammed(self, t: float, y: Array) -> str:
-        """Return of which joints friction by load has no solution, as a part of a message; "" if of none."""
+        """Return the joints with unsolvable friction by load, as part of a message; "" if none."""
         return self._rest.jammed(t, y) if self._rest else ""
 
     def taken(self, y: Array) -> float:
-        """Return what impulses and dampers have taken of the energy so far, but for works of motions [J]."""
+        """Return the energy lost in impulses and dampers, without works of motions [J]."""
         return self._blows.taken(y)
 
     def lost_at_start(self) -> list[tuple[int, float]]:
-        """Return where in the state losses are booked, and what impulses took at the start of a run [J]."""
+        """Return places of losses in the state, and the losses of impulses at the start [J]."""
         return [(self._blows.losses[one.element], one.loss) for one in self.changed if one.time == 0.0]
 
     def is_due(self, t: float, y: Array) -> bool:
         """Return whether a function of any element passes at this state."""
         return bool(self._due.passing(t, y, (), lambda place, number: False))
 
-    # --- what happens at one instant ------------------------------------------------------------------------
+    # --- coincident changes ---------------------------------------------------------------------------------
 
     def resolve(self, located: Sequence[Switch], t: float, y: Array) -> bool:
-        """Let all happen that happens at one instant; y is changed in place.
+        """Carry out all coincident changes; y is changed in place.
 
-        In rounds: what is captured, all together; else all blows, by one problem of impulses; else all other
-        changes; else what rests and what slips. Behind each round all is looked at anew, so that nothing
-        hangs on the order of elements.
+        In rounds: all captures; else all impulses, as one problem; else all other changes; else sticking and
+        slipping. After each round all functions are evaluated anew, so that the result does not depend on the
+        order of elements.
 
         Args:
-            located: Functions that have been found to pass here.
+            located: Functions located at this time.
             t: Time [s].
             y: State.
 
@@ -319,7 +327,7 @@ class ModeChanges:
             Whether anything was changed.
 
         Raises:
-            NeverSettlesError: Changes at one instant would never end.
+            NeverSettlesError: The changes would never end.
         """
         if t != self._instant:
             self._instant, self._taken = t, 0
@@ -350,7 +358,7 @@ class ModeChanges:
         return changed
 
     def _note_shared_loads(self, t: float, y: Array) -> None:
-        """Note which elements hold a freedom together with others."""
+        """Record the elements that hold a freedom together with others."""
         constraints = self._workspace.constraints
         assert constraints is not None
         constraints.residuals(t, y, self._workspace.program)
@@ -359,7 +367,7 @@ class ModeChanges:
         self.shares.update(self._acting[name].label for name in names if name in self._acting)
 
     def _make(self, phase: int, together: Sequence[CoincidentChange], t: float, y: Array) -> None:
-        """Make the changes of one round, with their impulses, and record them."""
+        """Carry out and record the changes of one round, with their impulses."""
         before = {place: self._element(place) for place in self._acting}
         results = {one.place: ChangeResult(one.met, one.change) for one in together}
         struck, alone = tuple[StruckElement, ...](), True
@@ -381,10 +389,10 @@ class ModeChanges:
         self._put(results, {one.place: one.number for one in together}, before, struck, alone, t, y)
 
     def drive(self, t: float, y: Array) -> float:
-        """Give all the rates that motions have from now on, y in place; return their work [J].
+        """Apply the present rates of motions, y in place; return their work [J].
 
         Raises:
-            MechanismError: What is held has no such rates.
+            MechanismError: The constraints do not permit these rates.
         """
         before, taken = {place: self._element(place) for place in self._acting}, self._blows.worked(y)
         results, struck, alone = self._blows.make({}, t, y)
@@ -401,7 +409,7 @@ class ModeChanges:
         t: float,
         y: Array,
     ) -> None:
-        """Bring elements into their next modes, and record that."""
+        """Set and record the next modes of elements."""
         for place, one in results.items():
             self._adjustments.change(place, one.change)
             for other in one.change.switches_off:
@@ -415,7 +423,7 @@ class ModeChanges:
             self.effects.append(ImpulseEffect(self._workspace.program.copy(), struck, alone))
 
     def _settle(self, t: float, y: Array, located: Sequence[Switch]) -> bool:
-        """Have what rests and what sticks agree; return whether any mode has changed."""
+        """Find consistent modes of resting joints; return whether any mode has changed."""
         shifts = self._rest.settle(t, y, located) if self._rest else []
         for place, before, met in shifts:
             element = self._element(place)
@@ -425,7 +433,7 @@ class ModeChanges:
         return bool(shifts)
 
     def _record(self, place: str, result: ChangeResult, t: float, y: Array, what: str) -> None:
-        """Record what has become of an element, if that has a name."""
+        """Record the change of an element, if it has a name."""
         if not what:
             return
         element, one, (met, change, loss, blow) = self._element(place), self._acting[place], result

@@ -34,39 +34,39 @@ Array = NDArray[np.float64]
 
 # --- time estimate ------------------------------------------------------------------------------------------
 
-_FIRST_WALL = 2.5  # [s] of wall time to the first look; from look to look as much again as there was before
-_LONG = 60.0  # [s] of wall time that a run may still take without a word
-# Trial steps, or [s] of wall time, on which a pace can rest: the first steps load what they call.
+_FIRST_WALL = 2.5  # [s] of wall time to the first estimate; each later one after twice the time
+_LONG = 60.0  # [s] of remaining wall time that is not reported
+# Trial steps, or [s] of wall time, for a reliable pace: the first steps load compiled code.
 _STEPS, _PATIENCE = 100, 15.0
-_OTHER = 4.0  # times longer, or shorter, than was told: it is told again
-_ALIKE = 2.0  # times the least estimate up to which the greatest is no other
-# Steps' share of their tolerance that round-off may have before it is what holds them.
+_OTHER = 4.0  # times longer or shorter than the last report: reported again
+_ALIKE = 2.0  # ratio of estimates up to which they count as equal
+# Share of the tolerance of a step beyond which round-off limits the step.
 _NOISE = 0.1
-_TURN = 0.05  # [rad] that a joint turns in a step, and it is this that steps follow
+_TURN = 0.05  # [rad] of turn of a joint in a step beyond which steps follow its turns
 _LAST_DIGIT = float(np.finfo(float).eps)
 _TRIES = 4
 
 
 class TimeEstimate:
-    """Looks how long a run will still take, at its pace since the last look.
+    """Remaining wall time of a run, by its pace since the last estimate.
 
-    The clock decides when, and nothing in the run hangs on it.
+    Estimates are made at times of the clock; the motion does not depend on them.
 
     Args:
-        end: Of the run [s].
+        end: End of the run [s].
 
     Attributes:
-        left: Wall time that the run will still take, as last told, by its pace since the last look [s]; NaN
-            if nothing was told.
-        range: The least and the greatest of that, by the fastest pace from look to look so far, by that since
-            the last one, and in all.
-        step: Way of the run for each trial step, at its present pace [s].
+        left: Remaining wall time as last reported, by the pace since the last estimate [s]; NaN before the
+            first report.
+        range: Smallest and largest remaining time, by the fastest pace so far, by that since the last
+            estimate, and by the mean pace.
+        step: Progress per trial step at the present pace [s].
         rejected: Share of trial steps that were rejected, likewise [-].
-        relocated: Share of those that were made to end where something happens, likewise [-].
+        relocated: Share of trial steps repeated to end at an event, likewise [-].
     """
 
     def __init__(self, end: float) -> None:
-        """Begin without a look."""
+        """Begin without an estimate."""
         self.left, self.step = math.nan, 0.0
         self.range = math.nan, math.nan
         self._best, self._tried = 0.0, 0
@@ -78,12 +78,12 @@ class TimeEstimate:
         self._mark = 0.0, StepCounts(0, 0, 0, 0, 0.0)
 
     def begin(self, t: float, made: StepCounts) -> None:
-        """Take the time from here on: at t [s], with what a run that goes on has made before."""
+        """Start the clock at t [s], with the counts of a run that continues."""
         self._mark, self._start = (t, made), t
         self._began, self._next, self._tried = made.wall, made.wall + _FIRST_WALL, made.tried
 
     def update(self, t: float, made: StepCounts) -> bool:
-        """Look at a run that has come to t [s], if it is time to; return whether it is to be told of."""
+        """Update the estimate at t [s], if due; return whether to report it."""
         if not made.wall >= self._next or self._end == math.inf:
             return False
         then, way = self._mark[1], self.measure(t, made)
@@ -93,7 +93,7 @@ class TimeEstimate:
             return False
         rests = made.tried - self._tried >= _STEPS or made.wall - self._began >= _PATIENCE
         left = self._left(t, way, made.wall - then.wall)
-        # At two looks, or by the whole way so far: a burst of impacts or events is soon over.
+        # By two estimates, or by the mean pace: a burst of impacts or events is soon over.
         others = self._before, self._left(t, t - self._start, made.wall - self._began)
         sure = max(others) > _LONG
         self._best = max(self._best, way / (made.wall - then.wall))
@@ -107,11 +107,11 @@ class TimeEstimate:
         return True
 
     def _left(self, t: float, way: float, wall: float) -> float:
-        """Return what the run will take from t [s] on, if it makes such a way in so much wall time [s]."""
+        """Return the wall time left from t [s] on, at a progress [s] per wall time [s]."""
         return (self._end - t) * wall / way if way > 0.0 else math.inf
 
     def measure(self, t: float, made: StepCounts) -> float:
-        """Take the pace since the last look, of a run that has come to t [s]; return its way since [s]."""
+        """Measure the pace since the last estimate, at t [s]; return the progress since [s]."""
         before, then = self._mark
         tried, way = max(made.tried - then.tried, 1), t - before
         self.step = way / tried
@@ -120,7 +120,7 @@ class TimeEstimate:
         return way
 
     def text(self, t: float) -> str:
-        """Return how long the run will still take, at t [s]."""
+        """Return the time left at t [s] as text."""
         took = lasting(self._mark[1].wall - self._began)
         if math.isinf(self.left):
             return f"at t = {t:.9g} s of {self._end:g} s, after {took}, the run makes no way at all"
@@ -138,14 +138,14 @@ class TimeEstimate:
 
 
 def noise_text(run: Workspace, settings: RunSettings, t: float, y: Array, step: float) -> str:
-    """Return in words that what moves a system is no better than noise; empty if it is.
+    """Return as text that accelerations are noise; empty if they are not.
 
-    Where time and state change by their last digits, accelerations may change by so much that a step of a
-    usual size cannot keep its tolerance.
+    A change of time and state in their last digits may change accelerations by so much that a step of a usual
+    size cannot keep its tolerance.
 
     Args:
-        run: What the run works on; not changed.
-        settings: Of the run.
+        run: Workspace of the run; not changed.
+        settings: Settings of the run.
         t: Time [s].
         y: State [q, v, x].
         step: Size of the run's steps [s].
@@ -176,10 +176,10 @@ def noise_text(run: Workspace, settings: RunSettings, t: float, y: Array, step: 
 
 
 def turning_text(run: Workspace, y: Array, step: float) -> str:
-    """Return in words that steps follow a joint that turns fast; empty if none does.
+    """Return as text that steps follow a fast joint; empty if they do not.
 
     Args:
-        run: What the run works on.
+        run: Workspace of the run.
         y: State [q, v, x].
         step: Size of the run's steps [s].
     """
@@ -200,24 +200,24 @@ def turning_text(run: Workspace, y: Array, step: float) -> str:
 
 # --- stiffness ----------------------------------------------------------------------------------------------
 
-# Trial steps before the first state, and from one look to the next. Not wall time: what a run says
-# would hang on what else the machine does.
+# Trial steps before the first state, and between two checks. Not wall time: the advice of a run
+# would depend on the load of the machine.
 _FIRST_STEPS, _WINDOW = 50, 400
 _FEW = 10_000  # steps to the end that are not worth an advice
-# From a look that finds nothing to the next, in trial steps made: if steps are not held, and if they are, but
-# by a mode that is not at rest, which a burst may have stirred just then.
+# Ratio of trial steps at a check without result and the next: if steps are not limited, and if they are,
+# but by a mode that is not at rest, perhaps excited by a burst just then.
 _BETWEEN, _AGAIN = 1.4, 1.1
 # Step times eigenvalue: explicit methods are stable up to 2.5 to 6, and control holds steps about there.
-# Where the mean step is longer than that, the state is one of a moment, such as a blow.
+# If the mean step is longer, the state is momentary, such as an impact.
 _STABLE, _UNSTABLE = 1.5, 8.0
-# Amplitude of a mode, in tolerances, that nobody sees: where stability holds steps, it is kept at 0.3 to
-# 25 (bursts and decays, order 5 and 8); one that is really there is of another order than the tolerance.
+# Amplitude of a mode at rest, in tolerances: where stability limits steps, it stays at 0.3 to
+# 25 (bursts and decays, order 5 and 8); a physical mode is of another order than the tolerance.
 _AT_REST = 100.0
 _DIFFERENCE = 1e-8  # of a component's scale: round-off and curvature of a difference weigh alike
 
 
 class _StiffState(NamedTuple):
-    """A state of the run, and what its equations depend on besides."""
+    """State of the run, with contact memory and program."""
 
     made: int
     t: float
@@ -227,20 +227,26 @@ class _StiffState(NamedTuple):
 
 
 class Stiffness:
-    """Looks whether a run is held up by stiffness.
+    """Detection of runs whose explicit steps are limited by stability.
+
+    An explicit step is stable only if it is not much longer than the fastest decay or oscillation of the
+    equations, even after that has died out. Where stability limits the steps, an implicit method takes them
+    as long as the motion is smooth. The advice is given to a slow run if, at two distant states, its steps
+    are as long as the largest eigenvalue of the Jacobian permits, and the modes that limit them are at rest
+    to the tolerance: visible decays or oscillations need such steps for themselves, and no method helps.
 
     Args:
-        workspace: What the run works on.
-        method: Of its integration; nothing is looked for with one of fixed steps, or an implicit one.
-        settings: Of the run.
-        end: Of the run [s].
+        workspace: Workspace of the run.
+        method: Method of integration; fixed steps and implicit methods are not checked.
+        settings: Settings of the run.
+        end: End of the run [s].
 
     Attributes:
-        text: What was found; empty if nothing.
+        text: Description of the stiffness; empty if none.
     """
 
     def __init__(self, workspace: Workspace, method: Method, settings: RunSettings, end: float) -> None:
-        """Begin without a look."""
+        """Begin without a state."""
         self.text = ""
         self._run, self._end, self._method, self._settings = workspace, end, method, settings
         self._over = method.implicit or not method.adaptive
@@ -248,7 +254,7 @@ class Stiffness:
         self._next = 0
 
     def check(self, t: float, y: Array, made: int) -> bool:
-        """Look at the state that the run has come to, if it is time to; return whether anything is found now.
+        """Check the present state, if due; return whether stiffness has been detected now.
 
         Args:
             t: Time [s].
@@ -283,11 +289,11 @@ class Stiffness:
         return workspace
 
     def _fastest(self, place: _StiffState, step: float) -> tuple[complex, Array]:
-        """Return the largest eigenvalue of the Jacobian [1/s], and the velocities' shares in its mode, (nv,).
+        """Return the largest eigenvalue [1/s], and the velocities' shares in its mode, (nv,).
 
         A mode's energy of motion is shared out by v_j (M v)_j, which leaves nothing to a base that only
         reacts. The eigenvalue is zero where no mode holds steps of a size [s] by being unstable; the shares
-        are where those that do are not at rest.
+        are zero too if the limiting modes are not at rest.
         """
         workspace = self._work(place)
         manifold, nv = workspace.manifold, workspace.model.nv
@@ -315,7 +321,7 @@ class Stiffness:
         largest = int(np.argmax(np.abs(values)))
         if not _STABLE <= step * abs(values[largest]) <= _UNSTABLE:
             return nothing
-        # How far the fast modes are from where they come to rest.
+        # Distance of the fast modes from rest.
         flow = np.concatenate([y[nq : nq + nv], rates[0]])[columns]
         fast = np.flatnonzero(step * np.abs(values) >= _STABLE)
         amplitudes = np.linalg.lstsq(vectors, flow.astype(complex), rcond=None)[0][fast] / values[fast]
@@ -330,7 +336,7 @@ class Stiffness:
         return complex(values[largest]), np.abs(np.real(np.conj(mode) * (mass @ mode)))
 
     def _what(self, place: _StiffState, share: Array, rate: float) -> str:
-        """Return in words what is stiff: the joint that moves most in the mode, and what acts there."""
+        """Return as text the joint that moves most in the mode, and the element there."""
         system = self._run.system
         shares = {name: float(share[slot.v].sum()) for name, slot in system.mechanism.joints.items()}
         joint = max(shares, key=shares.__getitem__, default="")
@@ -345,7 +351,7 @@ class Stiffness:
         return f"the motion of joint {joint!r}{f' under {acting}' if acting else ''}"
 
     def _steepest(self, place: _StiffState, joint: str, rate: float) -> str:
-        """Return in words the element at a joint whose effort changes most in a mode of a rate [1/s]."""
+        """Return the label of the element at a joint whose effort changes most in a mode."""
         system = self._run.system
         nq, slot = system.model.nq, system.mechanism.joint(joint)
         way = np.zeros(system.model.nv)
@@ -365,7 +371,7 @@ class Stiffness:
 
 
 def _effort(system: System, place: _StiffState, block: int, y: Array) -> float:
-    """Return the effort of an element of a system at a joint [N m] or [N]."""
+    """Return the effort of an element at a joint [N m] or [N]."""
     nq = int(place.program[: words_of(PROGRAM)].view(PROGRAM)["nq"][0])
     given = next((one for one in system.callables if one.block == block), None)
     if isinstance(given, InPython):
@@ -376,7 +382,7 @@ def _effort(system: System, place: _StiffState, block: int, y: Array) -> float:
 
 # --- monitor ------------------------------------------------------------------------------------------------
 
-# Share of steps that are rejected, or end where something happens, from which on they take the time.
+# Share of rejected steps, or of steps that end at an event, beyond which they explain a slow run.
 _MANY = 0.2
 _WAY_OUT = "; integrator.max_wall_time ends a run in time, and keeps what it has"
 
@@ -386,16 +392,16 @@ def _without_compiling(made: StepCounts) -> StepCounts:
 
 
 class Monitor:
-    """Looks at a run between its steps; what it works on is not changed.
+    """Checks of a run between its steps; the run is not changed.
 
     Args:
-        workspace: What the run works on.
-        control: Knows its method and limits.
-        events: What it looks for.
+        workspace: Workspace of the run.
+        control: Step control, with method and limits.
+        events: Users' events.
     """
 
     def __init__(self, workspace: Workspace, control: StepControl, events: Sequence[Event]) -> None:
-        """Begin without a look."""
+        """Begin without a check."""
         self._workspace, self._control = workspace, control
         self._estimate = TimeEstimate(control.end)
         self._slow, self._began = "", 0.0
@@ -405,29 +411,29 @@ class Monitor:
 
     @property
     def advice(self) -> str:
-        """What the user is to know of the run; empty if nothing."""
+        """Advice to the user; empty if none."""
         return self._stiffness.text
 
     def text(self, outcome: Outcome) -> str:
-        """Return what of the advice belongs to the words on how a run has ended."""
+        """Return the part of the advice for the message of an outcome."""
         why = self.advice or self._slow
         return "" if outcome is Outcome.COMPLETED or not why else f"; {why}"
 
     def begin(self, t: float, y: Array, made: StepCounts) -> None:
-        """Look at the state that the run starts from: time [s], [q, v, x], and what it has made before."""
+        """Check the first state: time [s], [q, v, x], and the counts so far."""
         self._began = made.wall
         self._estimate.begin(t, _without_compiling(made))
         self._repeatable.check(t, y, 0)
         self._courses.check(t, made.tried)
 
     def check(self, t: float, y: Array, made: StepCounts, interrupted: bool) -> tuple[Outcome | None, str]:
-        """Return why the run may not go on, None if it may, and what of.
+        """Return the reason to end the run, None to continue, and its text.
 
         Args:
             t: Time [s].
             y: State [q, v, x].
-            made: What it has made so far.
-            interrupted: Whether the user has stopped it.
+            made: Counts so far.
+            interrupted: Whether the user has stopped the run.
         """
         limit = self._control.limit(made.tried, t, made.wall - self._began)
         if self._stiffness.check(t, y, made.tried):
@@ -450,10 +456,10 @@ class Monitor:
 
     @contextmanager
     def guarded(self, stop: Callable[[Outcome, str], bool]) -> Iterator[None]:
-        """End the run where a function of its user's has no answer, or is interrupted: what it has is whole.
+        """End the run where a user's function fails or is interrupted; its record stays whole.
 
         Args:
-            stop: Ends the run, for a reason and in words.
+            stop: Function that ends the run, with outcome and text.
         """
         try:
             yield
@@ -463,12 +469,12 @@ class Monitor:
             stop(Outcome.INTERRUPTED, "")
 
     def failure_in(self, stepper: Stepper, h: float) -> FunctionError | None:
-        """Return what a function that kernels call has failed by, in a step of size h [s] from a state."""
-        called = functions_in_kernels(self._repeatable.asked)
+        """Return the failure of a function called by kernels, in a step of size h [s]."""
+        called = functions_in_kernels(self._repeatable.functions)
         return failure_in(called, self._workspace.program, stepper, h) if called else None
 
     def _why(self, t: float, y: Array) -> str:
-        """Return in words what makes the run slow, as far as can be told."""
+        """Return the cause of a slow run as text, as far as known."""
         pace, settings = self._estimate, self._control.settings
         if not self.advice and self._control.method.adaptive:
             self._slow = noise_text(self._workspace, settings, t, y, pace.step)
@@ -488,8 +494,8 @@ class Monitor:
         return self.advice or self._slow or usual
 
     def end(self, outcome: Outcome) -> tuple[Outcome | None, str]:
-        """Return why a run that ends means nothing after all, None if it does, and what of."""
+        """Return the reason that invalidates a finished run, None if valid, and its text."""
         if outcome in (Outcome.INTERRUPTED, Outcome.FUNCTION_WITH_MEMORY, Outcome.FUNCTION_FAILED):
-            return None, ""  # what goes on is asked again; what is known is known
+            return None, ""  # a run that continues is checked later; the others are invalid already
         words = self._repeatable.end()
         return (Outcome.FUNCTION_WITH_MEMORY if words else None), words

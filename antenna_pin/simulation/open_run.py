@@ -33,14 +33,14 @@ Array = NDArray[np.float64]
 
 
 class RecordSnapshot:
-    """The record of a run as it stands, to go back to; its steps stay where they are.
+    """Snapshot of the record of a run; its steps stay as they are.
 
     Args:
-        run: The run, between two steps.
+        run: Run, between two steps.
     """
 
     def __init__(self, run: Run) -> None:
-        """Keep what is not kept by anything that comes."""
+        """Copy the data that later steps change."""
         self._run = run
         self._samples, self._contacts = run.samples.snapshot(), run.contacts.snapshot()
         self._singular: Any = None if run.singular is None else run.singular.value()
@@ -49,7 +49,7 @@ class RecordSnapshot:
         self._ended = run.outcome, run.message, run.left
 
     def restore(self) -> None:
-        """Let the run have the record that it had."""
+        """Restore the record."""
         run = self._run
         run.samples.restore(self._samples)
         run.contacts.restore(self._contacts)
@@ -61,15 +61,15 @@ class RecordSnapshot:
 
 
 class RunSnapshot:
-    """A run as it stood at the beginning of a step, to go back to.
+    """Snapshot of a run at the beginning of a step.
 
     Args:
-        run: The run.
-        state: Its state then; what is recorded since is nothing yet.
+        run: Run.
+        state: State of the run at the beginning of the step.
     """
 
     def __init__(self, run: Run, state: State) -> None:
-        """Keep all of it."""
+        """Copy the data that later steps change."""
         self._run, self.state = run, state
         self._record = RecordSnapshot(run)
         self._numbers = run.actions.adjustments.kept()
@@ -78,17 +78,17 @@ class RunSnapshot:
         self._seen = run.control.paced, run.search.gap_difference
 
     def is_here(self) -> bool:
-        """Whether the run stands at this state, with this record."""
+        """Return whether the run is at this state, with this record."""
         made = self._run.steps
         now = made.accepted, made.rejected, made.relocated, self._run.stepper.evaluations
         return now == self._made and self._run.stepper.t == self.state.time
 
     def left(self) -> State:
-        """Return the state that the run leaves where it is now, if it goes on from here."""
+        """Return the state that the run leaves if it continues from the snapshot."""
         return dataclasses.replace(self.state, reached=self._run.stepper.t)
 
     def restore(self) -> None:
-        """Let the run stand where it stood."""
+        """Restore the run."""
         run = self._run
         run.actions.adjustments.go_back(self._numbers)
         run.take_up(self.state)
@@ -102,22 +102,22 @@ class RunSnapshot:
 
 # --- run with a moving end ----------------------------------------------------------------------------------
 
-_MANY = 256  # samples from which on it is worth to let go of the old ones
+_MANY = 256  # samples beyond which old ones are discarded
 
 
 class OpenRun:
-    """A run whose end moves.
+    """Run whose end moves.
 
     Args:
-        system: The system.
-        start: A state that a run left, or a first one as [q, v, x], as a :class:`Run` takes them.
-        settings: How to integrate and sample.
-        events: What to look for besides contacts.
-        window: How much of the past is kept at least [s].
-        controllers: What commands it at instants of its own, by name.
+        system: System.
+        start: State left by a run, or initial state [q, v, x], as for :class:`Run`.
+        settings: Settings of integration and sampling.
+        events: Users' events.
+        window: Time span of the past that is kept at least [s].
+        controllers: Controllers, by name.
 
     Attributes:
-        run: The run itself, which stands where it was told to go.
+        run: Run at its present end.
     """
 
     def __init__(
@@ -129,38 +129,38 @@ class OpenRun:
         window: float = math.inf,
         controllers: Mapping[str, Controller] = MappingProxyType({}),
     ) -> None:
-        """Bring it to where the state was reached that it starts from."""
+        """Begin at the state, and advance to the time at which it was left."""
         self.run = Run(system, start, math.inf, settings, events, controllers=controllers)
         self.run.listener = self
         self._events, self._window = tuple(events), window
-        #: Where its present end began to cut steps, if it has; where it has just gone back to.
+        #: Snapshot before the steps that the present end cuts, if any; snapshot last returned to.
         self._cut: RunSnapshot | None = None
         self._again: RunSnapshot | None = None
-        self._sought = -1  # number of the event that it is to end at
-        self._error = 0.0  # scaled, of the last step but one that is tried
+        self._sought = -1  # number of the event at which to stop
+        self._error = 0.0  # scaled error of the last step before the present batch
         if isinstance(start, State) and start.time < start.reached:
             self.run.go_to(start.reached)
 
     @property
     def time(self) -> float:
-        """Where it stands [s]."""
+        """Present time [s]."""
         return self.run.stepper.t
 
     @property
     def state(self) -> State:
-        """The state that it leaves: one to go on from."""
+        """State from which another run can continue."""
         return self.run.present() if self._cut is None else self._cut.left()
 
     def go_to(self, end: float, interrupted: Callable[[], bool] = lambda: False) -> None:
-        """Go to a time [s] later than the present one, or to what ends the run earlier."""
+        """Run to a later time [s], or to an earlier stop."""
         self._go_back()
         self.run.go_to(end, interrupted)
 
     def go_until(self, event: Event, end: float, interrupted: Callable[[], bool] = lambda: False) -> bool:
-        """Go to where an event happens next, to a time [s] or to what ends the run earlier.
+        """Run to the next occurrence of an event, to a time [s] or to an earlier stop.
 
         Returns:
-            Whether it has happened. What is done then is nothing, and the event leaves no trace.
+            Whether the event has occurred. Its actions are not carried out, and it leaves no trace.
         """
         run = self.run
         self._go_back()
@@ -179,16 +179,16 @@ class OpenRun:
         return happened
 
     def command(self, name: str, action: Set) -> None:
-        """Change a number at the present state, as an event of this name would that happened here.
+        """Change a number at the present state, recorded as an event of this name.
 
         Raises:
-            AntennaPinError: There is no such number, or it cannot have this value; nothing is changed.
+            AntennaPinError: An unknown number, or an impossible value; nothing is changed.
         """
         self.run.obey(name, action)
         self._cut = self._again = self.run.left = None
 
     def may_go_on(self) -> None:
-        """Let it go on that was ended by its user."""
+        """Allow a run that its user ended to continue."""
         self.run.outcome, self.run.message = Outcome.COMPLETED, Outcome.COMPLETED.value
 
     def _go_back(self) -> None:
@@ -196,14 +196,14 @@ class OpenRun:
             self._cut.restore()
         self._cut, self._again = None, self._cut
 
-    # --- what the run foresees ------------------------------------------------------------------------------
+    # --- listener -------------------------------------------------------------------------------------------
 
     def step(self) -> None:
-        """Note what the next trial step will change that is its beginning's."""
+        """Store the error of the step before the next batch."""
         self._error = self.run.control.error
 
     def end(self) -> State:
-        """Keep the run as it stands: its end cuts the next step."""
+        """Take a snapshot before the step that the end cuts; return its state."""
         if self._again is None or not self._again.is_here():
             if self._window < math.inf:
                 self._forget()
@@ -212,7 +212,7 @@ class OpenRun:
         return self._cut.state
 
     def events(self, ahead: Sequence[Sequence[Crossing]]) -> None:
-        """Keep the run as it stands, if what it is to end at is in the next step."""
+        """Take a snapshot if the goal of the run is in the trial step."""
         sought = any(one.event == self._sought for group in ahead for one in group)
         if sought and self._cut is None:
             state = dataclasses.replace(self.run.present(), error=self._error)
@@ -220,7 +220,7 @@ class OpenRun:
             self.run.left = state
 
     def _forget(self) -> None:
-        """Let go of a past that is not asked for."""
+        """Discard the past beyond the window."""
         run = self.run
         begin = self.time - self._window
         if len(run.samples.times) < _MANY or not 2.0 * begin - self.time >= run.samples.times[0]:

@@ -47,21 +47,21 @@ Array = NDArray[np.float64]
 
 # --- largest efforts of prescribed motions ------------------------------------------------------------------
 
-_MOST = 4  # places that are looked at, of one motion
-_STEPS = 200  # that are tried from one sample to the next
+_MOST = 4  # candidates per motion
+_STEPS = 200  # trial steps between two samples
 _LOOKS = np.linspace(0.0, 1.0, 5)  # within a step, at first
-_BESIDE = 0.1  # of the time between samples: a top so near to one is looked for on both its sides
-_COARSE = 0.01  # of the top, by which it is above a sample beside it: parabolas say little of it then
+_BESIDE = 0.1  # of the time between samples: a vertex nearer to a sample is searched on both sides of it
+_COARSE = 0.01  # relative height above a neighbouring sample beyond which a parabola is unreliable
 
 
 class _PeakCandidate(NamedTuple):
-    """Three samples about which the largest size may be.
+    """Three samples around a possible maximum.
 
     Attributes:
-        most: Largest size of the parabola through them [N m] ([N]).
-        bound: As far above the middle one again: no more is expected; infinite if coarse [N m] ([N]).
-        time: When the parabola is highest [s].
-        samples: They.
+        most: Largest value of the parabola through the samples [N m] ([N]).
+        bound: Upper bound of the expected maximum; infinite for coarse samples [N m] ([N]).
+        time: Time of the vertex of the parabola [s].
+        samples: The three samples.
     """
 
     most: float
@@ -70,7 +70,7 @@ class _PeakCandidate(NamedTuple):
     samples: Chunk
 
     def sides(self, coarse: bool) -> list[Chunk]:
-        """Return the pairs of samples between which its top may be, of coarse samples on both sides."""
+        """Return the pairs of samples that may enclose the maximum."""
         first, middle, last = self.samples.times.tolist()
         late = (self.time - middle) / (last - middle if self.time > middle else middle - first)
         sides = coarse or late < _BESIDE, coarse or late > -_BESIDE
@@ -78,13 +78,13 @@ class _PeakCandidate(NamedTuple):
 
 
 class _RepeatedStep(NamedTuple):
-    """A step between two samples.
+    """Repeated step between two samples.
 
     Attributes:
-        time: When it begins [s].
-        state: There, [q, v, x].
-        size: How long it is [s].
-        sizes: Of efforts within it [N m] ([N]), (looks, motions).
+        time: Begin of the step [s].
+        state: State at the begin, [q, v, x].
+        size: Size of the step [s].
+        sizes: Sizes of efforts within the step [N m] ([N]), (points, motions).
     """
 
     time: float
@@ -94,12 +94,16 @@ class _RepeatedStep(NamedTuple):
 
 
 class EffortPeaks:
-    """Largest sizes of efforts, of each motion of a run.
+    """Largest efforts of prescribed motions, located between the samples.
+
+    Around the samples that exceed their neighbours, the four of the highest parabolas, the run is integrated
+    again from the sample before, by its own method, and the largest size is searched in the dense output. A
+    maximum without a sign in the samples, faster than the effort itself, is not found.
 
     Args:
-        run: The run.
-        motions: Of its drives, which are motions, (drives,).
-        between: Whether its samples follow one another, so that there is something between them.
+        run: Run.
+        motions: Whether each drive is a motion, (drives,).
+        between: Whether the samples are consecutive, so that the run can be repeated between them.
     """
 
     def __init__(self, run: Run, motions: NDArray[np.bool_], *, between: bool) -> None:
@@ -111,7 +115,7 @@ class EffortPeaks:
         self._before: tuple[Chunk, Array] | None = None
 
     def add(self, block: SampleBlock) -> None:
-        """Take the samples of a block."""
+        """Add the samples of a block."""
         chunk = Chunk(block.times, block.states, block.memories, list(block.programs))
         sizes = np.abs(block.found.effort["effort"][:, self._motions])
         if self._before is not None:
@@ -138,7 +142,7 @@ class EffortPeaks:
             self._places[m] = sorted(places, key=lambda one: -one.most)[:_MOST]
 
     def located(self) -> tuple[Array, Array]:
-        """Return the largest size [N m] ([N]) and its time [s] of each motion, (motions,) each."""
+        """Return the largest effort [N m] ([N]) and its time [s], (motions,) each."""
         if any(self._places):
             again = _Reintegration(self._run, self._motions)
             for m, places in enumerate(self._places):
@@ -153,11 +157,11 @@ class EffortPeaks:
 
 
 class _Reintegration:
-    """A run integrated again between two of its samples.
+    """Repeated integration between two samples of a run.
 
     Args:
-        run: The run.
-        motions: Of its drives, which are motions, (drives,).
+        run: Run.
+        motions: Whether each drive is a motion, (drives,).
     """
 
     def __init__(self, run: Run, motions: NDArray[np.bool_]) -> None:
@@ -169,9 +173,9 @@ class _Reintegration:
         self._made: dict[float, list[_RepeatedStep]] = {}
 
     def largest(self, m: int, between: Sequence[Chunk]) -> tuple[float, float]:
-        """Return the largest size of a motion's effort between some pairs of samples, and when.
+        """Return size and time of a motion's largest effort between pairs of samples.
 
-        Minus infinity where something changes between all of them.
+        Minus infinity if there are changes between all of them.
         """
         tops = []
         for begin, ends in {float(ends.times[0]): ends for ends in between}.items():
@@ -188,7 +192,7 @@ class _Reintegration:
         return best
 
     def _steps(self, ends: Chunk) -> list[_RepeatedStep]:
-        """Return the steps from one sample to the next; none where something changes there."""
+        """Return the steps between two samples; none across a change."""
         (begin, end), (before, after), stepper = ends.times, ends.programs, self._stepper
         if not (
             begin < end
@@ -218,7 +222,7 @@ class _Reintegration:
             else:
                 return []  # steps that come to nothing
         except FunctionError:
-            return []  # of a function of the user's, which has answers at the samples
+            return []  # a user's function fails between the samples
         sizes = self._sizes(np.concatenate(times), np.concatenate(states), ends)
         return [
             _RepeatedStep(*one, own)
@@ -229,7 +233,7 @@ class _Reintegration:
         self._workspace.program[:], self._workspace.memory[:] = ends.programs[0], ends.memories[0]
 
     def _states(self, fractions: Array) -> tuple[Array, Array]:
-        """Return times [s] and states within the trial step that stands, on what its program holds."""
+        """Return times [s] and states within the trial step, projected onto the constraints."""
         stepper, program = self._stepper, self._workspace.program
         times = stepper.t + stepper.h * fractions
         states = np.zeros((len(fractions), self._system.manifold.size))
@@ -240,7 +244,7 @@ class _Reintegration:
         return times, states
 
     def _sizes(self, times: Array, states: Array, ends: Chunk) -> Array:
-        """Return sizes of efforts, (n, motions); minus infinity where there is none."""
+        """Return sizes of efforts, (n, motions); minus infinity where undefined."""
         count = len(times)
         memories, programs = ends.memories[:1].repeat(count, axis=0), [ends.programs[0]] * count
         efforts = observed(self._system, times, states, memories, programs).effort["effort"]
@@ -248,7 +252,7 @@ class _Reintegration:
         return np.where(np.isfinite(sizes), sizes, -np.inf)
 
     def _in_step(self, m: int, step: _RepeatedStep, ends: Chunk) -> tuple[float, float]:
-        """Return the largest size in a step, and when."""
+        """Return size and time of the largest effort in a step."""
         self._take_up(ends)
         self._stepper.restart(step.time, step.state)
         self._stepper.attempt(step.size)
@@ -267,9 +271,9 @@ class _Reintegration:
 
 
 def _vertices(times: Array, sizes: Array) -> tuple[Array, Array]:
-    """Return value and time of the top of the parabola through each three that follow one another, (n - 2,).
+    """Return value and time of the vertex of the parabola through three samples, (n - 2,).
 
-    Minus infinity where it has no top among them.
+    Minus infinity if the vertex is not among them.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         back, on = times[:-2] - times[1:-1], times[2:] - times[1:-1]
@@ -284,11 +288,11 @@ def _vertices(times: Array, sizes: Array) -> tuple[Array, Array]:
 
 # --- recorder -----------------------------------------------------------------------------------------------
 
-# --- what a result has of the controllers of a run: their instants, what they noted and commanded ---
+# --- sample times, signals and commands of controllers ---
 
 
 def controller_labels(records: Sequence[ControllerRecord], lean: bool) -> dict[str, Any]:
-    """Return the labels of controllers; of a result with series those of their instants too."""
+    """Return the labels of controllers, in a full result with their sample times."""
     if not records:
         return {}
     labels: dict[str, Any] = {"sampled": [one.name for one in records]}
@@ -299,7 +303,7 @@ def controller_labels(records: Sequence[ControllerRecord], lean: bool) -> dict[s
 
 
 def controller_values(records: Sequence[ControllerRecord]) -> dict[str, Any]:
-    """Return the variables of controllers, their instants in the order of time."""
+    """Return the variables of controllers, sample times in order."""
     if not records:
         return {}
     times = np.concatenate([one.times for one in records])
@@ -334,13 +338,13 @@ Values = Mapping[str, Any]
 def result_data(
     run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False
 ) -> Unlabelled:
-    """Return what the dataset of a finished run is made of (docs/trajectory.md lists the variables).
+    """Return the data of a finished run's dataset (docs/trajectory.md lists the variables).
 
     Args:
-        run: The run, all of its samples in memory.
-        title: Of the scenario.
-        case: Of the scenario.
-        versions: Of the libraries.
+        run: Run with all of its samples in memory.
+        title: Title of the scenario.
+        case: Case of the scenario.
+        versions: Versions of the libraries.
         lean: Whether to leave out the series: a result of numbers and contact episodes only.
     """
     recording = Recorder(run)
@@ -359,7 +363,7 @@ def result_data(
 
 
 def at_present(run: Run) -> xr.Dataset:
-    """Return the series of a run at its first sample and at its present state, as a result has them."""
+    """Return the series of a run at its first sample and its present state, labelled."""
     held, outcome = run.samples.held, (run.outcome, run.message)
     t, memory = run.stepper.t, run.workspace.memory
     here = Chunk(np.array([t]), run.here[np.newaxis], memory[np.newaxis], [run.samples.program])
@@ -368,12 +372,12 @@ def at_present(run: Run) -> xr.Dataset:
     samples.take_up(Chunk.joined([held.part(0, 1), here]) if before.any() else here)
     recording = Recorder(run, samples=samples)
     ((_, values),) = recording.blocks()
-    run.outcome, run.message = outcome  # what is recorded of an instant is no judgement of the run
+    run.outcome, run.message = outcome  # which a record of one state does not judge
     return recording.unlabelled(values, {}).labelled()
 
 
 def open_ledger(run: Run) -> str:
-    """Return how a run's ledger does not close, in words, by the samples that it has; "" if it does."""
+    """Return the opening of a run's ledger as text, by its samples; "" if it closes."""
     outcome, message = run.outcome, run.message
     for _ in Recorder(run).blocks():
         pass
@@ -383,23 +387,23 @@ def open_ledger(run: Run) -> str:
 
 
 def series_at(run: Run, chunk: Chunk) -> Values:
-    """Return the series that some states of a run's system imply, by name, (n, ...) each.
+    """Return the series implied by states of a run's system, by name, (n, ...) each.
 
     Args:
         run: Any run of the system.
-        chunk: The states, and what held there besides.
+        chunk: States, with contact memories and programs.
     """
     return _implied(run, chunk)[1]
 
 
 def labelled_at(run: Run, chunk: Chunk) -> xr.Dataset:
-    """Return the same as a result has it; the states may be those of several runs, one after the other.
+    """Return the series implied by states, possibly of several runs, labelled.
 
-    What is integrated along a run counts from the first of them on.
+    Integrals along a run count from the first state.
 
     Args:
         run: Any run of the system.
-        chunk: The states, and what held there besides.
+        chunk: States, with contact memories and programs.
     """
     recording, values = _implied(run, chunk)
     return recording.unlabelled(values, {}).labelled()
@@ -411,20 +415,20 @@ def _implied(run: Run, chunk: Chunk) -> tuple[Recorder, Values]:
     samples.take_up(chunk)
     recording = Recorder(run, samples=samples)
     blocks = [values for _, values in recording.blocks()]
-    run.outcome, run.message = outcome  # what is recorded of a few states is no judgement of the run
+    run.outcome, run.message = outcome  # which a record of a few states does not judge
     return recording, {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]}
 
 
 class Recorder:
-    """What the samples of a finished run imply, found block by block; totals and peaks as they come.
+    """Variables of a finished run, block by block, with totals and peaks.
 
     Args:
-        run: The run.
-        parts: Its samples before those that it has in memory.
-        samples: Others than its own, that are to be recorded.
+        run: Run.
+        parts: Samples of the run on the disk, before those in memory.
+        samples: Samples to record instead of the run's.
 
     Attributes:
-        count: Samples in all.
+        count: Number of samples.
     """
 
     def __init__(self, run: Run, parts: SampleFiles | None = None, samples: Samples | None = None) -> None:
@@ -439,18 +443,18 @@ class Recorder:
         self._peaks: dict[str, Any] = {}
         self._audit = Audit(run)
         motions = np.array([isinstance(drive, Motion) for drive in run.system.drives.values()], dtype=bool)
-        # States that are not the run's own are no samples that follow one another.
+        # Only the run's own states are consecutive samples.
         self._tops = EffortPeaks(run, motions, between=samples is None) if motions.any() else None
 
     def blocks(self) -> Iterator[tuple[int, Values]]:
-        """Yield the number of a block's first sample, and the series there by name, ``time`` among them."""
+        """Yield number of the first sample and series of each block, ``time`` among them."""
         first = 0
         for chunk in blocks_of(self._samples, self._parts):
             system = self.run.system
             found = observed(system, chunk.times, chunk.states, chunk.memories, chunk.programs)
             block = SampleBlock(self.run, *chunk, found, None if self._last is None else self._last.end)
             values: dict[str, Any] = {"time": block.times}
-            with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is told by the outcome
+            with np.errstate(invalid="ignore", over="ignore"):  # reported by the outcome
                 for source in SERIES:
                     values |= source(block)
                 self._judge(block, values)
@@ -463,14 +467,14 @@ class Recorder:
             yield first - len(block.times), values
 
     def _close(self) -> None:
-        """Let a run that came to its end not count as one where its ledger does not close."""
+        """Set the outcome of a run whose ledger does not close."""
         run = self.run
         if run.outcome in ENDED_WELL and (opening := self._audit.opening()) is not None:
             run.outcome = Outcome.LEDGER_OPEN
             run.message = f"at t = {opening.time:.9g} s {opening.text}: {run.outcome.value}"
 
     def _judge(self, block: SampleBlock, values: Values) -> None:
-        """Let a run that came to its end not count as one where what is recorded of it is not finite."""
+        """Set the outcome of a run whose record is not finite."""
         run, first = self.run, len(block.times)
         if run.outcome not in ENDED_WELL:
             return
@@ -486,7 +490,7 @@ class Recorder:
             run.message = f"at t = {block.times[first]:.9g} s, {what}: {run.outcome.value}"
 
     def _sum_up(self, block: SampleBlock, values: Values) -> None:
-        """Take what is said of the whole run from a block."""
+        """Update totals and peaks by a block."""
         self._totals = {name: values[of][-1] for name, of in TOTALS.items()}
         for name, sizes in sizes_of(block, values).items():
             most = sizes.max(axis=0)
@@ -496,11 +500,11 @@ class Recorder:
             self._tops.add(block)
 
     def unlabelled(self, series: Values, about: Mapping[str, Any], *, lean: bool = False) -> Unlabelled:
-        """Return the data of the blocks so far with these series; of the run, once all have been made.
+        """Return the data of the blocks so far with these series.
 
         Args:
-            series: By name, ``time`` among them; none for a lean result.
-            about: Attributes that tell what was run.
+            series: Series by name, ``time`` among them; none for a lean result.
+            about: Attributes that identify the run.
             lean: Whether to leave out the series.
         """
         assert self._last is not None
@@ -539,7 +543,7 @@ class Recorder:
 
 
 def _labels(block: SampleBlock) -> dict[str, Any]:
-    """Return the labels of all dimensions and coordinates that the system has."""
+    """Return the labels of all dimensions and coordinates of the system."""
     system = block.system
     configuration, velocity = list(system.names_q), list(system.names_v)
     labels: dict[str, Any] = {

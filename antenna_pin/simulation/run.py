@@ -58,8 +58,6 @@ __all__ = ["UnsavedError", "result_of", "simulate"]
 
 # --- simulate -----------------------------------------------------------------------------------------------
 
-# --- what is looked at of controllers before a run begins ---
-
 
 @takes(duration="s", checkpoint="s", angles="rad")
 def simulate(
@@ -80,15 +78,15 @@ def simulate(
 ) -> Trajectory:
     """Run a scenario, or a system built in Python, and return the trajectory.
 
-    A run that cannot go on, or is stopped by Ctrl-C, returns what it has; its ``outcome`` says why.
+    A run that aborts, or is stopped by Ctrl-C, returns its record so far; the reason is its ``outcome``.
 
     With ``out`` the result is written there, and memory does not limit the run: a record that grows large
     goes to the disk in parts, in the folder ``OUT.parts``, and the trajectory that is returned reads from the
-    file what is asked of it. In that folder are checkpoints too, of a run that was stopped and at an
-    interval: with ``resume`` the run goes on from there, and ends bit for bit as if it had never stopped.
+    file on demand. That folder also has checkpoints, of a run that was stopped and at an
+    interval: with ``resume`` the run continues from there, and ends bit for bit as if it had never stopped.
 
     Args:
-        model: What to run; or the name of a shipped scenario, or a path, whose default case is run.
+        model: Scenario or system; or the name of a shipped scenario, or a path, whose default case is run.
         duration: Time span [s], or text as ``"0.1 s"``, from ``start`` on; the scenario's if not given. This
             and ``settings`` enter the result's scenario as overrides.
         q: Initial configuration, (nq,); the scenario's, or neutral. Its quaternions must be of length 1 to
@@ -96,17 +94,18 @@ def simulate(
         v: Initial velocity, (nv,); the scenario's, or zero.
         angles: Beside q, angles of joints that turn without end, by name [rad]: their whole turns, which q
             does not hold. Those not given are in (-pi, pi].
-        start: What to go on from instead, the ``end`` of a run of the same system: the two runs together are
-            bit for bit the one run. It brings time, contacts and step sizes along.
+        start: State to continue from instead, the ``end`` of a run of the same system: the two runs together
+        are
+            bit for bit the one run. The state includes time, contacts and step sizes.
         settings: Integration and sampling; the scenario's, or the defaults.
-        events: What to look for, and what to do then, beside the scenario's own.
-        controllers: What commands it at instants of its own, by name, beside the scenario's own. The run
-            works on copies: nothing that is given is changed.
+        events: Events with their actions, besides the scenario's.
+        controllers: Sampled controllers, by name, besides the scenario's. The run
+            works on copies: the given ones are not changed.
         progress: Called about ten times a second.
         out: File of the result, ``NAME.nc``, written at the end; its folder of parts is removed then, unless
             the run was interrupted.
         checkpoint: Wall time from one checkpoint to the next [s].
-        resume: Whether to go on with the run whose checkpoint is beside ``out``; what it was begun with, the
+        resume: Whether to continue the run whose checkpoint is beside ``out``; its other inputs, the
             initial state excepted, is given again. ``duration`` is that run's if not given.
 
     Raises:
@@ -135,38 +134,38 @@ def simulate(
     if scenario is not None:
         scenario = as_run(scenario, float(span), used)
     told = given.told(scenario) if stood is None else stood.about["start"]
-    keeper = None
+    store = None
     if target is None:
         check_room(system, float(span) * used.output_rate + len(used.output_times))
     else:
         about = about_run(system, scenario, used, float(span), told, events, controllers)
         if stood is not None:
             check_same(stood, about)
-        keeper = CheckpointStore(target, system, about, checkpoint, stood)
-    with keeper or contextlib.nullcontext(), compiling_timed() as compiling:
+        store = CheckpointStore(target, system, about, checkpoint, stood)
+    with store or contextlib.nullcontext(), compiling_timed() as compiling:
         run = Run(system, first, begin + float(span), used, events, begin, controllers=controllers)
         if stood is not None:
             stood.give_to(run)
         with interruptible() as interrupted:
             before = compiling.seconds  # the run's own time begins with its first step
-            run.advance(progress, interrupted, keeper)
+            run.advance(progress, interrupted, store)
             run.wall -= compiling.seconds - before
-            return result_of(run, scenario, told, keeper, time.perf_counter(), compiling)
+            return result_of(run, scenario, told, store, time.perf_counter(), compiling)
 
 
 # --- result of a finished run -------------------------------------------------------------------------------
 
 
 class UnsavedError(OutputError):
-    """A result cannot be written where it was asked to be; it is still in memory.
+    """Result that cannot be written to its file; it is still in memory.
 
     Args:
-        message: Why.
-        trajectory: The result.
+        message: Reason.
+        trajectory: Result.
     """
 
     def __init__(self, message: str, trajectory: Trajectory) -> None:
-        """Keep the result."""
+        """Store the result."""
         super().__init__(message)
         self.trajectory = trajectory
 
@@ -175,23 +174,23 @@ def result_of(
     run: Run,
     scenario: Scenario | None,
     start: str,
-    keeper: CheckpointStore | None,
+    store: CheckpointStore | None,
     began: float,
     compiling: CompileClock | None = None,
 ) -> Trajectory:
-    """Return the result of a run that has made its last step; written, if it has a keeper.
+    """Return the result of a run after its last step, written if it has a store.
 
     Args:
-        run: The run.
-        scenario: As it was run; None for a system built in Python.
-        start: Where from, if not from the scenario's start: in words.
-        keeper: Who has kept the record, and where the result is to be.
-        began: When the recording began, by ``time.perf_counter`` [s].
-        compiling: What knows how long was compiled for it; None if nothing was.
+        run: Run.
+        scenario: Scenario as run; None for a system built in Python.
+        start: Origin of the start as text; empty for the scenario's start.
+        store: Store of the record on the disk, and path of the result.
+        began: Begin of the recording by ``time.perf_counter`` [s].
+        compiling: Clock of the compilation for the run; None if nothing was compiled.
 
     Raises:
-        OutputError: The result cannot be written. Then it is in memory (:class:`UnsavedError`), or can be
-            made of what the keeper has.
+        OutputError: The result cannot be written. It is in memory (:class:`UnsavedError`), or can be
+            made from the store.
     """
     title = scenario.title or scenario.name if scenario is not None else run.system.mechanism.name
     case = (scenario.case or "") if scenario is not None else ""
@@ -217,38 +216,38 @@ def result_of(
             end=run.state,
         )
 
-    if keeper is None or not keeper.parts.rows:
+    if store is None or not store.parts.rows:
         trajectory = result(result_data(run, title, case, library_versions(), lean=lean))
-        if keeper is not None:
+        if store is not None:
             try:
-                trajectory.save(keeper.path)
+                trajectory.save(store.path)
             except OutputError as error:
                 raise UnsavedError(str(error), trajectory) from error
     else:
-        trajectory = _streamed(run, keeper, {"title": title, "case": case}, result, lean)
-    if keeper is not None and not run.outcome.may_go_on:
-        keeper.parts.remove()
+        trajectory = _streamed(run, store, {"title": title, "case": case}, result, lean)
+    if store is not None and not run.outcome.may_go_on:
+        store.parts.remove()
     if run.outcome is Outcome.LEDGER_OPEN:
         warnings.warn(run.message, LedgerOpenWarning, stacklevel=3)
     return trajectory
 
 
 def _streamed(
-    run: Run, keeper: CheckpointStore, about: Mapping[str, Any], result: Any, lean: bool
+    run: Run, store: CheckpointStore, about: Mapping[str, Any], result: Any, lean: bool
 ) -> Trajectory:
-    """Write the result of a run whose record is on the disk, block by block, and return it as it is read."""
-    recording = Recorder(run, keeper.parts)
+    """Write the result of a run from its parts, block by block, and load it."""
+    recording = Recorder(run, store.parts)
     about = {**about, "versions": json.dumps(library_versions())}
 
     def dataset_of(series: Mapping[str, Any]) -> Any:
         return result(recording.unlabelled(series, about, lean=lean)).stored()
 
     try:
-        target = check_writable(keeper.path)
+        target = check_writable(store.path)
         with replacing(target) as partial:
             write_blocks(recording.blocks(), dataset_of, recording.count, partial)
     except OutputError as error:
         raise OutputError(
-            f"{error}; what the run has recorded is in {str(keeper.parts.folder)!r}: make room and resume it"
+            f"{error}; what the run has recorded is in {str(store.parts.folder)!r}: make room and resume it"
         ) from error
     return Trajectory.load(target)

@@ -46,7 +46,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Name of the file that is written after the parts that it tells of.
+#: Name of the checkpoint's file, which is written after the parts that it lists.
 CHECKPOINT = "checkpoint"
 
 #: Arrays of samples, and of late ones, in a file.
@@ -59,7 +59,7 @@ _MEMBER = ".npy"
 
 
 def folder_of(path: str | os.PathLike[str]) -> Path:
-    """Return the folder of parts of a run whose result is a file; that folder may be named itself."""
+    """Return the folder of parts of a result's file, or the folder itself."""
     path = Path(path)
     return path if path.suffix == _SUFFIX else path.with_name(path.name + _SUFFIX)
 
@@ -68,7 +68,7 @@ def write_sealed(path: Path, numbers: Mapping[str, NDArray[Any]]) -> None:
     """Write arrays as one file, whole or not at all.
 
     Raises:
-        OutputError: It cannot be written there.
+        OutputError: The file cannot be written.
     """
     with replacing(path) as partial:
         with partial.open("wb") as file:
@@ -80,11 +80,11 @@ def read_sealed(path: Path, known: re.Pattern[str]) -> dict[str, NDArray[Any]]:
     """Return the arrays of a file.
 
     Args:
-        path: Of the file.
-        known: Matches the names that its arrays may have.
+        path: Path of the file.
+        known: Pattern of the names of its arrays.
 
     Raises:
-        FileFormatError: It is not there, or not as it was written; nothing is read of what is not known, is
+        FileFormatError: The file is missing or damaged; nothing is read of an array that is unknown, is
             there twice, or would take more memory than its bytes in the file.
     """
     way_out = "run the scenario again from its start"
@@ -107,7 +107,7 @@ def read_sealed(path: Path, known: re.Pattern[str]) -> dict[str, NDArray[Any]]:
 
 
 def _check_members(file: zipfile.ZipFile, size: int, known: re.Pattern[str]) -> None:
-    """Refuse arrays that are not known, are there twice, or take more memory than bytes in the file."""
+    """Refuse arrays that are unknown, repeated, or larger than their bytes in the file."""
     members = file.infolist()
     if any(one.compress_type != zipfile.ZIP_STORED for one in members) or (
         sum(one.file_size for one in members) > size
@@ -120,7 +120,7 @@ def _check_members(file: zipfile.ZipFile, size: int, known: re.Pattern[str]) -> 
         if names.count(one.filename) > 1:
             raise ValueError(f"{one.filename} {names.count(one.filename)} times")
         with file.open(one) as stream:
-            np.lib.format.read_magic(stream)  # of another version's header what follows makes no sense
+            np.lib.format.read_magic(stream)  # the header of another version cannot be read
             shape, _, kind = np.lib.format.read_array_header_1_0(stream)
             if min(shape, default=0) < 0 or stream.tell() + math.prod(shape) * kind.itemsize != one.file_size:
                 raise ValueError(f"{one.filename} of shape {shape} in {one.file_size} bytes")
@@ -130,22 +130,22 @@ def _check_members(file: zipfile.ZipFile, size: int, known: re.Pattern[str]) -> 
 
 
 def words_of(program: Array) -> NDArray[np.int64]:
-    """Return a program's words as they are in memory; a view.
+    """Return the 8-byte words of a program as integers; a view.
 
-    Some are integers, which as floats may be NaN: those are not equal to themselves, and lose bits as text.
+    Some words are integers, which as floats may be NaN: unequal to themselves, and inexact as text.
     """
     return program.view(np.int64)
 
 
 def changed_words(program: Array, base: Array) -> list[int]:
-    """Return which words of a program differ from another's."""
+    """Return the places of words that differ between two programs."""
     return np.flatnonzero(words_of(program) != words_of(base)).tolist()
 
 
 def numbers_of(chunk: Chunk, base: Array) -> dict[str, NDArray[Any]]:
-    """Return samples as arrays for a file; of programs what differs from the system's own.
+    """Return samples as arrays for a file; of programs the differences from the system's.
 
-    Programs hold addresses of compiled functions, too, which are other ones in each process.
+    Programs also hold addresses of compiled functions, which differ between processes.
     """
     which = np.zeros(len(chunk.times), dtype=np.uint32)
     distinct: list[Array] = []
@@ -166,10 +166,10 @@ def numbers_of(chunk: Chunk, base: Array) -> dict[str, NDArray[Any]]:
 
 
 def chunk_of(numbers: Mapping[str, NDArray[Any]], base: Array) -> Chunk:
-    """Return the samples that :func:`numbers_of` has made arrays of.
+    """Return the samples of arrays from :func:`numbers_of`.
 
     Raises:
-        ValueError: They are no such samples.
+        ValueError: The arrays are no such samples.
         TooLargeError: Their programs do not fit into memory.
     """
     count, which, changed = int(numbers["programs"]), numbers["program"], numbers["changed"]
@@ -203,7 +203,7 @@ def late_numbers(late: Iterable[LateSample], size: int, contacts: int) -> dict[s
 
 
 def late_of(numbers: Mapping[str, NDArray[Any]]) -> list[LateSample]:
-    """Return the samples that :func:`late_numbers` has made arrays of."""
+    """Return the samples of arrays from :func:`late_numbers`."""
     rows = zip(numbers["late_times"].tolist(), numbers["late_states"], numbers["late_memories"], strict=True)
     return [LateSample(*row) for row in rows]
 
@@ -212,14 +212,14 @@ def late_of(numbers: Mapping[str, NDArray[Any]]) -> list[LateSample]:
 
 
 class SampleFiles:
-    """The parts of one run, in their folder.
+    """Parts of one run's record, in their folder.
 
-    The folder is locked as long as this lives: two runs do not write into one.
+    The folder stays locked: two runs do not write into one.
 
     Args:
-        folder: Where; made with the first file.
-        base: The system's own program.
-        identity: Of the run; parts of another are refused.
+        folder: Folder of the parts; made with the first file.
+        base: Program of the system.
+        identity: Identity of the run; parts of another run are refused.
 
     Attributes:
         rows: Samples in each part.
@@ -234,7 +234,7 @@ class SampleFiles:
         self._lock: int | None = None
 
     def __enter__(self) -> Self:
-        """Begin."""
+        """Return the parts."""
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -245,7 +245,7 @@ class SampleFiles:
         """Make and lock the folder.
 
         Raises:
-            OutputError: It cannot be made, or another run writes into it.
+            OutputError: The folder cannot be made, or another run writes into it.
         """
         if self._lock is not None:
             return
@@ -272,14 +272,14 @@ class SampleFiles:
             self._lock = None
 
     def path(self, number: int) -> Path:
-        """Return where a part is."""
+        """Return the path of a part."""
         return self.folder / f"{number:06d}.part"
 
     def append(self, chunk: Chunk) -> None:
         """Write a part.
 
         Raises:
-            OutputError: It cannot be written there.
+            OutputError: The file cannot be written.
         """
         self.open()
         numbers = numbers_of(chunk, self._base)
@@ -290,7 +290,7 @@ class SampleFiles:
         """Return a part.
 
         Raises:
-            FileFormatError: It is not as it was written, or of another run.
+            FileFormatError: The part is damaged, or of another run.
         """
         path = self.path(number)
         numbers = read_sealed(path, _PART)
@@ -302,7 +302,7 @@ class SampleFiles:
         return chunk_of(numbers, self._base)
 
     def drop_others(self) -> None:
-        """Remove parts that were written after the checkpoint that the run goes on from."""
+        """Remove parts written after the checkpoint from which the run continues."""
         for path in self.folder.glob("*.part"):
             if path not in {self.path(k) for k in range(len(self.rows))}:
                 with contextlib.suppress(OSError):
@@ -314,15 +314,15 @@ class SampleFiles:
             for path in [self.folder / CHECKPOINT, *self.folder.glob("*.part")]:
                 with contextlib.suppress(OSError):
                     path.unlink()
-            with contextlib.suppress(OSError):  # what others have put there stays
+            with contextlib.suppress(OSError):  # other files there stay
                 self.folder.rmdir()
         self.close()
 
 
 # --- all samples of a run, block by block -------------------------------------------------------------------
 
-#: Samples of a block: few enough that all which they imply takes little room. Blocks are the same ones
-#: however a record is spread over disk and memory, or round-off might tell.
+#: Samples of a block: few enough for the memory of all variables. Blocks are the same ones
+#: however a record is spread over disk and memory, for the same round-off.
 BLOCK = 8192
 
 
@@ -333,14 +333,14 @@ def _chunks(samples: Samples, parts: SampleFiles | None) -> Iterator[Chunk]:
 
 
 def _with_late(chunk: Chunk, late: Sequence[LateSample], samples: Samples) -> Chunk:
-    """Return a chunk with late samples at their places; where there is one of their time that one stays."""
+    """Return a chunk with late samples inserted; existing samples of the same time stay."""
     there = set(chunk.times[np.searchsorted(chunk.times, [one.time for one in late])].tolist())
     new = [one for one in late if one.time not in there]
     if not new:
         return chunk
     places = np.searchsorted(chunk.times, [one.time for one in new])
     programs = list(chunk.programs)
-    # What held at the sample before holds on to the next event.
+    # The program of the previous sample is valid up to the next event.
     states = [one.state.copy() for one in new]
     for place, one, state in zip(places.tolist(), new, states, strict=True):
         samples.hold(one.time, state, programs[max(place - 1, 0)])
@@ -355,7 +355,7 @@ def _with_late(chunk: Chunk, late: Sequence[LateSample], samples: Samples) -> Ch
 
 
 def _merged(samples: Samples, parts: SampleFiles | None) -> Iterator[Chunk]:
-    first = {one.time: one for one in reversed(samples.late)}  # of those of one time the first
+    first = {one.time: one for one in reversed(samples.late)}  # of coincident ones the first
     late = [first[time] for time in sorted(first)]
     before: Chunk | None = None
     for chunk in _chunks(samples, parts):
@@ -364,7 +364,7 @@ def _merged(samples: Samples, parts: SampleFiles | None) -> Iterator[Chunk]:
         if late and late[0].time <= chunk.times[-1]:
             count = sum(one.time <= chunk.times[-1] for one in late)
             mine, late = late[:count], late[count:]
-            if before is not None:  # whose last program goes on before this chunk's first sample
+            if before is not None:  # its last program is valid up to this chunk's first sample
                 chunk = Chunk.joined([before.part(-1, None), chunk])
             chunk = _with_late(chunk, mine, samples)
             if before is not None:
@@ -374,14 +374,14 @@ def _merged(samples: Samples, parts: SampleFiles | None) -> Iterator[Chunk]:
 
 
 def blocks_of(samples: Samples, parts: SampleFiles | None = None) -> Iterator[Chunk]:
-    """Yield the samples of a run, in blocks of :data:`BLOCK` and one of the rest.
+    """Yield the samples of a run in blocks of :data:`BLOCK`, and the rest.
 
     Args:
-        samples: Those in memory.
-        parts: Those before them.
+        samples: Samples in memory.
+        parts: Samples on the disk.
 
     Raises:
-        FileFormatError: A part is not as it was written.
+        FileFormatError: A part is damaged.
     """
     waiting: list[Chunk] = []
     for chunk in _merged(samples, parts):
@@ -399,7 +399,7 @@ def blocks_of(samples: Samples, parts: SampleFiles | None = None) -> Iterator[Ch
 
 
 def count_of(samples: Samples, parts: SampleFiles | None = None) -> int:
-    """Return how many samples a run has."""
+    """Return the number of samples of a run."""
     if not samples.late:
         return len(samples.times) + (0 if parts is None else sum(parts.rows))
     return sum(len(chunk.times) for chunk in _merged(samples, parts))

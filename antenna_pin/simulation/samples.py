@@ -17,7 +17,7 @@ __all__ = ["Chunk", "LateSample", "Samples", "check_room"]
 
 Array = NDArray[np.float64]
 
-# Numbers of a result for each of a state, and the copies of it while it is made; measured on what ships.
+# Numbers of a result per number of a state, with copies while it is made; measured on shipped scenarios.
 _OF_STATE = 8.0
 
 
@@ -25,7 +25,7 @@ _ROOM = 256
 
 
 def check_room(system: System, count: float) -> None:
-    """Refuse a result of so many samples that they do not fit into memory; in a file they need not."""
+    """Refuse a number of samples that does not fit into memory."""
     size = system.model.nq + system.model.nv + system.manifold.nx
     check_fits(
         "simulate",
@@ -36,11 +36,11 @@ def check_room(system: System, count: float) -> None:
 
 
 class LateSample(NamedTuple):
-    """A sample of an earlier time, to be put between others that are elsewhere.
+    """Sample of an earlier time, to be inserted among samples on the disk.
 
     Attributes:
-        time: [s].
-        state: [q, v, x], of the dense output: it is held where the program of its time is known.
+        time: Time [s].
+        state: State [q, v, x] of the dense output, to be projected once its program is known.
         memory: Contact memory, MEMORY, (contacts,).
     """
 
@@ -50,12 +50,12 @@ class LateSample(NamedTuple):
 
 
 class Chunk(NamedTuple):
-    """Some samples that follow one another.
+    """Consecutive samples.
 
     Attributes:
-        times: (n,) [s].
-        states: [q, v, x] at each, (n, size).
-        memories: Contact memory at each, MEMORY, (n, contacts).
+        times: Times, (n,) [s].
+        states: States [q, v, x], (n, size).
+        memories: Contact memories, MEMORY, (n, contacts).
         programs: Program of force elements at each: the same array as long as nothing was changed in it.
     """
 
@@ -65,7 +65,7 @@ class Chunk(NamedTuple):
     programs: list[Array]
 
     def part(self, first: int | None, last: int | None) -> Chunk:
-        """Return those from one on, up to but without another."""
+        """Return a slice of the samples."""
         here = slice(first, last)
         return Chunk(self.times[here], self.states[here], self.memories[here], self.programs[here])
 
@@ -83,14 +83,14 @@ class Chunk(NamedTuple):
 
 
 class SamplesSnapshot(NamedTuple):
-    """What samples can go back to.
+    """Snapshot of the samples of a run.
 
     Attributes:
-        number: How many there were.
-        inserted: How many of them had been put between others.
-        last: The last of them; None of none.
-        program: That of samples to come.
-        begin: From when on states are kept [s].
+        number: Number of samples.
+        inserted: Number of inserted samples.
+        last: Last sample; None without samples.
+        program: Program of the next samples.
+        begin: Time from which states are recorded [s].
     """
 
     number: int
@@ -101,19 +101,19 @@ class SamplesSnapshot(NamedTuple):
 
 
 class Samples:
-    """States of a run at its output times, with what held there besides.
+    """States of a run at its output times, with contact memory and program.
 
     Args:
-        workspace: Its contact memory and program are kept with a state; the program as it is now.
+        workspace: Workspace of the run; contact memory and program are stored with each state.
         rate: Output times a second [Hz].
-        chosen: Output times beside those at the rate, ascending [s].
-        begin: From when on states are kept [s].
-        end: Until when [s].
+        chosen: Further output times, ascending [s].
+        begin: Time from which states are recorded [s].
+        end: End of the run [s].
 
     Attributes:
         programs: Program of force elements at each: the same array as long as nothing was changed in it.
-        program: That of samples to come.
-        late: Samples that came when those around them had been handed out, in the order of their coming.
+        program: Program of the next samples.
+        late: Samples inserted after their neighbours had been written to the disk, in order of insertion.
     """
 
     def __init__(
@@ -136,16 +136,16 @@ class Samples:
         self.late: list[LateSample] = []
         self._handed = -math.inf
         self._before: Array | None = None
-        self._inserted: list[int] = []  # places of those that were put between others, in their order
+        self._inserted: list[int] = []  # places of inserted samples, in order of insertion
 
     @property
     def times(self) -> Array:
-        """(n,) [s]."""
+        """Times, (n,) [s]."""
         return self._times[: self._count]
 
     @property
     def states(self) -> Array:
-        """[q, v, x] at each, (n, size)."""
+        """States [q, v, x], (n, size)."""
         return self._states[: self._count]
 
     @property
@@ -156,27 +156,27 @@ class Samples:
 
     @property
     def held(self) -> Chunk:
-        """Those that are here."""
+        """Samples in memory."""
         return Chunk(self.times, self.states, self.memories, self.programs)
 
     @property
     def size(self) -> int:
-        """Bytes of those that are here."""
+        """Size of the samples in memory [bytes]."""
         return self._count * (self._states.shape[1] * 8 + self._memories.shape[1] + 16)
 
     @property
     def held_but_last(self) -> Chunk:
-        """Those that are here but the last, which may yet be replaced."""
+        """Samples in memory except the last, which may yet be replaced."""
         return self.held.part(None, -1)
 
     def hand_out(self) -> None:
-        """Let go of those that are here but the last: they are elsewhere."""
+        """Discard the samples in memory except the last, once they are on the disk."""
         if self._count > 1:
             self._handed, self._before = float(self._times[self._count - 2]), self.programs[-2]
             self.take_up(self.held.part(-1, None))
 
     def take_up(self, chunk: Chunk) -> None:
-        """Hold these samples and no others."""
+        """Replace the samples in memory."""
         times, states, memories = (np.array(part) for part in chunk[:3])
         programs = list(chunk.programs)
         self._count = 0
@@ -192,22 +192,22 @@ class Samples:
 
     @property
     def handed(self) -> tuple[float, Array] | tuple[None, None]:
-        """Time [s] and program of the last sample that was handed out."""
+        """Time [s] and program of the last sample on the disk."""
         return (None, None) if self._before is None else (self._handed, self._before)
 
     def go_on_after(self, time: float, program: Array) -> None:
-        """Take samples up to a time [s], the last with this program, to have been handed out."""
+        """Continue after samples on the disk, up to a time [s] and with this last program."""
         self._handed, self._before = time, program
 
     @property
     def last(self) -> float:
-        """Time of the last one [s]; minus infinity without any."""
+        """Time of the last sample [s]; minus infinity without any."""
         return float(self._times[self._count - 1]) if self._count else -math.inf
 
     def add(self, t: float, y: Array) -> None:
-        """Append one sample, or replace the last where it is the same instant but for round-off.
+        """Append a sample, or replace the last one of the same time but for round-off.
 
-        An event may fall on an output time; what holds from the event on is what is kept.
+        An event may fall on an output time; the state after the event is recorded.
         """
         if t < self.begin:
             return
@@ -218,7 +218,7 @@ class Samples:
         self._put(place, y, self._memory)
 
     def finish(self, t: float, y: Array) -> None:
-        """Append the last one, if it is not there: of a run that ended before it records the only one."""
+        """Append the last sample, if missing; of a run that ended earlier the only one."""
         if not self._count and self._before is None:
             self.begin = min(self.begin, t)
         if self.last < t:
@@ -227,15 +227,15 @@ class Samples:
             self._times[self._count - 1] = t  # an output time that is the end but for round-off
 
     def extend(self, times: Array, states: Array, memories: NDArray[Any], early: NDArray[np.int64]) -> None:
-        """Take over samples that compiled steps have left.
+        """Append samples from a batch of steps.
 
         Args:
-            times: (n,) [s].
+            times: Times, (n,) [s].
             states: [q, v, x] of each, (n, size); copied.
-            memories: Contact memory at each, MEMORY, (n, contacts).
-            early: Whether it is one of an earlier time, to be put between others, (n,).
+            memories: Contact memories, MEMORY, (n, contacts).
+            early: Whether a sample is of an earlier time, to be inserted among others, (n,).
         """
-        # Those that come in order first, all at once: what is put between them finds the same neighbours.
+        # Ordered samples first, all at once: inserted ones then find the same neighbours.
         early = early.astype(bool)
         ordered = ~early
         self._append(times[ordered], states[ordered], memories[ordered])
@@ -243,7 +243,7 @@ class Samples:
             self.insert(float(times[k]), states[k], memories[k])
 
     def _append(self, times: Array, states: Array, memories: NDArray[Any]) -> None:
-        """Append samples in the order of time; of those at one instant the last counts."""
+        """Append samples in order of time; of coincident samples the last counts."""
         kept = times >= self.begin
         kept[:-1] &= times[1:] > times[:-1]
         times, states, memories = times[kept], states[kept], memories[kept]
@@ -258,19 +258,19 @@ class Samples:
         self.programs[place : place + count] = [self.program] * count
 
     def hold(self, t: float, y: Array, program: Array) -> None:
-        """Bring a state of the dense output, which is only nearly there, onto what its program holds."""
+        """Project a state of the dense output onto the constraints of its program."""
         if self._workspace.constraints is not None:
             self._workspace.hold(t, y, program)
 
     def insert(self, t: float, y: Array, memory: NDArray[Any]) -> None:
-        """Put a sample with its contact memory between others in time; one that is there already stays."""
+        """Insert a sample with its contact memory by time; an existing sample stays."""
         if t <= self._handed:
             self.late.append(LateSample(t, y.copy(), memory.copy()))
             return
         place = int(np.searchsorted(self.times, t))
         if place < self._count and self._times[place] == t:
             return
-        # What held at the sample before holds on to the next event.
+        # The program of the previous sample is valid up to the next event.
         before = self.program if self._before is None else self._before
         program = self.programs[place - 1] if place else before
         self._inserted.append(place)
@@ -283,19 +283,19 @@ class Samples:
     # --- to go back -----------------------------------------------------------------------------------------
 
     def snapshot(self) -> SamplesSnapshot:
-        """Return what is needed to go back to what is held now, whatever samples come."""
+        """Return a snapshot of the samples, to be restored later."""
         last = self.held.part(-1, None) if self._count else None
         if last is not None:
             last = Chunk(last.times.copy(), last.states.copy(), last.memories.copy(), list(last.programs))
         return SamplesSnapshot(self._count, len(self._inserted), last, self.program, self.begin)
 
     def leave(self) -> None:
-        """Leave the samples to a result that was made of them: what comes changes copies."""
+        """Copy the arrays, so that later samples do not change a result made of them."""
         for name in ("_times", "_states", "_memories"):
             setattr(self, name, getattr(self, name).copy())
 
     def restore(self, snapshot: SamplesSnapshot) -> None:
-        """Hold what was held when this was kept."""
+        """Restore the samples of a snapshot."""
         for place in reversed(self._inserted[snapshot.inserted :]):
             for array in (self._times, self._states, self._memories):
                 array[place : self._count - 1] = array[place + 1 : self._count]
@@ -310,9 +310,9 @@ class Samples:
             self.programs[place] = snapshot.last.programs[0]
 
     def forget_before(self, t: float) -> float:
-        """Let go of what is not needed to know the samples from a time on [s]; return that of the first left.
+        """Discard samples that are not needed from a time on [s]; return the first time left.
 
-        What was kept before is of no use any more.
+        Earlier snapshots become invalid.
         """
         first = max(int(np.searchsorted(self.times, t, side="right")) - 1, 0)
         self.take_up(self.held.part(first, None))
@@ -326,7 +326,7 @@ class Samples:
         self.programs[place] = self.program
 
     def _open(self, place: int, count: int) -> None:
-        """Let there be room for some samples before the one at a place."""
+        """Make room for some samples at a place."""
         total = self._count + count
         for name in ("_times", "_states", "_memories"):
             old = getattr(self, name)

@@ -36,15 +36,15 @@ Array = NDArray[np.float64]
 
 # --- error scales -------------------------------------------------------------------------------------------
 
-#: What counts as the play of a joint on bearings, which has none and deflects by micrometres, and as half its
+#: Substitute for the play of a joint on bearings, which deflects by micrometres, and for half its
 #: length [m].
 BEARING_PLAY, BEARING_LEVER = 1e-4, 0.01
 
 
 def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
-    """Return the error scale of each component of [u, v, x], (2 nv + nx,); of x energies and bristles.
+    """Return the error scale of each component of [u, v, x], (2 nv + nx,).
 
-    That of works and losses is what the moving bodies have at a velocity of one unit of tolerance.
+    The scale of works and losses is the energy of the moving bodies at a velocity of one unit of tolerance.
     """
     model = system.model
     position = np.full(model.nv, scales.angle)
@@ -83,7 +83,7 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
                 about, scales.angular_velocity, scales.clearance_velocity / half
             )
     for name in system.on_bearings:
-        # As play is counted in plays, in what stands for one.
+        # Like play, in units of the substitute.
         slot = system.mechanism.joint(name)
         start = slot.v.start
         position[start : start + 3] = scales.clearance * BEARING_PLAY
@@ -108,25 +108,25 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
         for _ in joint.contact_names
         for scale in getattr(joint.friction, "state_scales", ())
     ]
-    # Those of elements are numbers of size 1.
+    # Bristles of elements are numbers of size 1.
     x[system.bristle_x] = bristles + [1.0] * (len(system.bristle_x) - len(bristles))
     return np.concatenate([position, velocity, x])
 
 
 # --- step control -------------------------------------------------------------------------------------------
 
-_PACE_STEPS = 50_000  # trial steps from one look at the pace to the next: a burst of impacts takes fewer
+_PACE_STEPS = 50_000  # trial steps between checks of the pace: a burst of impacts takes fewer
 
 
 class StepControl:
-    """What decides how long the next step is.
+    """Step size control, with the times at which steps must end and the limits of a run.
 
     Args:
-        workspace: Drives of its system say where steps must end, and how long they may be.
-        method: Of integration.
-        settings: How to integrate.
-        begin: From when on the run records [s].
-        end: Where it ends [s].
+        workspace: Workspace of the run; elements define times at which steps end, and longest steps.
+        method: Method of integration.
+        settings: Settings of integration.
+        begin: Time from which the run records [s].
+        end: End of the run [s].
 
     Attributes:
         sizes: Step sizes by pattern of touching contacts: impacts of one kind need steps of one size [s].
@@ -135,7 +135,7 @@ class StepControl:
     def __init__(
         self, workspace: Workspace, method: Method, settings: RunSettings, begin: float, end: float
     ) -> None:
-        """Collect the instants at which steps must end."""
+        """Collect the times at which steps must end."""
         self.settings = settings
         self.method = method
         self.end = end
@@ -154,24 +154,24 @@ class StepControl:
         elements = [element for family in system.families.values() for element in family.values()]
         self.end_at({t for element in elements for t in element.instants})
         self.renew(elements)
-        #: Trial steps and time [s] where the pace was last looked at.
+        #: Trial steps and time [s] of the last check of the pace.
         self.paced = (0, begin)
 
     def end_at(self, instants: Iterable[float]) -> None:
-        """Let steps end at further instants [s]."""
+        """Add times at which steps end [s]."""
         self.pace.end_at(instants)
 
     def end_next_at(self, here: float, instant: float) -> None:
-        """Let a step end at the next instant of the run's controllers, for steps that begin here [s]."""
+        """Set the controllers' next sample time [s], for steps from here [s]."""
         self.pace.end_next_at(here, instant)
 
     def move_end(self, end: float) -> None:
-        """Let the run end at another time [s]."""
+        """Move the end of the run [s]."""
         self.end = end
         self.pace.move_end(end)
 
     def renew(self, elements: Iterable[ForceElement]) -> None:
-        """Look how long a step may be with elements that have changed."""
+        """Update the longest step, with elements that have changed."""
         longest = self.settings.max_step
         if self.method.adaptive:
             longest = min([longest, *(element.longest_step for element in elements)])
@@ -179,7 +179,7 @@ class StepControl:
 
     @property
     def spin(self) -> float:
-        """Fastest rate of a joint that turns without end, at the present state [rad/s]."""
+        """Fastest rate of a continuous joint at the present state [rad/s]."""
         return float(self.pace.numbers["spin"][0])
 
     @spin.setter
@@ -188,7 +188,7 @@ class StepControl:
 
     @property
     def error(self) -> float:
-        """Scaled error of the last step that passed [-]; zero before the first."""
+        """Scaled error of the last accepted step [-]; zero before the first."""
         return float(self.pace.numbers["error"][0])
 
     @error.setter
@@ -206,12 +206,12 @@ class StepControl:
         return min(1e-6, settings.max_step, self.end)
 
     def limit(self, trials: int, t: float, wall: float) -> Outcome | None:
-        """Return the limit that is reached, or that the run makes so little way that it would never end.
+        """Return the limit reached, or NO_PROGRESS of a run that would never end.
 
         Args:
-            trials: Trial steps made so far.
-            t: How far they went [s].
-            wall: Wall time since the run was begun, or gone on with [s].
+            trials: Trial steps so far.
+            t: Present time [s].
+            wall: Wall time since the run was begun or continued [s].
         """
         settings = self.settings
         if settings.max_steps is not None and trials >= settings.max_steps:
@@ -221,13 +221,13 @@ class StepControl:
         return None if self._makes_way(trials, t) else Outcome.NO_PROGRESS
 
     def until_check(self, trials: int) -> int:
-        """Return how many trial steps more may be made until :meth:`limit` must be asked."""
+        """Return the number of trial steps until :meth:`limit` must be called."""
         most = self.settings.max_steps
         until = self.paced[0] + _PACE_STEPS - trials
         return until if most is None else min(until, most - trials)
 
     def _makes_way(self, trials: int, t: float) -> bool:
-        """Whether a run that has made so many trial steps up to t [s] may ever come to its end."""
+        """Return whether a run at t [s] may reach its end at its pace."""
         if trials - self.paced[0] < _PACE_STEPS:
             return True
         made, way = trials - self.paced[0], t - self.paced[1]
@@ -239,14 +239,14 @@ class StepControl:
 
 
 class LoggedStep(NamedTuple):
-    """A step, in which nothing changes.
+    """Step without a change inside.
 
     Attributes:
-        time: When it begins [s].
-        size: Of it [s].
-        y: State where it begins.
-        until: When it ends [s].
-        end: State there, before what changes then.
+        time: Begin of the step [s].
+        size: Size of the step [s].
+        y: State at the begin.
+        until: End of the step [s].
+        end: State at the end, before any change there.
     """
 
     time: float
@@ -257,23 +257,23 @@ class LoggedStep(NamedTuple):
 
 
 class StepLog:
-    """Steps that a run has made since it was shown last.
+    """Steps of a run since the last call of its observer.
 
     Attributes:
-        steps: These, in their order.
+        steps: Steps, in order.
     """
 
     def __init__(self) -> None:
-        """Begin with none."""
+        """Begin without steps."""
         self.steps: list[LoggedStep] = []
 
     def extend(self, time: float, y: Array, ends: tuple[Array, Array, Array]) -> None:
-        """Put steps behind those that are there, each of which begins where the last one ends.
+        """Append consecutive steps.
 
         Args:
-            time: When the first begins [s].
-            y: State there.
-            ends: When each ends [s], its size [s], (n,) each, and the state there, (n, size); copied.
+            time: Begin of the first step [s].
+            y: State at the begin.
+            ends: End and size of each step, (n,) each [s], and the state at the end, (n, size); copied.
         """
         for until, size, end in zip(ends[0].tolist(), ends[1].tolist(), ends[2].copy(), strict=True):
             self.steps.append(LoggedStep(time, size, y, until, end))
@@ -282,9 +282,9 @@ class StepLog:
 
 # --- batches of steps ---------------------------------------------------------------------------------------
 
-# Trial steps from one look at the clock, at Ctrl-C and at limits to the next, of up to so many freedoms; of
-# more they are fewer as the square. Where Python is asked from inside, a trial may take as long as what it
-# asks. Where steps are dear they are at most a part of those before: what is wrong shows at the beginning.
+# Trial steps between checks of clock, Ctrl-C and limits, for systems of up to this many freedoms; for
+# larger ones the number falls with the square. A trial step that calls Python may take as long as the
+# called function. Expensive steps are at most a part of those before: errors appear at the beginning.
 _BUDGET, _FREEDOMS, _ASKED, _PART = 1024, 24, 32, 4
 _CAPACITY = 256  # samples
 _LOGGED = 64  # steps of a log
@@ -295,20 +295,20 @@ def stepper_of(workspace: Workspace, method: Method, scales: Array, settings: Ru
     """Return the stepper of an engine.
 
     Raises:
-        MechanismError: The system is not one that the engine can take.
+        MechanismError: The engine cannot run the system.
     """
     return CompiledStepper(workspace, Compiled(workspace, settings.engine), method, scales, settings.rtol)
 
 
 class StepCounts(NamedTuple):
-    """What a run has made so far.
+    """Counts of steps and evaluations so far.
 
     Attributes:
         tried: Trial steps.
-        rejected: Those whose error was too large.
-        relocated: Those made to end where something happens.
-        evaluations: Of the right-hand side.
-        wall: Wall time that it took [s].
+        rejected: Trial steps with too large an error.
+        relocated: Trial steps repeated to end at a change or an event.
+        evaluations: Evaluations of the right-hand side.
+        wall: Wall time [s].
     """
 
     tried: int
@@ -319,15 +319,15 @@ class StepCounts(NamedTuple):
 
 
 class LoopParts(NamedTuple):
-    """What the loop works on besides its stepper.
+    """Services of the compiled loop besides its stepper.
 
     Attributes:
-        control: How long steps are.
-        samples: Where output goes.
-        episodes: The contacts' record.
-        search: What is looked for at contacts.
-        watch: What is looked for besides.
-        singular: What looks at each step's end; None where nothing is held.
+        control: Step size control.
+        samples: Samples of the run.
+        episodes: Record of contacts.
+        search: Search for changes of contact.
+        watch: Search for events.
+        singular: Search for singular positions; None without constraints.
     """
 
     control: StepControl
@@ -339,19 +339,19 @@ class LoopParts(NamedTuple):
 
 
 class StepBatches:
-    """Makes steps in the compiled loop, up to the first thing that the run has to see to, and counts them.
+    """Batches of steps in the compiled loop, each up to the next interruption, and their counts.
 
     Args:
-        stepper: What makes them.
-        parts: What they are made with, and where they go.
-        singly: Whether the run wants to see each step that is accepted.
-        logged: Whether it wants to see where contacts change, with the steps up to there.
+        stepper: Stepper of the run.
+        parts: Services of the loop.
+        singly: Whether a batch ends after each accepted step.
+        logged: Whether steps are logged, and a batch ends at each change of contact.
 
     Attributes:
-        log: Of steps that were accepted, where they are logged.
-        accepted: Steps that have been accepted.
+        log: Log of accepted steps, if logged.
+        accepted: Accepted steps.
         rejected: Trial steps rejected by their error.
-        relocated: Trial steps made to end where something happens.
+        relocated: Trial steps repeated to end at a change or an event.
     """
 
     def __init__(
@@ -407,7 +407,7 @@ class StepBatches:
         )
 
     def _buffers(self, capacity: int, ends: int) -> kernels.Buffers:
-        """Return room for so many samples, and for the ends of so many steps."""
+        """Return buffers for a number of samples and of ends of steps."""
         size, contacts = self._stepper.manifold.size, len(self._parts.episodes)
         return kernels.Buffers(
             times=np.zeros(capacity),
@@ -422,7 +422,7 @@ class StepBatches:
         )
 
     def _give_answers(self) -> None:
-        """Answer what the loop asks: implicit steps, where events are."""
+        """Set the callbacks of the loop: implicit steps, corrections to events."""
         stepper, stretch = self._stepper, self._stretch
         answers, answer = stepper.answers, stepper.numbers.outside.asked
 
@@ -441,7 +441,7 @@ class StepBatches:
         if self._parts.watch:
             answers.give("lack", lack)
 
-    # --- what there is --------------------------------------------------------------------------------------
+    # --- state ----------------------------------------------------------------------------------------------
 
     @property
     def made(self) -> int:
@@ -449,26 +449,26 @@ class StepBatches:
         return self.accepted + self.rejected + self.relocated
 
     def so_far(self, wall: float) -> StepCounts:
-        """Return what was made, in so much wall time [s]."""
+        """Return the counts, with a wall time [s]."""
         return StepCounts(self.made, self.rejected, self.relocated, self._stepper.evaluations, wall)
 
     @property
     def at_rest(self) -> bool:
-        """Whether no step has begun."""
+        """Whether no step is in progress."""
         return bool(self._stretch["phase"][0] == kernels.FRESH)
 
     def rest(self) -> None:
-        """Give up the step that has begun: the next begins at the present state."""
+        """Abort the step in progress: the next begins at the present state."""
         self._stretch["phase"] = kernels.FRESH
 
     @property
     def has_moved(self) -> bool:
-        """Whether the last call has made a step."""
+        """Whether the last call has accepted a step."""
         return bool(self._stretch["accepted"][0] > 0)
 
     @property
     def following(self) -> float:
-        """Size of the step to try next; within a step, of that which it began with [s]."""
+        """Size of the next step to try; within a step, its initial size [s]."""
         return float(self._stretch["h" if self.at_rest else "wished"][0])
 
     @following.setter
@@ -477,65 +477,65 @@ class StepBatches:
 
     @property
     def contact(self) -> int:
-        """The contact that changes, or is too deep."""
+        """Number of the contact that changes or is too deep."""
         return int(self._stretch["contact"][0])
 
     @property
     def tried(self) -> tuple[float, float, bool]:
-        """Size of the last trial step [s], its scaled error, whether a function had no answer in it."""
+        """Size of the last trial step [s], its scaled error, and whether a function refused."""
         found = self._stretch[0]
         return float(found["tried"]), float(found["error"]), bool(found["refused"])
 
     def take_up(self, other: StepBatches) -> None:
-        """Go on between two steps where another stands, which has been made with these parts."""
+        """Continue from the counts and step size of other batches."""
         self.accepted, self.rejected, self.relocated = other.accepted, other.rejected, other.relocated
         self.following = other.following
 
     def record_from(self, begin: float) -> None:
-        """Leave nothing of before a time to the record [s]."""
+        """Record from a time on [s]."""
         self._stretch["begin"] = begin
 
     def move_end(self, end: float) -> None:
-        """Let steps be made up to another time [s]; the first that this cuts is told of."""
+        """Move the end of the run [s]; the first step that it cuts interrupts the loop."""
         self._stretch["end"], self._stretch["cut"] = end, 0
 
     # --- to make --------------------------------------------------------------------------------------------
 
     def go_on(self) -> int:
-        """Make steps until something happens that the run has to see to; return what.
+        """Make steps up to the next interruption; return its reason.
 
         Raises:
-            FunctionError: A function of the user's has no answer.
+            FunctionError: A user's function fails.
         """
         most = min(self._most, self.made // _PART) if self._dear else self._most
         return self._made_by(loop_kernels.go_on, most=most)
 
     def finish_step(self) -> int:
-        """Go on with the step that has begun, and no further; return what happens that the run has to see to.
+        """Continue the step in progress, and no further; return the reason of an interruption.
 
         Raises:
-            FunctionError: A function of the user's has no answer.
+            FunctionError: A user's function fails.
         """
         return self._made_by(loop_kernels.go_on)
 
     def search_until(self, theta: float) -> None:
-        """Let the trial step that stands be searched up to where an event is, at this fraction of it."""
+        """Let the trial step be searched up to an event, at this fraction."""
         self._stretch["until"] = theta
 
     def end_at(self, size: float, longest: float, lack: Callable[[], float], search: bool) -> int:
-        """Make the trial step again to end at an event, and accept it; return what came of it.
+        """Repeat the trial step to end at an event, and accept it; return the reason.
 
         Args:
-            size: How far into the step that is [s].
-            longest: What the step may be corrected to at most [s].
-            lack: How much longer the trial step should be [s], or 0.
-            search: Whether contacts that change before are looked for.
+            size: Time from the begin of the step to the event [s].
+            longest: Upper limit of the corrected step size [s].
+            lack: Function for the Newton correction of the step size [s], or 0.
+            search: Whether to search for earlier changes of contact.
         """
         self._lack = lack
         return self._made_by(loop_kernels.end_at, size, longest, search)
 
     def _made_by(self, kernel: Callable[..., int], *arguments: Any, most: int = 1) -> int:
-        """Call the loop for so many trial steps at most; put what it has come to into the record."""
+        """Call the loop for a number of trial steps; record the outcome."""
         stretch, (control, samples, episodes, *_) = self._stretch, self._parts
         for name in (*_COUNTS, "samples", "evaluations"):
             stretch[name] = 0
@@ -563,7 +563,7 @@ class StepBatches:
         return reason
 
     def _take_over(self, began: float, y: Array) -> None:
-        """Put what the loop has come to, which began at a time [s] in a state, into the record."""
+        """Record the outcome of a call that began at a time [s] in a state."""
         stepper, found, buffers = self._stepper, self._stretch[0], self._loop.buffers
         stepper.t, stepper.h = float(found["t"]), float(found["tried"])
         stepper.evaluations += int(found["evaluations"])

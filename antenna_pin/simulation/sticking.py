@@ -1,4 +1,4 @@
-r"""Joints that rest together: which stick and which slip, and which stand on their rigid stops.
+r"""Joints at rest: consistent modes of sticking, slipping and resting on rigid stops.
 
 Each joint with dry friction that is at rest has a torque :math:`\lambda` and an acceleration a, with
 
@@ -8,20 +8,19 @@ and each at rest at a rigid stop, with both counted off it,
 
 .. math:: 0 \le \lambda \quad\perp\quad a \ge 0,
 
-where what one does changes what the others need. Frictions begin as sticking but those that have just let go,
-stops as they are but those that have just been left. Then all that do not keep their rule are turned over,
-again and again; where that makes them no fewer, only the first of them: block pivoting, with the least-index
-pivoting of Murty and Bard behind it, which ends at the one solution there is where friction does not fall as
-a joint begins to slip. As all are turned over together, nothing hangs on their order, and what is alike does
-alike. Where friction falls at once there may be several solutions, or none: then turning over may not end,
-and that is said.
+which all interact. Frictions begin as sticking except those that have just let go, stops in their present
+modes except those just left. Then all joints that violate their rule are pivoted, again and again; if that
+does not reduce their number, only the first of them: block pivoting, with the least-index pivoting of Murty
+and Bard as fallback, which ends at the unique solution if friction does not fall as a joint begins to slip.
+As all are pivoted together, the result does not depend on their order, and equal joints behave alike. Where
+friction falls at once there may be several solutions, or none: then pivoting may not end, which is an error.
 
-A joint whose rate motions prescribe, its own or that of others by couplings and loops, does not stick:
-its friction slips by the sign of that rate, and stays as it was while the joint stands.
+A joint whose rate is prescribed, by a motion of its own or through couplings and loops, does not stick:
+its friction slips by the sign of that rate, and keeps its mode while the joint is at rest.
 
-A joint that others hold at rest, as in a closed loop with more sticking joints than it has freedoms, has all
-its friction pushing once its row has carried that much, and stays; so all must be overcome before one moves.
-Of a joint that sticks and stands at its stop either may carry the load: the motion is unique, not the share.
+A joint held at rest by others, as in a closed loop with more sticking joints than freedoms, has saturated
+friction once its row has carried that much, and stays; so all must be overcome before one moves.
+At a joint that sticks and rests on its stop either may carry the load: the motion is unique, not the share.
 
 References:
     Kostreva (1978), Block pivot methods for solving the complementarity problem, Linear Algebra Appl. 21.
@@ -53,26 +52,26 @@ __all__ = ["RestingJoints"]
 Array = NDArray[np.float64]
 
 _AT_REST = 1e-11
-# A joint is at a stop that is no farther off [rad] ([m]). A hop off it is none that is lower than so many
-# units of round-off of where the stop is, and at zero than this.
+# Distance at which a joint is at a stop [rad] ([m]). Height of a hop that is round-off: relative to the
+# position of the stop, and for a stop at zero.
 _AT_STOP, _HOP, _LEAST_HOP = 1e-11, 4.0 * np.finfo(float).eps, 1e-20
-# Of a stop's load and acceleration, over the largest there are: round-off, ten times as much each time that
-# it is turned over.
+# Round-off of a stop's load and acceleration, relative to the largest ones; ten times as much each time that
+# it is pivoted.
 _SLACK = 1e-13
-# When the next derivative is looked for [s].
+# Time ahead at which the next derivative is evaluated [s].
 _SOON = 1e-6
-# An acceleration that is none [rad/s^2] ([m/s^2]).
+# Acceleration that counts as zero [rad/s^2] ([m/s^2]).
 _NO_MOTION = 1e-12
-# Rounds in which turning over all makes those that do not keep their rule no fewer.
+# Rounds of pivoting all that do not reduce the number of violations.
 _PATIENCE = 4
-# Of a grip: by what a torque at which a joint lets go, which is located, may be off.
+# Relative error of the located torque at which a joint lets go.
 _LOCATED = 1e-9
-# Of what a joint would yield to a torque alone: what round-off leaves of that where others hold it.
+# Round-off of the compliance of a joint held by others, relative to the joint alone.
 _HELD = 1e-9
 
 
 class RestingChange(NamedTuple):
-    """A change of mode that has come about: which element's, as it was before, and what it met."""
+    """Change of mode: the element's place, its state before, and that of its joint."""
 
     place: str
     before: StickingFriction | RigidStop
@@ -80,16 +79,16 @@ class RestingChange(NamedTuple):
 
 
 class RestingJoints:
-    """The joints with dry friction, and those with rigid stops, of a run.
+    """Joints of a run with dry friction or rigid stops.
 
     Args:
-        workspace: What the run works on.
-        adjustments: Its elements as they are; written.
+        workspace: Workspace of the run.
+        adjustments: Present elements of the run; changed.
         acting: Elements with modes, by place.
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]) -> None:
-        """Find them."""
+        """Find the joints."""
         self._workspace, self._adjustments = workspace, adjustments
         self._dry = [place for place, one in acting.items() if isinstance(one.element, StickingFriction)]
         self._stops = [place for place, one in acting.items() if isinstance(one.element, RigidStop)]
@@ -102,19 +101,19 @@ class RestingJoints:
             for place, one in self._acting.items()
         }
         self._rates = np.zeros(workspace.model.nv + workspace.manifold.nx)
-        # Joints that have begun to slip at the last instant: they do not stick again there for being at rest.
+        # Joints that have begun to slip at the last event: they do not stick again there for being at rest.
         self._instant, self._gone = math.nan, set[str]()
 
     def __bool__(self) -> bool:
-        """Whether there are any."""
+        """Return whether there are such joints."""
         return bool(self._acting)
 
     def pushes(self, place: str) -> bool:
-        """Return whether an element is friction that pushes with all it has at a joint that others hold."""
+        """Return whether an element is saturated friction at a joint held by others."""
         return place in self._dry and self._element(place).mode in (PUSHED, PULLED)
 
     def decides(self, place: str, number: int) -> bool:
-        """Return whether what passes by a function of an element is decided here."""
+        """Return whether changes by a function of an element are decided here."""
         return place in self._acting and (place in self._dry or number == LOADED)
 
     def _element(self, place: str) -> StickingFriction:
@@ -128,18 +127,18 @@ class RestingJoints:
         return element
 
     def settle(self, t: float, y: Array, located: Sequence[Switch] = ()) -> list[RestingChange]:
-        """Bring those that are at rest into modes that agree; y is changed in place, by round-off.
+        """Find consistent modes of the joints at rest; y is changed in place, by round-off.
 
         Args:
             t: Time [s].
             y: State.
-            located: Functions by which some have come to rest, or have let go.
+            located: Located functions of joints that come to rest or let go.
 
         Returns:
             The changes of mode.
 
         Raises:
-            NeverSettlesError: There are no such modes, or none are found.
+            NeverSettlesError: No consistent modes exist or are found.
         """
         before = {place: self._adjustments.elements[place] for place in self._acting}
         met = {
@@ -166,7 +165,7 @@ class RestingJoints:
             comes = place in comes_to_rest and element.mode != UNDECIDED  # else it was switched on
             if comes or element.mode == STUCK or abs(one.rate) <= _AT_REST:
                 resting.append(place)
-                # Where a stop is left, what pushed beside it may hold alone.
+                # Where a stop is left, saturated friction beside it may hold alone.
                 pushes = element.mode in (PUSHED, PULLED) and not left
                 if pushes or (place in self._gone and element.mode in (FORWARD, BACKWARD)):
                     continue
@@ -196,7 +195,7 @@ class RestingJoints:
         ]
 
     def _at_stops(self, t: float, y: Array, met: dict[str, Met]) -> dict[str, int]:
-        """Return at which side of their stops joints stand, by place; and how they meet them, in ``met``."""
+        """Return the sides of stops at which joints rest, by place; add them to ``met``."""
         sides = {}
         for place in self._stops:
             stop = self._stop_of(place)
@@ -214,7 +213,7 @@ class RestingJoints:
         return sides
 
     def _stands(self, place: str, rate: float, side: int, t: float, y: Array) -> bool:
-        """Return whether a joint at a stop moves off it by no more than round-off, if at all."""
+        """Return whether a joint at a stop leaves it by no more than round-off."""
         if abs(rate) <= _AT_REST:
             return True
         if rate < 0.0:
@@ -225,11 +224,11 @@ class RestingJoints:
         return rate * rate < 2.0 * hop * back
 
     def _off(self, place: str, side: int) -> float:
-        """Return the acceleration of a joint off a side of its stop, of the last evaluation."""
+        """Return the acceleration of a joint off a side of its stop, by the last evaluation."""
         return (1.0 if side == LOWER else -1.0) * float(self._rates[self._slot[place]])
 
     def jammed(self, t: float, y: Array) -> str:
-        """Return of which joints friction by load has no solution, as a part of a message; "" if of none."""
+        """Return the joints with unsolvable friction by load, as part of a message; "" if none."""
         self._loads(t, y)
         if np.isfinite(self._rates[: self._workspace.model.nv]).all():
             return ""
@@ -245,7 +244,7 @@ class RestingJoints:
             self._adjustments.change(place, change)
 
     def _stop(self, t: float, y: Array, resting: list[str]) -> None:
-        """Take away what round-off leaves of the rates of those that stick, or rest."""
+        """Remove round-off from the rates of joints that stick or rest."""
         nq, nv = self._workspace.model.nq, self._workspace.model.nv
         sticks = [place for place in resting if self._adjustments.holds(place)]
         if any(y[nq + self._slot[place]] != 0.0 for place in sticks):
@@ -254,7 +253,7 @@ class RestingJoints:
                 y[nq + self._slot[place]] = 0.0
 
     def _loads(self, t: float, y: Array) -> Array:
-        """Evaluate; return what rows carry."""
+        """Evaluate the derivative; return the loads of the rows."""
         self._workspace.derivative(t, y, self._rates)
         constraints = self._workspace.constraints
         return np.zeros(0) if constraints is None else constraints.loads().copy()
@@ -273,7 +272,7 @@ class RestingJoints:
         met: Mapping[str, Met],
         let_go: set[str],
     ) -> None:
-        """Turn over what does not keep its rule, until all do."""
+        """Pivot joints that violate their rule, until none does."""
         rows = (*resting, *sides)
         slack, foreseen = dict.fromkeys(sides, _SLACK), set[str]()
         fewest, patience = len(rows) + 1, _PATIENCE
@@ -281,7 +280,7 @@ class RestingJoints:
             loads = self._loads(t, y)
             wrong = [place for place in resting if self._errs(place, y, loads, let_go)]
             wrong += [place for place in sides if self._errs_at_stop(place, sides[place], y, loads, slack)]
-            # Those that push against others turn over as they are looked at.
+            # Saturated friction is pivoted as it is checked.
             pushing = [one for one in resting if self._element(one).mode in (PUSHED, PULLED)]
             count = len(wrong) + sum(not self._push(place, t, y) for place in pushing)
             if count == 0 and (soon := self._soon_at_stops(sides, foreseen, t, y)):
@@ -291,7 +290,7 @@ class RestingJoints:
                     slack[place] = max(slack[place], _LOCATED)
                 fewest, patience = len(rows) + 1, _PATIENCE
             elif count == 0:
-                # What slips against a stop that now holds the joint pushes.
+                # Slipping friction against a stop that now holds the joint is saturated.
                 slips = [one for one in resting if self._element(one).mode in (FORWARD, BACKWARD)]
                 if not sides or not any([self._push(place, t, y) for place in slips]):
                     return
@@ -317,9 +316,9 @@ class RestingJoints:
         raise NeverSettlesError(rows[0])
 
     def _soon_at_stops(self, sides: Mapping[str, int], foreseen: set[str], t: float, y: Array) -> list[str]:
-        """Return joints at their stops that do not accelerate, but for round-off, and soon go into them.
+        """Return joints at stops, without acceleration, that will soon press on them.
 
-        As where friction lets go of a joint that its growing load presses to the stop.
+        As after friction lets go of a joint whose growing load presses on the stop.
         """
         model, nq = self._workspace.model, self._workspace.model.nq
         most = _LOCATED * float(np.abs(self._rates[: model.nv]).max(initial=0.0))
@@ -341,14 +340,14 @@ class RestingJoints:
         return found
 
     def _alone(self, place: str, y: Array) -> float:
-        """Return the acceleration of a joint over a torque there, with nothing held."""
+        """Return the acceleration of a joint per torque there, with nothing held."""
         model, at = self._workspace.model, self._slot[place]
         return float(pin.computeMinverse(model, self._workspace.data, y[: model.nq])[at, at])
 
     def _errs_at_stop(
         self, place: str, side: int, y: Array, loads: Array, slack: Mapping[str, float]
     ) -> bool:
-        """Return whether a stop pulls, or a joint that is off it goes into it."""
+        """Return whether a stop pulls, or a joint off its stop penetrates it."""
         size = float(np.abs(loads).max(initial=0.0))
         if self._stop_of(place).mode != FREE:
             pushes = (1.0 if side == LOWER else -1.0) * float(loads[self._hold[place]])
@@ -357,9 +356,9 @@ class RestingJoints:
         return self._off(place, side) < -slack[place] * (most + self._alone(place, y) * size) - _NO_MOTION
 
     def _errs(self, place: str, y: Array, loads: Array, let_go: set[str]) -> bool:
-        """Return whether a joint that sticks carries too much, or one that slips goes the other way.
+        """Return whether a sticking joint is overloaded, or a slipping one moves backward.
 
-        What lets go here, which is located, carries all its grip and does not move yet, but for round-off.
+        Friction that lets go at a located time carries its full grip and does not move, but for round-off.
         """
         element = self._element(place)
         if element.mode == STUCK:
@@ -372,7 +371,7 @@ class RestingJoints:
         return forth < -slack
 
     def _push(self, place: str, t: float, y: Array) -> bool:
-        """Have one that slips push if others hold it, or the other way round; return whether they do."""
+        """Set saturated friction where others hold the joint; return whether they do."""
         workspace, at = self._workspace, self._slot[place]
         element = self._element(place)
         forward = element.mode in (FORWARD, PUSHED)

@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 
 # --- samples with the quantities that they imply ------------------------------------------------------------
 
-# Variables of the ledger, by the places in x where a system integrates them; what of it enters the balance.
+# Variables of the ledger, by their places in x; further below the signs of those in the balance.
 _LEDGER = {
     "drive_work": "work_x",
     "drive_gross_work": "gross_work_x",
@@ -52,7 +52,7 @@ _LEDGER = {
     "dissipation_elastic": "damper_x",
     "element_loss": "element_x",
 }
-# Of forces by what is integrated of them.
+# Variables of forces by their integrals.
 _OF_FORCES = {
     "force_work": "work",
     "force_gross_work": "gross_work",
@@ -75,13 +75,13 @@ _BALANCE = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockEnd:
-    """What is needed of the samples before a block.
+    """Data of the samples before a block.
 
     Attributes:
-        first: [q, v, x] of the run's first sample.
-        stored: All that was stored then [J].
-        state: [q, v, x] at this edge of the block.
-        attitudes: Of the journals there, (joints, 4).
+        first: State [q, v, x] of the run's first sample.
+        stored: Stored energy at the first sample [J].
+        state: State [q, v, x] at this end of the block.
+        attitudes: Attitudes of the journals there, (joints, 4).
     """
 
     first: Array
@@ -92,16 +92,16 @@ class BlockEnd:
 
 @dataclass(eq=False)
 class SampleBlock:
-    """Samples of a run that follow one another, and what the system is there.
+    """Consecutive samples of a run, with the observed quantities of the system.
 
     Attributes:
-        run: The run.
-        times: (n,) [s].
-        states: [q, v, x], (n, nq + nv + nx).
+        run: Run.
+        times: Times, (n,) [s].
+        states: States [q, v, x], (n, nq + nv + nx).
         memories: Contact memory, MEMORY, (n, contacts).
-        programs: Program of force elements at each.
-        found: What the equations of motion give.
-        before: The end of the samples before these; None where these are the first.
+        programs: Program of force elements of each sample.
+        found: Quantities by the equations of motion.
+        before: End of the previous block; None for the first.
     """
 
     run: Run
@@ -114,7 +114,7 @@ class SampleBlock:
 
     @property
     def start(self) -> BlockEnd:
-        """The run's first sample; of a start that takes impulses with what was there before them."""
+        """First sample of the run; before the impulses of the start, if any."""
         if self.before is None:
             first, stored = self.states[0].copy(), float(self.found.energy[0])
             for x, loss in self.run.actions.modes.lost_at_start() if self.times[0] == 0.0 else ():
@@ -125,7 +125,7 @@ class SampleBlock:
 
     @property
     def end(self) -> BlockEnd:
-        """The last of these."""
+        """Last of these samples."""
         return self._edge(-1, self.start.first, self.start.stored)
 
     def _edge(self, place: int, first: Array, stored: float) -> BlockEnd:
@@ -133,13 +133,13 @@ class SampleBlock:
 
     @cached_property
     def attitudes(self) -> Array:
-        """Of the journals in their bearings, quaternions without jumps in sign, (n, joints, 4)."""
+        """Attitudes of journals, quaternions without jumps in sign, (n, joints, 4)."""
         before = None if self.before is None else (self.before.state, self.before.attitudes)
         return journal_attitudes(self.system, self.states, self.programs, before)
 
     @property
     def system(self) -> System:
-        """The system."""
+        """System of the run."""
         return self.run.system
 
     @property
@@ -155,12 +155,12 @@ class SampleBlock:
 
     @cached_property
     def ledger(self) -> dict[str, Array]:
-        """What the elements have integrated since the first sample: a run that goes on has its own ledger."""
+        """Integrals of the elements since the first sample of this run."""
         behind = self.system.model.nq + self.system.model.nv
         grown = self.states[:, behind:] - self.start.first[behind:]
-        grown = np.column_stack([grown, np.zeros(len(grown))])  # the last for those that integrate nothing
+        grown = np.column_stack([grown, np.zeros(len(grown))])  # last column for elements without integrals
         places = {name: getattr(self.system, place) for name, place in _LEDGER.items()}
-        others = len(self.system.springs) - len(self.system.elastic)  # those of parts stand behind them
+        others = len(self.system.springs) - len(self.system.elastic)  # elastic parts come last
         places["dissipation_damper"] = places["dissipation_damper"][:others]
         places["dissipation_elastic"] = places["dissipation_elastic"][others:]
         places |= {name: self.system.force_x[of] for name, of in _OF_FORCES.items()}
@@ -183,7 +183,7 @@ class SampleBlock:
 
     @cached_property
     def spring_energy(self) -> Array:
-        """Stored in springs but those of elastic parts, and in the cogging of motors, (n,) [J]."""
+        """Energy in springs except elastic parts, and in cogging of motors, (n,) [J]."""
         cogs = any(isinstance(one, Motor) and one.cogging > 0.0 for one in self.system.drives.values())
         if len(self.system.springs) == len(self.system.elastic) and not cogs:
             return np.zeros(len(self.times))  # not the round-off of a difference
@@ -191,7 +191,7 @@ class SampleBlock:
         return np.asarray(self.found.audit["springs"] - others)
 
     def kept_momentum(self, name: str) -> Array:
-        """Return what must stay of the ``linear`` or ``angular`` momentum: without what forces brought in."""
+        """Return the conserved part of a momentum, ``linear`` or ``angular``."""
         impulse = self.ledger[{"linear": "force_impulse", "angular": "force_central_impulse"}[name]]
         return np.asarray(self.found.audit[name] - impulse.sum(axis=1))
 
@@ -231,7 +231,7 @@ def of_bristles(block: SampleBlock) -> Mapping[str, Any]:
 
 
 def _with(block: SampleBlock, state: str) -> list[tuple[str, int, int]]:
-    """Return place, where in a state the number of this name is, and in a program its record, of all."""
+    """Return place, index in the state, and record's offset of frictions with this state."""
     system, found = block.system, []
     for name, friction in system.families.get("frictions", {}).items():
         own = [one.name for one in friction.integrals]
@@ -276,7 +276,7 @@ def of_motors(block: SampleBlock) -> Mapping[str, Any]:
 
 
 def _algebraic(block: SampleBlock, motor: Motor, name: str) -> Array:
-    """Return the current of a motor without inductance, by its torque at the joint; 0 where it is off [A]."""
+    """Return the current of a motor without inductance, from its torque; 0 if off [A]."""
     offset = block.system.drive_blocks[name]
     on = records_at(block.programs, offset, kernels.ELEMENT)["on"]
     own = records_at(block.programs, offset + int(kernels.PARAMETERS), Motor.compiled().LAYOUT)
@@ -386,7 +386,7 @@ def _motion(block: SampleBlock) -> Values:
     }
 
 
-#: What is said with its last value, by the series that it is of.
+#: Totals, the last values of these series.
 TOTALS = {
     "final_angle": "motion_angle",
     "final_rate": "motion_rate",
@@ -407,7 +407,7 @@ TOTALS = {
 }
 
 
-#: What is said with its largest size at a sample, by the series that it is of: of vectors their length.
+#: Peaks, the largest sizes of these series at samples: of vectors their length.
 SIZES = {
     "peak_effort": "drive_torque",
     "peak_closure_force": "closure_force",
@@ -426,7 +426,7 @@ SIZES = {
 
 
 def sizes_of(block: SampleBlock, values: Values) -> Values:
-    """Return, of all that is said with its largest size in a run, the sizes at samples."""
+    """Return the sizes at samples of all variables with a recorded peak."""
     sizes = {
         name: np.linalg.norm(values[of], axis=2) if values[of].ndim == 3 else np.abs(values[of])
         for name, of in SIZES.items()
@@ -437,7 +437,7 @@ def sizes_of(block: SampleBlock, values: Values) -> Values:
 
 
 def episodes_of(run: Run) -> Values:
-    """Return what a run has kept of its contacts and events."""
+    """Return the record of contacts, changes of mode and events."""
     names = {
         "onset": "onset_time",
         "release": "release_time",
@@ -458,7 +458,7 @@ def episodes_of(run: Run) -> Values:
 
 
 def _changes_of(run: Run) -> Values:
-    """Return the changes of mode that are recorded."""
+    """Return the recorded changes of mode."""
     changed = [one for one in run.actions.modes.changed if one.time > run.after]
     names = {
         "change_time": "time",
