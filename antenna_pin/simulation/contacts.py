@@ -133,7 +133,7 @@ class Episodes:
                 self.samples.insert(float(book.moments[c]), book.states[c], book.memories[c].copy())
             book.moments[c] = math.nan
 
-    # --- to go back -----------------------------------------------------------------------------------------
+    # --- snapshots ------------------------------------------------------------------------------------------
 
     def snapshot(self) -> EpisodesSnapshot:
         """Return a snapshot of the record, to be restored later."""

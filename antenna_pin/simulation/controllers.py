@@ -249,7 +249,7 @@ class Controllers:
         """Time of the next sample or command [s]; None without controllers."""
         return min(loop.next for loop in self._loops) if self._loops else None
 
-    # --- an instant -----------------------------------------------------------------------------------------
+    # --- a sample time --------------------------------------------------------------------------------------
 
     def update(self, t: float, y: Array) -> bool:
         """Call controllers and write commands due at a time [s]; return whether any were."""
@@ -303,7 +303,7 @@ class Controllers:
             rule = "a command that its actuator can follow"
             raise FunctionError("controller", told, rule, " ".join(str(error).split())) from error
 
-    # --- memory ---------------------------------------------------------------------------------------------
+    # --- discrete state -------------------------------------------------------------------------------------
 
     def value(self) -> tuple[ControllerMemory, ...]:
         """Return the discrete states of the controllers."""

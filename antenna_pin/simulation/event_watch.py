@@ -122,9 +122,6 @@ class WatchMemory:
 _OFF, _MOST = 0.01, 512
 
 
-# --- least values in a step of a function without rate: a load near its limit ---
-
-
 def with_least_values(f: Callable[[float], float], look: StepScan) -> StepScan:
     """Return a scan refined until it shows the least values of a function without rate.
 
@@ -214,7 +211,7 @@ class EventWatch:
         """Return whether there are events."""
         return bool(self.events)
 
-    # --- memory ---------------------------------------------------------------------------------------------
+    # --- discrete state -------------------------------------------------------------------------------------
 
     def take_up(self, memories: Sequence[EventMemory], t: float) -> None:
         """Continue from the discrete states of another run's events, by name, at t [s]."""

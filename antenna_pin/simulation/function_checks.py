@@ -138,8 +138,6 @@ def _recording(function: Callable[..., float], errors: list[BaseException]) -> C
 
 # --- users' functions of a run ------------------------------------------------------------------------------
 
-# --- users' functions that act on links ---
-
 Inputs = tuple[float, Array, Array]
 
 

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 __all__ = ["Recorder", "at_present", "labelled_at", "open_ledger", "result_data", "series_at"]
 
 Array = NDArray[np.float64]
+Values = Mapping[str, Any]
 
 # --- largest efforts of prescribed motions ------------------------------------------------------------------
 
@@ -288,8 +289,6 @@ def _vertices(times: Array, sizes: Array) -> tuple[Array, Array]:
 
 # --- recorder -----------------------------------------------------------------------------------------------
 
-# --- sample times, signals and commands of controllers ---
-
 
 def controller_labels(records: Sequence[ControllerRecord], lean: bool) -> dict[str, Any]:
     """Return the labels of controllers, in a full result with their sample times."""
@@ -324,15 +323,6 @@ def controller_values(records: Sequence[ControllerRecord]) -> dict[str, Any]:
             dtype=np.int64,
         ),
     }
-
-
-# --- what a result says of closures, couplings and motions: what they are, and how well they were held ---
-
-
-# --- the samples of a run in the order of time, block by block: from parts on the disk, and from memory ---
-
-
-Values = Mapping[str, Any]
 
 
 def result_data(

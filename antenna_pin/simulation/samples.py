@@ -280,7 +280,7 @@ class Samples:
         self.programs[place] = program
         self.hold(t, self._states[place], program)
 
-    # --- to go back -----------------------------------------------------------------------------------------
+    # --- snapshots ------------------------------------------------------------------------------------------
 
     def snapshot(self) -> SamplesSnapshot:
         """Return a snapshot of the samples, to be restored later."""

@@ -499,7 +499,7 @@ class StepBatches:
         """Move the end of the run [s]; the first step that it cuts interrupts the loop."""
         self._stretch["end"], self._stretch["cut"] = end, 0
 
-    # --- to make --------------------------------------------------------------------------------------------
+    # --- batches --------------------------------------------------------------------------------------------
 
     def go_on(self) -> int:
         """Make steps up to the next interruption; return its reason.
