@@ -353,6 +353,15 @@ def about_run(
     }
 
 
+# Parts of a run, besides its scenario's keys, that must be those of its checkpoint.
+_PARTS = {
+    "system": "this mechanism: links, joints, elements or their numbers differ",
+    "settings": "these settings",
+    "events": "these events",
+    "controllers": "these controllers",
+}
+
+
 def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
     """Refuse to continue a run from the checkpoint of another.
 
@@ -370,12 +379,13 @@ def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
         one["integrator"] = _of_any_patience(one.get("integrator"))
     for name in [*theirs, *ours]:
         if name not in _MAY_DIFFER and ours.get(name) != theirs.get(name):
+            what = "URDF: the file has changed" if name == "urdf_text" else repr(name)
             raise FileFormatError(
-                f"simulate: the checkpoint must be of this scenario, got one with another {name!r}; {way_out}"
+                f"simulate: the checkpoint must be of this scenario, got one with another {what}; {way_out}"
             )
-    for name in ("system", "settings", "events", "controllers"):
+    for name in _PARTS:
         if _of_any_patience(about[name]) != _of_any_patience(was[name]):
-            raise FileFormatError(f"simulate: the checkpoint must be of a run with these {name}; {way_out}")
+            raise FileFormatError(f"simulate: the checkpoint must be of a run with {_PARTS[name]}; {way_out}")
     if about["span"] == was["span"]:
         return
     if was["left"] is not None or was["outcome"] != Outcome.COMPLETED.name:

@@ -174,6 +174,9 @@ MOST = 0.1
 _BESIDES = 300.0
 # Roundings of the ledger's largest number, besides one of each step.
 _ROUNDINGS = 100.0
+#: Share of the scale that passing a singular position of loops explains, whatever the tolerance: one
+#: equation is dropped there (:class:`~antenna_pin.simulation.constraints.Singularities`) [-].
+SINGULAR = 1e-8
 # Samples of a block at which displacements of coordinates are evaluated.
 _PLACES = 64
 
@@ -338,7 +341,9 @@ class Audit:
             return FIXED_STEP * scale
         rtol = settings.rtol
         steps = _BESIDES + GROWTH[settings.method] * self._run.counts().accepted
-        return min(rtol * steps * (scale + slip), MOST * scale) + rtol**2 * steps * least
+        passed = 0 if self._run.singular is None else len(self._run.singular.found)
+        explained = (rtol * steps + SINGULAR * passed) * (scale + slip)
+        return min(explained, MOST * scale) + rtol**2 * steps * least
 
     @property
     def _least(self) -> float:

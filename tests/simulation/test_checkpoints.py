@@ -8,6 +8,7 @@ import re
 import signal
 import warnings
 import zipfile
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -101,6 +102,20 @@ def test_what_events_have_done_is_kept(tmp_path, small_parts, engine):
     whole = simulate(scenario, duration=0.03)
     assert whole.data.sizes["event"] == 3
     same(whole, in_pieces(scenario, 0.03, tmp_path / "run.nc", np.random.default_rng(5), 8))
+
+
+def test_a_changed_urdf_is_refused(tmp_path, small_parts):
+    examples = Path(__file__).parents[2] / "scripts" / "examples" / "panel"
+    for name in ("panel.urdf", "first.toml"):
+        (tmp_path / name).write_text((examples / name).read_text(encoding="utf-8"), encoding="utf-8")
+    how = {"duration": 0.01, "out": tmp_path / "run.nc"}
+    assert not simulate(load_scenario(tmp_path / "first.toml"), progress=stop_after(2), **how).completed
+    urdf = tmp_path / "panel.urdf"
+    urdf.write_text(
+        urdf.read_text(encoding="utf-8").replace('mass value="4"', 'mass value="5"'), encoding="utf-8"
+    )
+    with pytest.raises(FileFormatError, match="got one with another URDF: the file has changed; give what"):
+        simulate(load_scenario(tmp_path / "first.toml"), resume=True, **how)
 
 
 @pytest.fixture
