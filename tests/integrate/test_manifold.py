@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 from antenna_pin.base.records import RIGID, ROTATION, VECTOR
-from antenna_pin.integrate import Manifold
+from antenna_pin.integrate import Manifold, kernels
 from antenna_pin.integrate.manifold import KINDS
 from antenna_pin.integrate.manifold_kernels import move_by_velocity
 
@@ -204,3 +204,28 @@ def test_a_row_is_moved_as_by_compose_to_first_order_and_stays_unit(kind):
             manifold.compose(before, charted(kind, before, step)), rel=0, abs=1e-11
         )
     assert pin.isNormalized(model, rows[0], 1e-15)
+
+
+def test_dense_output_that_is_bent_leads_to_the_moved_end(kind):
+    """All of the move at the end, half of it in the middle, nothing at the start."""
+    rng, model, manifold = np.random.default_rng(5), model_of([kind]), Manifold((kind,), 2)
+    nq, rates = model.nq, model.nv + 2
+    work, out = np.zeros((1, manifold.size)), np.zeros((2, manifold.size))
+    work[0] = np.concatenate([random_point(model, rng), rng.normal(size=rates)])
+    dense = 1e-3 * rng.normal(size=(4, model.nv + rates))
+
+    def at(theta):
+        kernels.dense_state(theta, manifold.layout, dense, work, 0, out)
+        return out[kernels.STATE_ROW].copy()
+
+    straight = [at(theta) for theta in (0.0, 0.5, 1.0)]
+    way = 1e-7 * rng.normal(size=model.nv)
+    moved = np.concatenate(
+        [Manifold((kind,)).compose(straight[2][:nq], way), straight[2][nq:] + 1e-7 * rng.normal(size=rates)]
+    )
+    kernels.bend(manifold.layout, straight[2], moved, dense)
+    bent = [at(theta) for theta in (0.0, 0.5, 1.0)]
+    # Charts at the start and at the end differ by some 1e-3 of the move.
+    assert bent[2] == pytest.approx(moved, abs=1e-9)
+    assert bent[1] - straight[1] == pytest.approx(0.5 * (moved - straight[2]), abs=1e-9)
+    assert np.array_equal(bent[0], straight[0])
