@@ -12,14 +12,41 @@ there: ``antenna_pin.laws.<TAB>``, ``antenna_pin.elements.<TAB>``, ``antenna_pin
 """
 
 import importlib
+import importlib.util
+import warnings
 from typing import Any
 
 from antenna_pin.base.lazy import exported
 
 exported(__name__)
 
+#: Names that are in their packages now, where they are to be imported from.
+_MOVED = {
+    "Anchor": "constraints",
+    "Counts": "trajectory",
+    "Exploration": "live",
+    "Fit": "fit",
+    "FitPlan": "fit",
+    "Modes": "linear",
+    "Progress": "simulation",
+    "Session": "session",
+    "Study": "sweep",
+    "assembled": "dynamics",
+    "explore": "live",
+    "initial_state": "assemble",
+    "modes": "linear",
+    "start": "session",
+    "urdf_variant": "assemble",
+}
+
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return importlib.import_module("antenna_pin.trajectory").library_versions()["antenna_pin"]
+    if name in _MOVED:
+        place = f"antenna_pin.{_MOVED[name]}"
+        warnings.warn(f"antenna_pin.{name} is {place}.{name} now", DeprecationWarning, stacklevel=2)
+        return getattr(importlib.import_module(place), name)
+    if not name.startswith("_") and importlib.util.find_spec(f"antenna_pin.{name}") is not None:
+        return importlib.import_module(f"antenna_pin.{name}")
     raise AttributeError(f"module 'antenna_pin' has no attribute {name!r}")

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 import antenna_pin
-from antenna_pin import load_scenario, load_study, modes, open_run, simulate, start
+from antenna_pin import load_scenario, load_study, open_run, simulate
 from antenna_pin.errors import AntennaPinError, UnknownNameError
 from antenna_pin.events import Event, Time
+from antenna_pin.linear import modes
 from antenna_pin.scenario import models_path
+from antenna_pin.session import start
 from antenna_pin.sweep.responses import ResponseSpec
 
 
@@ -63,3 +65,15 @@ def test_what_completion_finds_is_the_scenarios_own_and_messages_are_one_line():
 
 def test_an_underscore_is_a_hyphen_in_the_name_of_a_component():
     assert ResponseSpec(measure="pointing", component="half_cone").component == "half-cone"
+
+
+def test_names_that_moved_are_found_with_their_new_place():
+    with pytest.warns(DeprecationWarning, match=r"antenna_pin\.start is antenna_pin\.session\.start now"):
+        moved = antenna_pin.start
+    assert moved is antenna_pin.session.start and "start" not in antenna_pin.__all__
+    with pytest.raises(AttributeError, match="has no attribute 'begin'"):
+        antenna_pin.begin  # noqa: B018
+
+
+def test_the_top_level_is_short():
+    assert len(antenna_pin.__all__) <= 27

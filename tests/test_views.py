@@ -9,10 +9,11 @@ from html.parser import HTMLParser
 import pytest
 
 import antenna_pin
-from antenna_pin import build_system, laws, load_scenario, load_study, modes, simulate
+from antenna_pin import build_system, laws, load_scenario, load_study, simulate
 from antenna_pin.analysis import numbers_of
 from antenna_pin.base import views as _views
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
+from antenna_pin.linear import modes
 from antenna_pin.plot import CATALOGUE
 
 

@@ -85,7 +85,7 @@ def said_of_open(system: System, found: Any, length: float) -> str:
         )
     return (
         f"its loops are open: {number(found.gap)} m, {number(found.turn)} rad, {number(found.speed)} m/s, "
-        f"{number(found.spin)} rad/s; close it by antenna_pin.assembled"
+        f"{number(found.spin)} rad/s; close it by antenna_pin.dynamics.assembled"
     )
 
 

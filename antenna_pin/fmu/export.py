@@ -49,7 +49,7 @@ def export_fmu(
     """Write a scenario as an FMU for co-simulation (FMI 3.0); return the file.
 
     The scenario with all that it has read, its URDF and its meshes are in it. It runs where this package is
-    installed for the Python that the tool loads; its numbers are those of :class:`antenna_pin.Session`.
+    installed for the Python that the tool loads; numbers are those of :class:`antenna_pin.session.Session`.
 
     Args:
         scenario: What to export.

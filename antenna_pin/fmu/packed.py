@@ -40,7 +40,7 @@ class Packed:
 
     Attributes:
         scenario: The scenario.
-        inputs: What is commanded: names of :attr:`antenna_pin.Session.command`, or places of numbers.
+        inputs: What is commanded: names of :attr:`antenna_pin.session.Session.command`, or places of numbers.
         outputs: What is read by name, as a session is.
         parameters: Places of the scenario's numbers that may be set before the start.
         token: By which a model description and what it describes know each other.

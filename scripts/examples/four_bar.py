@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from antenna_pin import Anchor, Closure, System, Urdf, assembled, build_mechanism, simulate
+from antenna_pin import Closure, System, Urdf, build_mechanism, simulate
+from antenna_pin.constraints import Anchor
+from antenna_pin.dynamics import assembled
 
 BAR = """<link name="{name}"><inertial><origin xyz="{half} 0 0"/><mass value="1"/>
   <inertia ixx="0.001" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>"""

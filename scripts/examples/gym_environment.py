@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from antenna_pin import load_scenario, start
+from antenna_pin import load_scenario
+from antenna_pin.session import start
 
 try:
     import gymnasium  # of which antenna_pin knows nothing

@@ -1,7 +1,8 @@
 """A mass on a spring on a base that swings at its resonance: how far it gets, and what the base must push."""
 
-from antenna_pin import System, Urdf, assembled, build_mechanism, simulate
+from antenna_pin import System, Urdf, build_mechanism, simulate
 from antenna_pin.analysis import base_loads
+from antenna_pin.dynamics import assembled
 from antenna_pin.elements import JointSpring, SineShake
 from antenna_pin.mechanism import with_shaken_base
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin import RunSettings, build_system, load_scenario, load_study, modes, simulate
+from antenna_pin import RunSettings, build_system, load_scenario, load_study, simulate
 from antenna_pin.base.brief import of_size
-from antenna_pin.linear import frequency_response
+from antenna_pin.linear import frequency_response, modes
 
 
 @pytest.fixture(scope="module")

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from antenna_pin import Anchor, Urdf, build_mechanism
+from antenna_pin import Urdf, build_mechanism
 from antenna_pin.analysis import Antenna, Orbit
 from antenna_pin.base.directions import A_DIRECTION, direction, unit
+from antenna_pin.constraints import Anchor
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.flexible import EffectiveMode, MassProperties, Petals
 from antenna_pin.geometry import SphericalClearance

@@ -4,9 +4,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from antenna_pin import Anchor, Closure, System, Urdf, assembled, build_mechanism, simulate
+from antenna_pin import Closure, System, Urdf, build_mechanism, simulate
 from antenna_pin.assemble import build_system, scenario_facts
-from antenna_pin.constraints import Constraints
+from antenna_pin.constraints import Anchor, Constraints
+from antenna_pin.dynamics import assembled
 from antenna_pin.elements import PrescribedMotion
 from antenna_pin.errors import MechanismError
 from antenna_pin.scenario import load_scenario

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from wheel import INERTIA, wheel_text, wheel_urdf
 
-from antenna_pin import RunSettings, build_system, load_scenario, modes, simulate
+from antenna_pin import RunSettings, build_system, load_scenario, simulate
 from antenna_pin.dynamics import SineDrive, System, Workspace, audit
 from antenna_pin.elements import (
     SPRINGS,
@@ -20,6 +20,7 @@ from antenna_pin.elements import (
     TableSpring,
 )
 from antenna_pin.errors import AntennaPinError
+from antenna_pin.linear import modes
 from antenna_pin.mechanism import build_mechanism
 from antenna_pin.scenario import Scenario
 

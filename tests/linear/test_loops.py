@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from antenna_pin import System, build_system, initial_state, load_scenario, modes
+from antenna_pin import System, build_system, load_scenario
+from antenna_pin.assemble import initial_state
 from antenna_pin.dynamics import JointSpring, PointSpring
+from antenna_pin.linear import modes
 
 TAU = 2.0 * np.pi
 ANGLE = 0.7
@@ -88,7 +90,7 @@ def test_a_turning_loop():
     system, q, _ = sprung("ideal")
     rate = 30.0
     v = np.zeros(system.model.nv)
-    from antenna_pin import assembled
+    from antenna_pin.dynamics import assembled
 
     slot = system.mechanism.joint("crank")
     v[slot.v] = rate

@@ -11,12 +11,12 @@ import pytest
 from modal_equations import frequencies, linear_frequencies, spatial
 from scipy.linalg import eigh
 
-from antenna_pin import System, Urdf, build_mechanism, build_system, load_scenario, modes
+from antenna_pin import System, Urdf, build_mechanism, build_system, load_scenario
 from antenna_pin.assemble import urdf_variant
 from antenna_pin.dynamics import JointSpring, PointSpring
 from antenna_pin.elements import PrescribedMotion
 from antenna_pin.flexible import MassProperties
-from antenna_pin.linear import eigen, linearise, prepared
+from antenna_pin.linear import eigen, linearise, modes, prepared
 
 TAU = 2.0 * np.pi
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from antenna_pin import AntennaPinError, System, Urdf, build_mechanism, load_scenario, modes
+from antenna_pin import AntennaPinError, System, Urdf, build_mechanism, load_scenario
 from antenna_pin.contact import Hertz, LankaraniNikravesh, LuGre, Tanh
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.linear import linearise
+from antenna_pin.linear import linearise, modes
 from antenna_pin.linear.play import ideal_directions
 
 TAU = 2.0 * np.pi

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from wheel import INERTIA, wheel_urdf
 
-from antenna_pin import AntennaPinError, System, build_mechanism, load_scenario, modes
+from antenna_pin import AntennaPinError, System, build_mechanism, load_scenario
 from antenna_pin.analysis import body_poses
 from antenna_pin.dynamics import ConstantDrive, JointSpring
 from antenna_pin.elements import LuGreFriction
-from antenna_pin.linear import frequency_response, swing
+from antenna_pin.linear import frequency_response, modes, swing
 from antenna_pin.plot import figure_response
 from antenna_pin.record import record_several
 

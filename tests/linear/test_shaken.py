@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from antenna_pin import System, Urdf, assembled, build_mechanism
+from antenna_pin import System, Urdf, build_mechanism
+from antenna_pin.dynamics import assembled
 from antenna_pin.elements import JointSpring, SineShake
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.linear import frequency_response, modes, sources_of

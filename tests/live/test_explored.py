@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from value_classes import changeable
 
-from antenna_pin import explore, load_scenario, simulate
+from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import journal_motion
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.live import Explored, Runner
+from antenna_pin.live import Explored, Runner, explore
 
 PLAY = "clearance.elevation.radial_clearance"
 

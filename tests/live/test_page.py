@@ -20,9 +20,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from antenna_pin import explore, load_scenario, simulate
+from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import journal_motion
 from antenna_pin.errors import OutputError
+from antenna_pin.live import explore
 
 pytest.importorskip("bokeh", reason="the extra explore is not installed: pip install 'antenna-pin[explore]'")
 

@@ -7,9 +7,9 @@ import pytest
 import umsgpack
 from scipy.spatial.transform import Rotation
 
-from antenna_pin import load_scenario, modes, simulate
+from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import body_poses
-from antenna_pin.linear import swing
+from antenna_pin.linear import modes, swing
 from antenna_pin.record import record
 
 from .conftest import shapes_in

@@ -5,19 +5,9 @@ import math
 
 import numpy as np
 
-from antenna_pin import (
-    Anchor,
-    Closure,
-    Coupling,
-    RunSettings,
-    System,
-    Urdf,
-    build_mechanism,
-    load_scenario,
-    simulate,
-)
+from antenna_pin import Closure, Coupling, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.constraints import CLOSURES
+from antenna_pin.constraints import CLOSURES, Anchor
 from antenna_pin.contact import CustomFriction, CustomNormal, Hertz
 from antenna_pin.elements import (
     AxialPreload,
@@ -345,7 +335,7 @@ def shaken():
 
 def started(system):
     """A state that fits: positions and rates that closures, couplings and motions allow."""
-    from antenna_pin import assembled
+    from antenna_pin.dynamics import assembled
 
     return assembled(system, system.neutral(), 0.1 * np.cos(np.arange(system.model.nv)))
 

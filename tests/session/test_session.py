@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from sessions import antenna, differences
 
-from antenna_pin import Outcome, RunSettings, load_scenario, simulate, start
+from antenna_pin import Outcome, RunSettings, load_scenario, simulate
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.session import EndedError, InUseError
+from antenna_pin.session import EndedError, InUseError, start
 from antenna_pin.simulation import Angle, Event, Force, Mark, Rate, Set, Stop, Time
 
 
@@ -326,7 +326,8 @@ def test_restore_and_reset():
 
 
 def test_a_system_built_in_python(short):
-    from antenna_pin import build_system, initial_state
+    from antenna_pin import build_system
+    from antenna_pin.assemble import initial_state
 
     system = build_system(short)
     q, v = initial_state(short, system)

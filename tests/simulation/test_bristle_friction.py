@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from interruptions import in_pieces, same
 
-from antenna_pin import RunSettings, Study, build_system, load_scenario, modes, run_study, simulate
+from antenna_pin import RunSettings, build_system, load_scenario, run_study, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.elements import (
     ConstantDrive,
@@ -21,8 +21,10 @@ from antenna_pin.elements import (
     kind_of,
 )
 from antenna_pin.errors import AntennaPinError
+from antenna_pin.linear import modes
 from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.sweep import Study
 from antenna_pin.trajectory import Trajectory
 
 INERTIA, MASS = 0.5, 2.0

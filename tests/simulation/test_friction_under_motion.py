@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from antenna_pin import RunSettings, assembled, simulate
+from antenna_pin import RunSettings, simulate
 from antenna_pin.constraints import Anchor, Closure, Coupling
-from antenna_pin.dynamics import System
+from antenna_pin.dynamics import System, assembled
 from antenna_pin.elements import (
     EndStop,
     PrescribedMotion,

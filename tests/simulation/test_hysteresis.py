@@ -9,7 +9,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.interpolate import PchipInterpolator
 from wheel import INERTIA, wheel_text, wheel_urdf
 
-from antenna_pin import RunSettings, build_system, load_scenario, modes, simulate
+from antenna_pin import RunSettings, build_system, load_scenario, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.elements import (
     BoucWen,
@@ -22,6 +22,7 @@ from antenna_pin.elements import (
     TableSpring,
 )
 from antenna_pin.errors import AntennaPinError
+from antenna_pin.linear import modes
 from antenna_pin.mechanism import build_mechanism
 from antenna_pin.plot import allowed_figures, figure_hysteresis
 from antenna_pin.simulation import Event, Set, Time

@@ -7,15 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from antenna_pin import (
-    Outcome,
-    RunSettings,
-    System,
-    build_system,
-    initial_state,
-    load_scenario,
-    simulate,
-)
+from antenna_pin import Outcome, RunSettings, System, build_system, load_scenario, simulate
+from antenna_pin.assemble import initial_state
 from antenna_pin.contact import CustomNormal, Hertz, LankaraniNikravesh, Tsuji
 
 MASS, PLAY, SPEED = 2.0, 1e-3, 0.1

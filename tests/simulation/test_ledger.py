@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from antenna_pin import Outcome, RunSettings, System, Trajectory, Urdf, build_mechanism, simulate, start
+from antenna_pin import Outcome, RunSettings, System, Trajectory, Urdf, build_mechanism, simulate
 from antenna_pin.analysis import answer
 from antenna_pin.elements import CallableElement, JointSpring, PrescribedMotion
 from antenna_pin.errors import InvalidParameterError, LedgerOpenWarning
+from antenna_pin.session import start
 from antenna_pin.simulation import Event, Set, Time, checkpoint
 from antenna_pin.simulation.ledger import FIXED_STEP, GROWTH, MOST
 

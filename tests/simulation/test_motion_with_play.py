@@ -6,8 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from antenna_pin import ClearanceJoint, RunSettings, System, assembled, simulate
+from antenna_pin import ClearanceJoint, RunSettings, System, simulate
 from antenna_pin.contact import Hertz, LankaraniNikravesh, NoFriction, Tanh
+from antenna_pin.dynamics import assembled
 from antenna_pin.elements import PrescribedMotion
 from antenna_pin.geometry import PlanarClearance, PrismaticClearance, RevoluteClearance
 from antenna_pin.mechanism import Urdf, build_mechanism

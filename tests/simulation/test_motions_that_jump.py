@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from antenna_pin import RunSettings, simulate, start
+from antenna_pin import RunSettings, simulate
 from antenna_pin.contact import LankaraniNikravesh, NoFriction
 from antenna_pin.dynamics import System
 from antenna_pin.elements import (
@@ -27,6 +27,7 @@ from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import Urdf, build_mechanism
+from antenna_pin.session import start
 from antenna_pin.simulation import Angle, Event, Set, Time
 from antenna_pin.trajectory import Outcome
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from wheel import INERTIA, wheel_urdf
 
-from antenna_pin import RunSettings, modes, simulate
+from antenna_pin import RunSettings, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.elements import (
     EndStop,
@@ -21,6 +21,7 @@ from antenna_pin.elements import (
     TableSpring,
 )
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.linear import modes
 from antenna_pin.mechanism import build_mechanism
 from antenna_pin.session import start
 from antenna_pin.simulation import Angle, Event, Set, Time

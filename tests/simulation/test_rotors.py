@@ -8,16 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from antenna_pin import (
-    RunSettings,
-    System,
-    Urdf,
-    assembled,
-    build_mechanism,
-    build_system,
-    load_scenario,
-    simulate,
-)
+from antenna_pin import RunSettings, System, Urdf, build_mechanism, build_system, load_scenario, simulate
+from antenna_pin.dynamics import assembled
 from antenna_pin.elements import ConstantDrive
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Rotor, with_rotor

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from antenna_pin import RunSettings, System, Urdf, assembled, build_mechanism, load_scenario, simulate
+from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.analysis import base_loads, quantity, shaken_link
+from antenna_pin.dynamics import assembled
 from antenna_pin.elements import JointSpring, SineShake, SweepShake
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import with_shaken_base

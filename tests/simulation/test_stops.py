@@ -195,7 +195,7 @@ def test_sides_count_whole_turns():
 
 def test_small_motions_are_those_of_the_touch():
     """Pressed in, a spring; off the stop, a free body."""
-    from antenna_pin import modes
+    from antenna_pin.linear import modes
 
     made = falling(EndStop(joint="j", lower=0.0, stiffness=2000.0, law="elastic"))
     touching, free = (modes(made, q=[place]).frequency for place in (-2.0 * G / 2000.0, 0.1))
