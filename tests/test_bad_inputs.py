@@ -1,4 +1,4 @@
-"""Bad inputs are refused in one line: a part of ``scripts/bad_inputs.py`` by default, all of it if asked."""
+"""Bad inputs are refused in one line: a part of ``check/bad_inputs.py`` by default, all of it if asked."""
 
 import importlib
 import sys
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-SCRIPTS = Path(__file__).parents[1] / "scripts"
+SCRIPTS = Path(__file__).parents[1] / "scripts" / "check"
 FEW = 8  # of so many one is tried by default
 
 

@@ -1,4 +1,4 @@
-"""Inputs with something changed, some of every format: ``scripts/fuzz.py`` has them by the thousand."""
+"""Inputs with something changed, some of every format: ``scripts/check/fuzz.py`` has them by the thousand."""
 
 import importlib
 import sys
@@ -11,7 +11,7 @@ import pytest
 
 from antenna_pin.scenario.spec import Count, Quantity, Spec
 
-SCRIPTS = str(Path(__file__).parents[1] / "scripts")
+SCRIPTS = str(Path(__file__).parents[1] / "scripts" / "check")
 SEED, FEW = 1, 12
 
 sys.path.insert(0, SCRIPTS)

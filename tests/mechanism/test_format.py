@@ -9,7 +9,7 @@ import pytest
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import Urdf, WrittenUrdf
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "check"))
 import odd_urdfs
 import urdf_generator
 

@@ -10,7 +10,7 @@ import pytest
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import JointChange, LinkChange, Urdf, WrittenUrdf, build_mechanism
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "check"))
 import hand_generator
 import odd_urdfs
 import urdf_generator

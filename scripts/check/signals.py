@@ -1,7 +1,7 @@
 """Sends signals at random times of the life of every long command, and reports what none of them should do.
 
-    python scripts/signals.py --count 300 --seed 0
-    python scripts/signals.py --only sweep-2 --only fit-2 --count 20
+    python scripts/check/signals.py --count 300 --seed 0
+    python scripts/check/signals.py --only sweep-2 --only fit-2 --count 20
 
 Commands are dealt in turn. One that SIGINT or SIGTERM has ended exits with 130 or 143, and no signal is lost;
 it prints one line of why and no traceback; what it was asked to write is whole or not there, and no temporary
@@ -26,7 +26,7 @@ from pathlib import Path
 
 from faults import TEMPORARY, is_whole
 
-_ROOT = Path(__file__).parents[1]
+_ROOT = Path(__file__).parents[2]
 _OWN = os.environ | {"PYTHONPATH": str(_ROOT)}  # this checkout, wherever they work
 _ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
 _QUIET = "--no-progress"
@@ -81,7 +81,7 @@ _LINE = re.compile(r"antenna-pin: (?!note: )|docs: ")
 def command_of(name: str) -> list[str]:
     """Return a command's words."""
     if name == "docs":
-        return [sys.executable, str(_ROOT / "scripts" / "docs_site" / "build_site.py")]
+        return [sys.executable, str(_ROOT / "scripts" / "pages" / "build_site.py")]
     return [sys.executable, "-c", _ENTRY, *COMMANDS[name]]
 
 

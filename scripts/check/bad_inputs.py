@@ -4,9 +4,9 @@
 URDF files, scenario files, quantities, options of commands, result files, and calls in Python. Each is tried
 in an empty folder by the command, or by the call, in a process of its own that others of its kind follow in::
 
-    scripts/bad_inputs.py                        # all
-    scripts/bad_inputs.py --only urdf            # of one kind
-    scripts/bad_inputs.py --only "two masses"    # by a part of its name
+    scripts/check/bad_inputs.py                        # all
+    scripts/check/bad_inputs.py --only urdf            # of one kind
+    scripts/check/bad_inputs.py --only "two masses"    # by a part of its name
 
 One that takes longer than ``--wall`` seconds has failed, like one that says too much. Exit code 1 on any
 failure.

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Break the package at random, one small change at a time, and see whether the tests of the room notice.
 
-    scripts/random_breaks.py --count 300 --seed 0       an hour on two cores; rooms take turns
-    scripts/random_breaks.py --count 5 --room fit       in one room
-    scripts/random_breaks.py --count 300 --list         what would be broken, and run nothing
-    scripts/random_breaks.py --only 17 40               some of those, by their numbers
+    scripts/check/random_breaks.py --count 300 --seed 0       an hour on two cores; rooms take turns
+    scripts/check/random_breaks.py --count 5 --room fit       in one room
+    scripts/check/random_breaks.py --count 300 --list         what would be broken, and run nothing
+    scripts/check/random_breaks.py --only 17 40               some of those, by their numbers
 
 Numbers, signs, comparisons, indices, units, factors and arguments are changed where a room's Python has them
 (``break_sites.py``). A break is run against the tests that are not slow in ``tests/ROOM``, of a command in
@@ -37,7 +37,7 @@ from pathlib import Path
 import break_hits
 from break_sites import Break, draw, rooms
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 EQUIVALENT = Path(__file__).with_suffix(".toml")
 #: Imported once, before a process is made for each run of tests.
 PRELOADED = ("numpy", "scipy.optimize", "scipy.signal", "xarray", "numba", "pinocchio", "pydantic", "pytest")

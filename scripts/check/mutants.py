@@ -4,10 +4,10 @@
 ``mutants/<room>.toml`` say what is broken and which tests must fail then (``mutant_list.py``). Every mutant
 is made in a copy of the tree in a temporary folder, never in the checkout::
 
-    scripts/mutants.py                  # all: two hours or so
-    scripts/mutants.py --list
-    scripts/mutants.py --only 7 12      # these, by their numbers in the list
-    scripts/mutants.py --room sweep     # those of one file of the list
+    scripts/check/mutants.py                  # all: two hours or so
+    scripts/check/mutants.py --list
+    scripts/check/mutants.py --only 7 12      # these, by their numbers in the list
+    scripts/check/mutants.py --room sweep     # those of one file of the list
 
 A mutant is *killed* if its tests fail or take longer than ``--timeout`` seconds, *alive* if they pass,
 *equivalent* if the list says why nothing can notice it, *stale* if its text does not stand exactly once in
@@ -31,7 +31,7 @@ from pathlib import Path
 
 from mutant_list import MUTANTS, Mutant
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PASSED, FAILED = 0, 1  # exit codes of pytest
 
 

@@ -1,6 +1,6 @@
 """How often do bands hold that are of the statistics of a chaotic record? Of records of a known joint.
 
-    python scripts/fit_statistics.py [--count 20] [--seed 1]
+    python scripts/bench/fit_statistics.py [--count 20] [--seed 1]
 
 A bar on a hinge with play is shaken until neighbours have nothing in common after a tenth of a second. Each
 record, of 1.2 s and 200 blows, is a run from another angle and speed, with noise; a fit that has nothing

@@ -15,10 +15,10 @@ hold:
 
 Then random bits of a result are flipped, one at a time: each must be noticed when it is loaded::
 
-    scripts/faults.py                            # 200 trials, 200 bits
-    scripts/faults.py --trials 1000 --seed 7
-    scripts/faults.py --fault "full disk" --trials 60 --bits 0
-    scripts/faults.py --only 137                 # one again
+    scripts/check/faults.py                            # 200 trials, 200 bits
+    scripts/check/faults.py --trials 1000 --seed 7
+    scripts/check/faults.py --fault "full disk" --trials 60 --bits 0
+    scripts/check/faults.py --only 137                 # one again
 
 Commands are started by ``fork`` after all imports, so that faults hit their work; what comes before has
 tests of its own (``tests/test_signals.py``). Exit code 1 on any failure.

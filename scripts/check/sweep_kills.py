@@ -1,6 +1,6 @@
 """A study that is killed, starved and damaged in every way: its store must end as if nothing had been.
 
-    python scripts/sweep_kills.py [TIMES] [--only run,worker,scheduler,driver,disk,damage]
+    python scripts/check/sweep_kills.py [TIMES] [--only run,worker,scheduler,driver,disk,damage]
 
 At TIMES random moments each, a process that makes runs, a worker, the scheduler, the driver are killed by
 ``kill -9``; a disk fills up (a small tmpfs, as root); files of the store are cut off or have a bit flipped.

@@ -5,11 +5,11 @@ The source archive is built, and of it the wheel; both must hold what they shoul
 Python that is there gets an empty environment, in which the wheel is installed by pip with
 ``constraints.txt``, and a shipped scenario is run and read away from the checkout::
 
-    python scripts/release_check.py                        # all Pythons from 3.11 on that are there
-    python scripts/release_check.py --python python3.12    # one of them; may be given several times
-    python scripts/release_check.py --tools                # also by pipx and by uv, as a command for a user
-    python scripts/release_check.py --no-install           # what the files say only
-    python scripts/release_check.py --tag v0.2.0           # the tag must be the version's, too
+    python scripts/check/release_check.py                        # all Pythons from 3.11 on that are there
+    python scripts/check/release_check.py --python python3.12    # one of them; may be given several times
+    python scripts/check/release_check.py --tools                # also by pipx and by uv, as users install it
+    python scripts/check/release_check.py --no-install           # what the files say only
+    python scripts/check/release_check.py --tag v0.2.0           # the tag must be the version's, too
 
 It needs nothing but the standard library; packages, pipx and uv come from the index that pip is set to.
 """
@@ -32,7 +32,7 @@ from pathlib import Path
 
 __all__ = ["changelog_faults", "contents_faults", "metadata_faults", "pythons"]
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 NEWEST = 14
 KINDS = ("Added", "Changed", "Changed results", "Deprecated", "Removed", "Fixed", "Security")
 _TITLE = re.compile(r"\[(Unreleased)\]|\[(\d+\.\d+\.\d+)\] - (\d{4}-\d{2}-\d{2})")

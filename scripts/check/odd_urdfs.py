@@ -6,7 +6,7 @@ twin, which Pinocchio reads by itself: mass matrix and nonlinear effects at a ra
 to the last bit, or to round-off where frames are added. The files stay in a folder, where ``antenna-pin urdf
 FOLDER --check`` says what was passed over::
 
-    scripts/odd_urdfs.py --count 200 --out odd
+    scripts/check/odd_urdfs.py --count 200 --out odd
 
 With ``--hands`` they are hands (``hand_generator.py``): fingers that mimic, knuckles without mass, inertia
 that no body has. Each must load on a fixed base and have inertia to move by in its zero pose, but for one in

@@ -6,9 +6,9 @@ each format a sound input is taken, and something in it changed that the package
 key, kind, option or function is tried as soon as it is there. An input follows from the seed, its format and
 its number::
 
-    scripts/fuzz.py --count 20000                    # of all formats
-    scripts/fuzz.py --format urdf --count 500        # of one
-    scripts/fuzz.py --seed 1 --only scenario:137     # one again
+    scripts/check/fuzz.py --count 20000                    # of all formats
+    scripts/check/fuzz.py --format urdf --count 500        # of one
+    scripts/check/fuzz.py --seed 1 --only scenario:137     # one again
 
 What must hold:
 

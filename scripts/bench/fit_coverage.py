@@ -1,6 +1,6 @@
 """How often are the numbers of a joint within the bands that a fit states? Of records of a known joint.
 
-    python scripts/fit_coverage.py [--count 100] [--seed 0]
+    python scripts/bench/fit_coverage.py [--count 100] [--seed 0]
 
 A bar hangs from a hinge with play. What its sensors read is made by equations and an integrator that are none
 of the package's (tests/reference/planar_joint.py), noise is added, play, stiffness, restitution, friction are
@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "reference"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "reference"))
 
 from planar_joint import record  # noqa: E402
 

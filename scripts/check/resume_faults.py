@@ -11,8 +11,8 @@ full at a random place (a small file system in memory), and gets room. What must
 
 Then checkpoints are cut off or have one bit flipped: each must be refused in one line, and stay as it is::
 
-    scripts/resume_faults.py                     # 50 trials of each fault
-    scripts/resume_faults.py --trials 5 --seed 7
+    scripts/check/resume_faults.py                     # 50 trials of each fault
+    scripts/check/resume_faults.py --trials 5 --seed 7
 
 Exit code 1 on any failure.
 """

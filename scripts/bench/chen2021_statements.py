@@ -7,7 +7,7 @@ The diagrams are made first, in a folder, NAME-LAW.nc for the laws ``ambrosio`` 
     antenna-pin bifurcation chen2021/friction --case tanh --values 0.005:0.2:40 --out chen/friction-tanh.nc
     antenna-pin bifurcation chen2021/clearance --case tanh --out chen/clearance-tanh.nc
 
-    python scripts/chen2021_statements.py chen
+    python scripts/bench/chen2021_statements.py chen
 
 Bands of the force are made here: of five periods behind ten.
 """

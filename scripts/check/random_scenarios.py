@@ -4,10 +4,10 @@
 ``scenario_generator.py`` says what is random. Every scenario is known by the seed and its number, and is run
 in a process apart, so that one that hangs or dies is listed like any other failure::
 
-    scripts/random_scenarios.py --count 200             # all
-    scripts/random_scenarios.py --seed 1 --only 37      # one again
-    scripts/random_scenarios.py --count 500 --engines   # with both engines, which must agree
-    scripts/random_scenarios.py --count 200 --elements  # with stops, latches, frictions, gears, ... as well
+    scripts/check/random_scenarios.py --count 200             # all
+    scripts/check/random_scenarios.py --seed 1 --only 37      # one again
+    scripts/check/random_scenarios.py --count 500 --engines   # with both engines, which must agree
+    scripts/check/random_scenarios.py --count 200 --elements  # with stops, latches, gears, ... as well
 
 What must hold, of runs that end early as well:
 

@@ -22,7 +22,7 @@ from pathlib import Path
 
 from numpy._core import _multiarray_umath as numpy_core
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 #: Of tests: those whose numbers come of linear algebra, of compiled kernels and of long runs.
 FOLDERS = ("nonlinear", "linear", "constraints", "integrate", "analysis")

@@ -1,6 +1,6 @@
 """How often do bands of a fit hold the true numbers, where a filter smears blows shorter than its samples?
 
-    python scripts/blow_coverage.py [--count 40] [--seed 0]
+    python scripts/bench/blow_coverage.py [--count 40] [--seed 0]
 
 A mass falls onto a rigid floor; a filtered accelerometer reads a blow without duration. The record is the
 closed form (tests/reference/falling_ball.py) with noise; height and restitution are fitted from a start that
@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import binom
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "reference"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "reference"))
 
 from falling_ball import HEIGHT, NOISE, RESTITUTION, TIME, reading, write  # noqa: E402
 

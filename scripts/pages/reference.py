@@ -3,8 +3,8 @@
 
 A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
 
-    python scripts/reference.py             # are all of them up to date? (--check)
-    python scripts/reference.py --write     # bring them up to date
+    python scripts/pages/reference.py             # are all of them up to date? (--check)
+    python scripts/pages/reference.py --write     # bring them up to date
 
 There are ``scenario``, the tables of a scenario file, and ``scenario_GROUP``, their keys (by
 ``scenario_tables.py``); ``formulas``, ``element_formulas`` and ``sources``, what the classes of laws and
@@ -31,7 +31,7 @@ from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, VARIABL
 
 __all__ = ["TABLES", "documents", "filled", "names_of_tables"]
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 

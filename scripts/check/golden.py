@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """A fingerprint of what the package does, made before a change of its structure and compared after it.
 
-    scripts/golden.py make before.json               # ten minutes on two cores
-    scripts/golden.py compare before.json            # makes it again, and says what differs
-    scripts/golden.py compare before.json --only cases figures
-    scripts/golden.py compare before.json after.json # two that have been made
+    scripts/check/golden.py make before.json               # ten minutes on two cores
+    scripts/check/golden.py compare before.json            # makes it again, and says what differs
+    scripts/check/golden.py compare before.json --only cases figures
+    scripts/check/golden.py compare before.json after.json # two that have been made
 
 Sections:
 
@@ -329,6 +329,7 @@ def _schemas(name: str) -> Entry:
         return {"result/dimensions": json.dumps(DIMENSIONS)} | {
             f"result/{k}": repr(row) for k, row in rows.items()
         }
+    sys.path.append(str(Path(__file__).parents[1] / "pages"))
     from scenario_tables import GROUPS, page_of
 
     lines = [line for group in GROUPS for line in page_of(group).splitlines() if line.strip()]

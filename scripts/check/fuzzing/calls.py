@@ -63,7 +63,7 @@ _ODD_OBJECTS: tuple[Callable[[], Any], ...] = (
 
 def _documented() -> set[str]:
     """Return the names that README and docs import from the package, and those that it exports itself."""
-    root = Path(__file__).parents[2]
+    root = Path(__file__).parents[3]
     found = {f"antenna_pin.{name}" for name in antenna_pin.__all__ if name != "explore"}  # which goes on
     for page in (root / "README.md", *(root / "docs").glob("*.md")):
         for room, names in _IMPORT.findall(page.read_text()):
