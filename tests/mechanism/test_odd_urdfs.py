@@ -12,8 +12,8 @@ from antenna_pin.mechanism import JointChange, LinkChange, Urdf, WrittenUrdf, bu
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "check"))
 import hand_generator
-import odd_urdfs
 import urdf_generator
+from robust import odd_urdfs
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 

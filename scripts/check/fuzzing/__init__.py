@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from random import Random
 
+from robust.inputs import Draft
+
 from fuzzing.calls import draw_call
 from fuzzing.documents import draw_diagram, draw_scenario, draw_study
-from fuzzing.inputs import Draft
 from fuzzing.measured import draw_fit, draw_record
 from fuzzing.mechanisms import draw_urdf
 from fuzzing.options import draw_options

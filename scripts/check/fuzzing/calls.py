@@ -9,6 +9,7 @@ import inspect
 import math
 import pkgutil
 import re
+import tempfile
 import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import Enum
@@ -18,16 +19,15 @@ from types import NoneType, UnionType
 from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
+from robust.inputs import Change, Draft, Input
+from robust.trials import write_files
 
 import antenna_pin
 from antenna_pin import Trajectory, Urdf, build_system, load_scenario, load_study
 from antenna_pin.base.parameters import parameters_of
 from antenna_pin.base.units import shown as shown_value
-from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import made
 from fuzzing.odd import Raw, odd_number, odd_value
-
-__all__ = ["draw_call", "public"]
 
 # Classes of what calls return or hand to a function.
 _GIVEN = ("Exploration", "Flow", "Mechanism", "Modes", "Moment", "Progress", "Trajectory")
@@ -35,29 +35,12 @@ _GIVEN = ("Exploration", "Flow", "Mechanism", "Modes", "Moment", "Progress", "Tr
 _IMPORT = re.compile(r"from (antenna_pin[.\w]*) import \(?([\w, ]+(?:(?<=\()[\w, \n]+)?)")
 
 _ODD_OBJECTS: tuple[Callable[[], Any], ...] = (
-    lambda: None,
-    object,
-    lambda: b"bytes",
-    lambda: 1j,
-    lambda: np.array([1.0, math.nan]),
-    lambda: np.eye(3),
-    lambda: np.array(["a"]),
-    lambda: np.float64("nan"),
-    lambda: np.datetime64("2020-01-01"),
-    lambda: "a\ud800",
-    lambda: "a\0b",
-    lambda: {1: 2},
-    lambda: {"a": object()},
-    lambda: (k for k in range(3)),
-    lambda: range(3),
-    lambda: set("ab"),
-    lambda: int,
-    lambda: lambda *_: None,
-    lambda: lambda: math.nan,
-    lambda: Path("no/such"),
-    lambda: [None],
-    lambda: np.zeros((2, 0)),
-    lambda: [np.zeros(3), np.zeros(2)],
+    *(lambda: None, object, lambda: b"bytes", lambda: 1j, lambda: np.array([1.0, math.nan])),
+    *(lambda: np.eye(3), lambda: np.array(["a"]), lambda: np.float64("nan")),
+    *(lambda: np.datetime64("2020-01-01"), lambda: "a\ud800", lambda: "a\0b", lambda: {1: 2}),
+    *(lambda: {"a": object()}, lambda: (k for k in range(3)), lambda: range(3), lambda: set("ab")),
+    *(lambda: int, lambda: lambda *_: None, lambda: lambda: math.nan, lambda: Path("no/such")),
+    *(lambda: [None], lambda: np.zeros((2, 0)), lambda: [np.zeros(3), np.zeros(2)]),
 )
 
 
@@ -125,13 +108,8 @@ def _parameters(name: str) -> dict[str, tuple[Any, bool]]:
 @functools.cache
 def _objects() -> Mapping[str, Any]:
     """Return some objects of the package, by the names of their classes."""
-    import tempfile
-
     with tempfile.TemporaryDirectory() as name:
-        for file, content in made().items():
-            path = Path(name) / file
-            path.parent.mkdir(exist_ok=True)
-            path.write_bytes(content)
+        write_files(Path(name), made())
         scenario = load_scenario(Path(name) / "play.toml")
         system = build_system(scenario)
         run = Trajectory.load(Path(name) / "run.nc")
@@ -161,9 +139,7 @@ def _sound(chance: Random, hint: Any, depth: int = 0) -> Any:
     if hint is str:
         return chance.choice(("bore", "disc", "ring", "play.toml", "hertz", "1 mm", "run.nc", "motion_angle"))
     if hint is Path or "PathLike" in str(hint):
-        return chance.choice(
-            (Path("run.nc"), Path("play.toml"), Path("pair.urdf"), Path("out.nc"), Path("out.html"))
-        )
+        return Path(chance.choice(("run.nc", "play.toml", "pair.urdf", "out.nc", "out.html")))
     if "NDArray" in str(hint) or hint is np.ndarray or "ArrayLike" in str(hint):
         return np.array(chance.choice(([1.0, 0.0, 0.0], [0.1, 0.2], [0.0] * 6, [1.0])))
     if origin in (tuple, list, Sequence) or (
@@ -183,14 +159,14 @@ def _sound(chance: Random, hint: Any, depth: int = 0) -> Any:
         return _objects()[name]
     for key, one in public().items():
         if one is hint and depth < 3:
-            return one(
-                **{
-                    each: _sound(chance, kind, depth + 1)
-                    for each, (kind, needed) in _parameters(key).items()
-                    if needed
-                }
-            )
+            return one(**_needed(chance, key, depth + 1))
     raise LookupError(f"nothing is known of {hint}")
+
+
+def _needed(chance: Random, name: str, depth: int = 0) -> dict[str, Any]:
+    """Return sound values for what a call must be given."""
+    parameters = _parameters(name).items()
+    return {key: _sound(chance, hint, depth) for key, (hint, needed) in parameters if needed}
 
 
 def _odd(chance: Random) -> Callable[[], Any]:
@@ -215,12 +191,10 @@ def draw_call(chance: Random) -> Draft:
 
     def written(kept: Sequence[Change]) -> Input:
         def act() -> Any:
-            drawn = Random(seed)
             try:
-                arguments = {key: _sound(drawn, hint) for key, (hint, needed) in parameters.items() if needed}
+                arguments = _needed(Random(seed), name)
             except (LookupError, antenna_pin.AntennaPinError, TypeError):
-                arguments = None
-            if arguments is None:  # nothing sound is known of some: all that is known is odd
+                # Nothing sound is known of some: all that is known is odd.
                 arguments = dict.fromkeys((key for key, (_, needed) in parameters.items() if needed), 1.0)
             for change in kept:
                 change.apply(arguments)
@@ -238,8 +212,7 @@ def _changes(chance: Random, name: str, parameters: Mapping[str, tuple[Any, bool
         key = chance.choice(sorted(parameters))
         value = _odd(chance)
         shown = ascii(shown_value(value()))[:60]
-        yield Change(f"{name}({key}={shown})", functools.partial(_put, key=key, value=value))
-
-
-def _put(arguments: dict[str, Any], key: str, value: Callable[[], Any]) -> None:
-    arguments[key] = value()
+        yield Change(
+            f"{name}({key}={shown})",
+            lambda arguments, key=key, value=value: arguments.__setitem__(key, value()),
+        )

@@ -11,28 +11,17 @@ from random import Random
 from typing import Any
 from xml.etree import ElementTree
 
+from robust.inputs import Change, Draft, Input, after
+
 from antenna_pin import Scenario, Study, models_path
 from antenna_pin.contact import MATERIALS
 from antenna_pin.elements import FAMILIES
 from antenna_pin.nonlinear import DiagramPlan
 from antenna_pin.scenario.merge import merge
-from fuzzing.declared import NEW, Named, Place, Table, places_of
-from fuzzing.inputs import Change, Draft, Input
+from fuzzing.declared import NEW, Named, Names, Place, Table, name_for, places_of
 from fuzzing.kinds import RIG, rigs
-from fuzzing.odd import misspelt, odd_value
+from fuzzing.odd import Raw, misspelt, odd_value
 from fuzzing.texts import text_change
-from fuzzing.values import Names, admits, name_for, sound_value, toml
-
-__all__ = [
-    "Base",
-    "document",
-    "draft_of",
-    "draw_diagram",
-    "draw_scenario",
-    "draw_study",
-    "scenarios",
-    "small_scenario",
-]
 
 # Of shipped scenarios the small ones are drawn so many times as often, and so are those of a kind each; that
 # with most kinds is drawn as often as all of these.
@@ -72,7 +61,7 @@ class _Work:
 
     table: dict[str, Any]
     sets: list[str] = field(default_factory=list)
-    edits: list[Callable[[bytes], bytes]] = field(default_factory=list)
+    edits: list[Change] = field(default_factory=list)
 
 
 @functools.cache
@@ -91,9 +80,7 @@ def _cases() -> Iterator[Base]:
         if not (folder / "scenario.toml").is_file():
             continue
         table = tomllib.loads((folder / "scenario.toml").read_text())
-        files = {
-            path.name: path.read_bytes() for path in folder.iterdir() if path.suffix in (".urdf", ".csv")
-        }
+        files = {one.name: one.read_bytes() for one in folder.iterdir() if one.suffix in (".urdf", ".csv")}
         cases = table.pop("cases", {"": {}})
         table.pop("default_case", None)
         for case in cases.values():
@@ -102,15 +89,16 @@ def _cases() -> Iterator[Base]:
             found = merge(merge(table, own), short)
             for joint in found.get("clearance", {}).values():
                 joint["geometry"] = "closed-form"
-            base = Base("scenario.toml", Scenario, found, files, _names(found, files), _REPLACED)
-            yield from [base] * (_OFTEN if folder.name in _SMALL else 1)
+            yield from _bases(found, files, _OFTEN if folder.name in _SMALL else 1)
 
 
 def _rigs() -> Iterator[Base]:
     for number, table in enumerate(rigs()):
-        files = {"rig.urdf": RIG.encode()}
-        base = Base("scenario.toml", Scenario, table, files, _names(table, files), _REPLACED)
-        yield from [base] * (_OFTEN if number else _MOST)
+        yield from _bases(table, {"rig.urdf": RIG.encode()}, _OFTEN if number else _MOST)
+
+
+def _bases(table: Mapping[str, Any], files: Mapping[str, bytes], times: int) -> list[Base]:
+    return [Base("scenario.toml", Scenario, table, files, _names(table, files), _REPLACED)] * times
 
 
 def _names(table: Mapping[str, Any], files: Mapping[str, bytes]) -> Names:
@@ -137,18 +125,11 @@ def _names(table: Mapping[str, Any], files: Mapping[str, bytes]) -> Names:
 # --- changes -----------------------------------------------------------------------------------------------
 
 
-def _put(table: dict[str, Any], path: Sequence[str], value: Any) -> None:
-    """Set an entry, if the tables that lead to it are there."""
+def _above(table: Any, path: Sequence[str]) -> dict[str, Any]:
+    """Return the table that holds an entry; an empty one if it is not there."""
     for key in path[:-1]:
-        table = table.get(key) if isinstance(table, dict) else None  # type: ignore[assignment]
-    if isinstance(table, dict):
-        table[path[-1]] = value
-
-
-def _take(table: dict[str, Any], path: Sequence[str]) -> Any:
-    for key in path[:-1]:
-        table = table.get(key) if isinstance(table, dict) else None  # type: ignore[assignment]
-    return table.pop(path[-1], None) if isinstance(table, dict) else None
+        table = table.get(key) if isinstance(table, dict) else None
+    return table if isinstance(table, dict) else {}
 
 
 def change_of(chance: Random, base: Base) -> Change:
@@ -164,54 +145,80 @@ def change_of(chance: Random, base: Base) -> Change:
         name = misspelt(chance, key)
 
         def rename(work: _Work) -> None:
-            _put(work.table, (*path[:-1], name), _take(work.table, path))
+            above = _above(work.table, path)
+            above[name] = above.pop(key, None)
 
         return Change(f"{'.'.join(path)} is called {name!r}", rename)
     if roll < 0.82:
         return Change(
-            f"no {'.'.join(path)}", lambda work: _take(work.table, path), place.what.required, (key,)
+            *(f"no {'.'.join(path)}", lambda work: _above(work.table, path).pop(key, None)),
+            *(place.what.required, (key,)),
         )
     if roll < 0.9:
         where = chance.choice([place.path[:-1] for place in there])
         name, value = misspelt(chance, key), odd_value(chance)
-        return Change(
-            f"{'.'.join((*where, name))} = {_short(value)}",
-            lambda work: _put(work.table, (*where, name), value),
-        )
+        return _set((*where, name), value)
     edit = text_change(chance)
-    return Change(edit.name, lambda work: work.edits.append(edit.apply))
+    return Change(edit.name, lambda work: work.edits.append(edit))
+
+
+def _set(path: tuple[str, ...], value: Any, *more: Any) -> Change:
+    """Return a change that sets an entry, if the tables that lead to it are there."""
+
+    def put(work: _Work) -> None:
+        _above(work.table, path)[path[-1]] = copy.deepcopy(value)
+
+    return Change(f"{'.'.join(path)} = {_short(value)}", put, *more)
 
 
 def _value_change(chance: Random, base: Base, place: Place) -> Change:
     what, path = place.what, place.path
-    sound = chance.random() < 0.35
-    value = sound_value(chance, what, base.names) if sound else odd_value(chance)
+    value = what.sound(chance, base.names) if chance.random() < 0.35 else odd_value(chance)
     if path[-1] == NEW:
         path = (*path[:-1], name_for(chance, "joint link", base.names))
         if any(isinstance(shape, Table) for shape in what.shapes) and chance.random() < 0.7:
-            value = sound_value(chance, what, base.names)
+            value = what.sound(chance, base.names)
     # Any text may be the name of something, and anything may stand where nothing is declared.
-    wrong = not admits(what, value) and not any(
-        isinstance(shape, Named) and not shape.of for shape in what.shapes
-    )
-    wrong = wrong and path not in base.replaced
+    anything = any(isinstance(shape, Named) and not shape.of for shape in what.shapes)
+    wrong = not what.admits(value) and not anything and path not in base.replaced
     long = isinstance(value, int) and value.bit_length() > 4096  # told of before its place is known
     says = () if long else tuple(name for name in path[-2:] if name.isidentifier())
     plain = all(key.replace("-", "_").isidentifier() for key in path)
     if plain and base.cls is Scenario and chance.random() < 0.2 and not isinstance(value, dict):
         text = f"{'.'.join(path)}={toml(value)}"
         return Change(f"--set {_short(text)}", lambda work: work.sets.append(text), wrong, says)
-    return Change(
-        f"{'.'.join(path)} = {_short(value)}",
-        lambda work: _put(work.table, path, copy.deepcopy(value)),
-        wrong,
-        says,
-    )
+    return _set(path, value, wrong, says)
 
 
 def _short(value: Any) -> str:
     text = value if isinstance(value, str) else toml(value)
     return ascii(text if len(text) < 120 else f"{text[:60]}... ({len(text)} letters)")[1:-1]
+
+
+def toml(value: Any) -> str:
+    """Return a value as TOML text."""
+    match value:
+        case Raw():
+            return value.text
+        case bool():
+            return str(value).lower()
+        case int():
+            return hex(value) if value > 10**4000 else str(value)
+        case float():
+            return repr(value)
+        case str():
+            return f'"{"".join(map(_escaped, value))}"'
+        case Mapping():
+            return "{" + ", ".join(f"{toml(str(key))} = {toml(entry)}" for key, entry in value.items()) + "}"
+        case list() | tuple():
+            return "[" + ", ".join(map(toml, value)) + "]"
+    return value.isoformat() if hasattr(value, "isoformat") else str(value)
+
+
+def _escaped(letter: str) -> str:
+    if letter in '"\\':
+        return f"\\{letter}"
+    return letter if letter.isprintable() else f"\\U{ord(letter):08x}"
 
 
 def document(table: Mapping[str, Any]) -> str:
@@ -227,12 +234,24 @@ def draft_of(chance: Random, base: Base, act: Callable[[list[str]], Sequence[str
         work = _Work(copy.deepcopy(dict(base.table)))
         for change in kept:
             change.apply(work)
-        content = document(work.table).encode("utf-8", "surrogatepass")
-        for edit in work.edits:
-            content = edit(content)
+        content = after(work.edits, document(work.table).encode("utf-8", "surrogatepass"))
         return Input({**base.files, base.name: content}, act([f"--set={text}" for text in work.sets]))
 
     return Draft(changes, made)
+
+
+def limited(draft: Draft, name: str, options: Callable[[dict[str, Any]], Sequence[str]]) -> Draft:
+    """Return a draft whose command has more options, by what its document asks for."""
+
+    def made(kept: Sequence[Change]) -> Input:
+        given = draft.made(kept)
+        try:
+            table = tomllib.loads(given.files[name].decode())  # type: ignore[union-attr]
+        except (ValueError, RecursionError):
+            return given
+        return replace(given, act=[*given.act, *options(table)])  # type: ignore[misc]
+
+    return replace(draft, made=made)
 
 
 # --- the formats -------------------------------------------------------------------------------------------
@@ -313,18 +332,13 @@ def draw_diagram(chance: Random) -> Draft:
     base = _diagram_base()
     words = ["bifurcation", base.name, "--out", "diagram.nc", "--no-progress", "--workers", "1"]
     draft = draft_of(chance, base, lambda sets: [*words, *sets])
-    return replace(draft, made=lambda kept: _in_time(draft.made(kept)))
+    return limited(draft, base.name, _fewer)
 
 
-def _in_time(asked: Input) -> Input:
-    """Return a diagram of few points for one of many: they take the time that they take, and it says so."""
-    try:
-        table = tomllib.loads(asked.files["some.diagram.toml"].decode())
-    except (ValueError, RecursionError):
-        return asked
-    many = [
+def _fewer(table: dict[str, Any]) -> list[str]:
+    """Return options of few points for a diagram of many, which would take their time."""
+    return [
         f"--{key}={_FEW}"
         for key in ("count", "transient")
         if isinstance(value := table.get(key), int | float) and _FEW < value < _MANY and value % 1 == 0
     ]
-    return replace(asked, act=[*asked.act, *many])

@@ -3,83 +3,75 @@
 from __future__ import annotations
 
 import functools
+import shlex
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from robust.inputs import quietly
+from robust.trials import read_files, write_files
+
 from antenna_pin import load_scenario, simulate
 from fuzzing.documents import SHORT, document, small_scenario
-from fuzzing.inputs import quietly
-
-__all__ = ["COMMANDS", "FAST", "MADE", "made", "stopped", "swinging"]
 
 FAST = ("--no-progress",)
+SEAL = 85  # bytes at the end of a result: the digest of all before
 
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(shlex.split(text))
+
+
+_OVER = "--over drives.push.amplitude --values"
+_ORBIT = "orbit swing.toml --transient 5 --rtol 1e-9"
 #: What is written, by the name of the file, and the command that writes it.
 MADE: Mapping[str, tuple[str, ...]] = {
     "run.nc": ("run", "play.toml", *FAST, *SHORT),
-    "portrait.nc": ("phase", "run.nc", "-x", "q[bore.x]", "-y", "v[bore.vx]"),
-    "section.nc": ("poincare", "swing.toml", "-q", "v[bore]", "--count", "32", "--transient", "0"),
-    "diagram.nc": (
-        *(
-            "bifurcation",
-            "swing.toml",
-            "--over",
-            "drives.push.amplitude",
-            "--values",
-            "0.1,0.2",
-            "-q",
-            "v[bore]",
-        ),
-        *("--count", "32", "--transient", "0", "--workers", "1", *FAST),
+    "portrait.nc": _words("phase run.nc -x q[bore.x] -y v[bore.vx]"),
+    "section.nc": _words("poincare swing.toml -q v[bore] --count 32 --transient 0"),
+    "diagram.nc": _words(
+        f"bifurcation swing.toml {_OVER} 0.1,0.2 -q v[bore] --count 32 --transient 0 --workers 1 "
+        "--no-progress"
     ),
-    "orbit.nc": ("orbit", "swing.toml", "--transient", "5", "--rtol", "1e-9", *FAST),
-    "branch.nc": (
-        *("orbit", "swing.toml", "--transient", "5", "--rtol", "1e-9", "--over", "drives.push.amplitude"),
-        *("--values", "0.1 N*m:0.11 N*m", "--most", "3", *FAST),
-    ),
-    "exponents.nc": ("lyapunov", "swing.toml", "--count", "5", "--transient", "1", "--rtol", "1e-9", *FAST),
+    "orbit.nc": _words(f"{_ORBIT} --no-progress"),
+    "branch.nc": _words(f"{_ORBIT} {_OVER} '0.1 N*m:0.11 N*m' --most 3 --no-progress"),
+    "exponents.nc": _words("lyapunov swing.toml --count 5 --transient 1 --rtol 1e-9 --no-progress"),
 }
+# The last word is what is written.
+_WRITING = {
+    "long run": "run long.toml --no-progress --no-summary --out long.nc",
+    "checkpoints": "run long.toml --checkpoint '50 ms' --no-progress --out parts.nc",
+    "info": "info run.nc --csv info.csv",
+    "analyse": "analyse run.nc --csv analysis.csv",
+    "impacts": "impacts run.nc --csv impacts.csv",
+    "pointing": "pointing run.nc --body disc --boresight 1,0,0 --direction 0,1,0 --csv pointing.csv",
+    "modes": "modes swing.toml --record modes.html",
+    "plot": "plot run.nc --figure energy --figure contact_forces --out plots",
+    "record": "record run.nc --out page.html",
+    "report": "report run.nc section.nc --no-figures --out report.html",
+    "urdf": "urdf play.toml --out pair.urdf",
+    "sweep": "sweep few.study.toml --workers 0 --no-progress --out few.study",
+    "study show": "study show few.study --csv study.csv",
+    "study plot": "study plot few.study --out studies",
+    "study report": "study report few.study --no-figures --out s.html",
+    "curve": "contact curve --csv curve.csv",
+    "law figures": "contact curve hertz --out laws",
+    "fit": "fit few.fit.toml --no-progress --out few.nc",
+    "sensitivity": "sensitivity swing.toml springs.held.stiffness --out slopes.nc",
+    "fmu": "export fmu swing.toml --outputs bore.angle --out a.fmu",
+}
+
+
+def _writing(text: str) -> tuple[tuple[str, ...], str]:
+    *words, output = _words(text)
+    return (*words, f"out/{output}"), output
+
 
 #: Every command that works or writes, by a name: its words and what it writes, in the folder ``out``.
 COMMANDS: Mapping[str, tuple[tuple[str, ...], str]] = {
     **{name[:-3]: ((*words, "--out", f"out/{name}"), name) for name, words in MADE.items()},
-    "long run": (("run", "long.toml", "--no-progress", "--no-summary", "--out", "out/long.nc"), "long.nc"),
-    "checkpoints": (
-        ("run", "long.toml", "--checkpoint", "50 ms", "--no-progress", "--out", "out/parts.nc"),
-        "parts.nc",
-    ),
-    "info": (("info", "run.nc", "--csv", "out/info.csv"), "info.csv"),
-    "analyse": (("analyse", "run.nc", "--csv", "out/analysis.csv"), "analysis.csv"),
-    "impacts": (("impacts", "run.nc", "--csv", "out/impacts.csv"), "impacts.csv"),
-    "pointing": (
-        (
-            *("pointing", "run.nc", "--body", "disc", "--boresight", "1,0,0", "--direction", "0,1,0"),
-            *("--csv", "out/pointing.csv"),
-        ),
-        "pointing.csv",
-    ),
-    "modes": (("modes", "swing.toml", "--record", "out/modes.html"), "modes.html"),
-    "plot": (
-        ("plot", "run.nc", "--figure", "energy", "--figure", "contact_forces", "--out", "out/plots"),
-        "plots",
-    ),
-    "record": (("record", "run.nc", "--out", "out/page.html"), "page.html"),
-    "report": (("report", "run.nc", "section.nc", "--no-figures", "--out", "out/report.html"), "report.html"),
-    "urdf": (("urdf", "play.toml", "--out", "out/pair.urdf"), "pair.urdf"),
-    "sweep": (("sweep", "few.study.toml", "--workers", "0", *FAST, "--out", "out/few.study"), "few.study"),
-    "study show": (("study", "show", "few.study", "--csv", "out/study.csv"), "study.csv"),
-    "study plot": (("study", "plot", "few.study", "--out", "out/studies"), "studies"),
-    "study report": (("study", "report", "few.study", "--no-figures", "--out", "out/s.html"), "s.html"),
-    "curve": (("contact", "curve", "--csv", "out/curve.csv"), "curve.csv"),
-    "law figures": (("contact", "curve", "hertz", "--out", "out/laws"), "laws"),
-    "fit": (("fit", "few.fit.toml", *FAST, "--out", "out/few.nc"), "few.nc"),
-    "sensitivity": (
-        ("sensitivity", "swing.toml", "springs.held.stiffness", "--out", "out/slopes.nc"),
-        "slopes.nc",
-    ),
-    "fmu": (("export", "fmu", "swing.toml", "--outputs", "bore.angle", "--out", "out/a.fmu"), "a.fmu"),
+    **{name: _writing(text) for name, text in _WRITING.items()},
     "list": (("list",), ""),
 }
 
@@ -131,17 +123,12 @@ def made() -> Mapping[str, bytes]:
     files = {**base.files, **{name: document(table).encode() for name, table in tables.items()}}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for file, content in {**files, "few.study.toml": _STUDY.encode()}.items():
-            (folder / file).write_bytes(content)
-        (folder / "few.fit.toml").write_text(_FIT)
+        write_files(folder, {**files, "few.study.toml": _STUDY, "few.fit.toml": _FIT})
         (folder / "test.csv").write_text(_record(folder))
         for file, words in MADE.items():
             quietly([*words, "--out", file], folder)
         quietly(["sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *FAST], folder)
-        for path in sorted(folder.rglob("*")):
-            if path.is_file():
-                files[path.relative_to(folder).as_posix()] = path.read_bytes()
-    return files
+        return files | read_files(folder)
 
 
 @functools.cache
@@ -149,10 +136,6 @@ def stopped() -> Mapping[str, bytes]:
     """Return what a run of ``long.toml`` leaves that a limit of wall time has stopped, by name."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for file in ("long.toml", "pair.urdf"):
-            (folder / file).write_bytes(made()[file])
-        quietly(["run", "long.toml", "--out", "stopped.nc", "--max-wall-time", "50 ms", *FAST], folder)
-        return {
-            path.relative_to(folder).as_posix(): path.read_bytes()
-            for path in sorted(folder.rglob("stopped*/*"))
-        }
+        write_files(folder, {file: made()[file] for file in ("long.toml", "pair.urdf")})
+        quietly(["run", "long.toml", "--out", "stopped.nc", "--max-wall-time", "10 ms", *FAST], folder)
+        return {file: one for file, one in read_files(folder).items() if file.startswith("stopped.nc.parts/")}

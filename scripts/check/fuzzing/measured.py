@@ -4,26 +4,21 @@ from __future__ import annotations
 
 import functools
 import io
-import tempfile
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
 from random import Random
 from typing import Any
 
 import h5py
 import numpy as np
 import scipy.io
+from robust.inputs import Change, Draft, Input, after
+from robust.trials import Content
 
 from antenna_pin.fit import FitPlan
-from fuzzing.documents import Base, document, draft_of, small_scenario
-from fuzzing.inputs import Change, Content, Draft, Input
+from fuzzing.documents import Base, document, draft_of, limited, small_scenario
 from fuzzing.made import swinging
-from fuzzing.odd import ODD_TEXTS, odd_number
+from fuzzing.odd import ODD_TEXTS, as_float, odd_number
 from fuzzing.texts import text_change
-
-__all__ = ["draw_fit", "draw_record"]
 
 _FILE = "some.fit.toml"
 _COLUMNS = ("time", "rate", "angle")
@@ -65,19 +60,14 @@ def draw_fit(chance: Random) -> Draft:
     """Return a fit's file, whose parameters are found or asked about."""
     words = chance.choice((("--identify",), ("--out", "fit.nc"), ("--out", "fit.nc", "--profile")))
     draft = draft_of(chance, _base(), lambda sets: ["fit", _FILE, "--no-progress", *words, *sets])
-    return replace(draft, made=lambda kept: _in_time(draft.made(kept)))
+    return limited(draft, _FILE, _fewer)
 
 
-def _in_time(asked: Input) -> Input:
-    """Return a fit that asks for few runs in place of one that asks for many."""
-    try:
-        table = tomllib.loads(asked.files[_FILE].decode())  # type: ignore[union-attr]
-    except (ValueError, RecursionError):
-        return asked
-    less = [
+def _fewer(table: dict[str, Any]) -> list[str]:
+    """Return options that ask for few runs in place of many."""
+    return [
         f"--set={one}" for one in _LESS if isinstance(table.get(one.split(".")[0].split("=")[0]), dict | int)
     ]
-    return replace(asked, act=[*asked.act, *less])  # type: ignore[misc]
 
 
 # --- records -----------------------------------------------------------------------------------------------
@@ -101,12 +91,11 @@ def _mat(rows: np.ndarray) -> bytes:
 
 
 def _hdf5(rows: np.ndarray) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "some"
-        with h5py.File(path, "w") as file:
-            for name, values in zip(_COLUMNS, rows.T, strict=True):
-                file.create_dataset(name, data=values)
-        return path.read_bytes()
+    stream = io.BytesIO()
+    with h5py.File(stream, "w") as file:
+        for name, values in zip(_COLUMNS, rows.T, strict=True):
+            file.create_dataset(name, data=values)
+    return stream.getvalue()
 
 
 def _mat_73(rows: np.ndarray) -> bytes:
@@ -121,13 +110,8 @@ def _universal(rows: np.ndarray) -> bytes:
         head.append(f"         4{len(values):10d}         1{0.0:13.5E}{1e-3 / (_ROWS - 1):13.5E}{0.0:13.5E}")
         head += [f"{17 * (k == 0):10d}    0    0    0 {'axis':<20} NONE" for k in range(4)]
         numbers = "".join(f"{one:20.12E}" for one in values.tolist())
-        sets += [
-            "    -1",
-            "    58",
-            *head,
-            *(numbers[k : k + 80] for k in range(0, len(numbers), 80)),
-            "    -1",
-        ]
+        lines = [numbers[k : k + 80] for k in range(0, len(numbers), 80)]
+        sets += ["    -1", "    58", *head, *lines, "    -1"]
     return "\n".join(sets).encode() + b"\n"
 
 
@@ -140,17 +124,8 @@ _FORMATS: Mapping[str, Callable[[np.ndarray], bytes]] = {
     "test.uff": _universal,
 }
 _LAYOUTS: tuple[Mapping[str, Any], ...] = (
-    {},
-    {},
-    {},
-    {"rate": "20 kHz"},
-    {"gaps": "skip"},
-    {"window": [0.0, "0.5 ms"]},
-    {"clock_shift": "1 us"},
-    {"skip": 1},
-    {"units_row": True},
-    {"time_format": "iso"},
-    {"time": "rate"},
+    *({}, {}, {}, {"rate": "20 kHz"}, {"gaps": "skip"}, {"window": [0.0, "0.5 ms"]}, {"clock_shift": "1 us"}),
+    *({"skip": 1}, {"units_row": True}, {"time_format": "iso"}, {"time": "rate"}),
 )
 
 
@@ -161,8 +136,6 @@ def draw_record(chance: Random) -> Draft:
     record = {**_FIT["records"]["test"], "file": name, **layout}
     if "rate" in layout or "time_format" in layout:
         record.pop("time_unit")
-    if layout.get("time_format"):
-        record["time_format"] = "iso"
     table = {**_FIT, "records": {"test": record}}
     words = chance.choice((("--identify",), ("--identify",), ("--out", "fit.nc")))
     of_bytes = chance.random() < 0.6
@@ -172,14 +145,9 @@ def draw_record(chance: Random) -> Draft:
     )
 
     def made(kept: Sequence[Change]) -> Input:
-        rows: Any = _rows()
-        if not of_bytes:
-            for change in kept:
-                rows = change.apply(rows)
+        rows: Any = _rows() if of_bytes else after(kept, _rows())
         content = rows if isinstance(rows, bytes) else _FORMATS[name](rows)
-        if of_bytes:
-            for change in kept:
-                content = change.apply(content)
+        content = after(kept, content) if of_bytes else content
         files: dict[str, Content] = {**_base().files, _FILE: document(table), name: content}
         return Input(files, ["fit", _FILE, "--no-progress", *words])
 
@@ -188,8 +156,7 @@ def draw_record(chance: Random) -> Draft:
 
 def _rows_change(chance: Random, name: str) -> Change:
     """Return a change of a record's numbers; of a text also of how one is written."""
-    row, column, value = chance.randrange(_ROWS), chance.randrange(3), odd_number(chance)
-    value = float(value) if abs(value) < 10**308 else 1e308
+    row, column, value = chance.randrange(_ROWS), chance.randrange(3), as_float(odd_number(chance))
     text = chance.choice(ODD_TEXTS)
 
     def with_value(rows: np.ndarray) -> np.ndarray:

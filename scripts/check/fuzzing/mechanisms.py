@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -10,28 +11,15 @@ from typing import Any
 
 import numpy as np
 from lxml import etree
+from robust.inputs import Change, Draft, Input, after
 from urdf_generator import draw_urdf as odd_urdf
 
 from fuzzing.documents import SHORT, document, scenarios
-from fuzzing.inputs import Change, Draft, Input
-from fuzzing.odd import ODD_TEXTS, misspelt, odd_number
+from fuzzing.odd import ODD_TEXTS, as_digits, misspelt, odd_number
 from fuzzing.texts import text_change
 
-__all__ = ["draw_urdf"]
-
 _ODD_URDFS = 40  # that are drawn from, beside the shipped ones
-_TYPES = (
-    "revolute",
-    "continuous",
-    "prismatic",
-    "fixed",
-    "floating",
-    "planar",
-    "Revolute",
-    "ball",
-    "universal",
-)
-
+_TYPES = tuple("revolute continuous prismatic fixed floating planar Revolute ball universal".split())
 # Attributes whose numbers must be finite wherever they stand in what is simulated.
 _NUMBERS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
@@ -39,7 +27,7 @@ _NUMBERS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 @dataclass
 class _Work:
     root: Any
-    edits: list[Callable[[bytes], bytes]] = field(default_factory=list)
+    edits: list[Change] = field(default_factory=list)
 
     def at(self, number: int) -> Any:
         """Return an element by its number in the sound file, if it is there still."""
@@ -51,7 +39,6 @@ def draw_urdf(chance: Random) -> Draft:
     base = chance.choice(scenarios())
     name = base.table["mechanism"]["urdf"]
     content = base.files[name]
-    words: Sequence[str]
     if chance.random() < 0.3:
         drawn = odd_urdf(7, chance.randrange(_ODD_URDFS))
         content = drawn.odd
@@ -66,16 +53,11 @@ def draw_urdf(chance: Random) -> Draft:
     changes = tuple(_change(chance, root) for _ in range(chance.choice((1, 1, 1, 2, 3))))
     if chance.random() < 0.12:
         edit = text_change(chance)
-        changes = (*changes[1:], Change(edit.name, lambda work: work.edits.append(edit.apply)))
+        changes = (*changes[1:], Change(edit.name, lambda work: work.edits.append(edit)))
+    written = ("urdf", base.name, "--out", "out.urdf")
+    run = ("run", base.name, "--out", "out.nc", "--no-progress", *SHORT)
     words = chance.choice(
-        (
-            ("urdf", name, "--check"),
-            ("urdf", base.name, "--out", "out.urdf"),
-            ("urdf", base.name, "--out", "out.urdf"),
-            ("info", base.name),
-            ("modes", base.name),
-            ("run", base.name, "--out", "out.nc", "--no-progress", *SHORT),
-        )
+        (("urdf", name, "--check"), written, written, ("info", base.name), ("modes", base.name), run)
     )
 
     def made(kept: Sequence[Change]) -> Input:
@@ -84,9 +66,7 @@ def draw_urdf(chance: Random) -> Draft:
             change.apply(work)
         for element in work.root.iter(etree.Element):
             element.attrib.pop("fuzz", None)
-        text = etree.tostring(work.root)
-        for edit in work.edits:
-            text = edit(text)
+        text = after(work.edits, etree.tostring(work.root))
         return Input({**base.files, name: text, base.name: document(table)}, words)
 
     return Draft(changes, made)
@@ -136,22 +116,21 @@ def _attribute_change(chance: Random, root: Any, element: Any) -> Change:
     key = chance.choice([one for one in element.attrib if one != "fuzz"])
     number, old, roll = int(element.get("fuzz")), element.get(key), chance.random()
     label = f"{_label(element)} {key}"
+
+    def change(what: str, act: Callable[[Any], Any], wrong: bool = False) -> Change:
+        def apply(work: _Work) -> None:
+            if (one := work.at(number)) is not None:
+                _try(lambda: act(one))
+
+        return Change(f"{label} {what}", apply, wrong)
+
     if roll < 0.1:
-        return Change(
-            f"{label} lost", lambda work: _with(work, number, lambda one: one.attrib.pop(key, None))
-        )
+        return change("lost", lambda one: one.attrib.pop(key, None))
     if roll < 0.2:
         name = misspelt(chance, key)
-        return Change(
-            f"{label} called {name!r}",
-            lambda work: _with(work, number, lambda one: one.set(name, one.attrib.pop(key, ""))),
-        )
+        return change(f"called {name!r}", lambda one: one.set(name, one.attrib.pop(key, "")))
     value, wrong = _value(chance, root, key, old)
-    return Change(
-        f"{label} = {value[:80]!r}",
-        lambda work: _with(work, number, lambda one: one.set(key, value)),
-        wrong and element.tag == "inertia",
-    )
+    return change(f"= {value[:80]!r}", lambda one: one.set(key, value), wrong and element.tag == "inertia")
 
 
 def _value(chance: Random, root: Any, key: str, old: str) -> tuple[str, bool]:
@@ -159,20 +138,12 @@ def _value(chance: Random, root: Any, key: str, old: str) -> tuple[str, bool]:
     words = old.split()
     if not all(_is_number(word) for word in words) or not words:
         names = [one.get("name") for one in root.iter() if one.get("name")]
-        pool = (
-            *names,
-            *_TYPES,
-            *ODD_TEXTS,
-            misspelt(chance, old),
-            "world",
-            "package://x/y.stl",
-            "file:///no.obj",
-        )
-        return chance.choice(pool), False
+        others = (misspelt(chance, old), "world", "package://x/y.stl", "file:///no.obj")
+        return chance.choice((*names, *_TYPES, *ODD_TEXTS, *others)), False
     roll = chance.random()
     if roll < 0.6:
-        value = odd_number(chance)
-        words[chance.randrange(len(words))] = str(value) if abs(value) < 10**400 else "9" * 5000
+        number = as_digits(odd_number(chance))
+        words[chance.randrange(len(words))] = number
     elif roll < 0.75:
         words = words * 2 if chance.random() < 0.5 else words[1:]
     else:
@@ -190,15 +161,7 @@ def _is_number(word: str) -> bool:
     return True
 
 
-def _with(work: _Work, number: int, act: Callable[[Any], Any]) -> None:
-    element = work.at(number)
-    if element is not None:
-        _try(lambda: act(element))
-
-
 def _try(act: Callable[[], Any]) -> None:
     """Do what lxml may refuse to write, a control character or a name that is none."""
-    try:
+    with contextlib.suppress(ValueError, TypeError):
         act()
-    except (ValueError, TypeError):
-        pass

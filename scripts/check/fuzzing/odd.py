@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any
 
-__all__ = ["ODD_TEXTS", "Raw", "misspelt", "odd_number", "odd_value"]
-
 
 @dataclass(frozen=True)
 class Raw:
@@ -24,116 +22,21 @@ _NUMBERS = (
     *(10**30, 10**308, 10**309, 10**5000, 1 - 1e-16, 1 + 1e-15, 1e-15, 1e-14, 1e-12, 1e-6, 3, 7, 100, 1e5),
 )
 ODD_TEXTS = (
-    *(
-        "",
-        " ",
-        "x",
-        "0",
-        "-1",
-        "1 ",
-        "nan",
-        "NaN m",
-        "inf",
-        "-inf s",
-        "1e400 m",
-        "1e-400 m",
-        "1_0 mm",
-        "0x10",
-    ),
-    *(
-        "1 parsec",
-        "1 kg",
-        "1 mm",
-        "1 m",
-        "1 s",
-        "1 rad",
-        "1 N",
-        "1 N*m",
-        "1 Pa",
-        "1 m/s",
-        "1 Hz",
-        "1 %",
-        "90 deg",
-    ),
-    *(
-        "1 degC",
-        "1 dB",
-        "1 m**1e9",
-        "1 m**9**9**9",
-        "1 s/0",
-        "1,5 mm",
-        "1 mm mm",
-        "1/0",
-        "1 м",
-        "１ m",
-        "1 ㎜",
-    ),
-    *(
-        "١ m",
-        "\u202e1 m",
-        "1\u00a0mm",
-        "1\u200bmm",
-        "\u0430zimuth",
-        "h\u0456nge",
-        "\ufeff",
-        "a\nb",
-        "a\tb",
-        "\x1b[31m",
-    ),
-    *(
-        "\x00",
-        "../../etc/passwd",
-        "/dev/null",
-        ".",
-        "/",
-        "~",
-        "no.urdf",
-        "a.b",
-        "a/b",
-        "a\\b",
-        "$HOME",
-        "%s%n",
-        "{}",
-    ),
-    *(
-        "true",
-        "none",
-        "None",
-        "null",
-        "[]",
-        "{a = 1}",
-        "world",
-        "universe",
-        "root_joint",
-        "base",
-        "*",
-        "a" * 201,
-    ),
-    *("x" * 5000, "9" * 5000, "1 " + "m*" * 3000 + "m", "(" * 3000, "\U0001f6f0", "é", "e\u0301"),
+    *"| |x|0|-1|1 |nan|NaN m|inf|-inf s|1e400 m|1e-400 m|1_0 mm|0x10".split("|"),
+    *"1 parsec|1 kg|1 mm|1 m|1 s|1 rad|1 N|1 N*m|1 Pa|1 m/s|1 Hz|1 %|90 deg".split("|"),
+    *"1 degC|1 dB|1 m**1e9|1 m**9**9**9|1 s/0|1,5 mm|1 mm mm|1/0|1 м|１ m|1 ㎜".split("|"),
+    *"١ m|\u202e1 m|1\u00a0mm|1\u200bmm|\u0430zimuth|h\u0456nge|\ufeff|a\nb|a\tb|\x1b[31m".split("|"),
+    *"\x00|../../etc/passwd|/dev/null|.|/|~|no.urdf|a.b|a/b|a\\b|$HOME|%s%n|{}".split("|"),
+    *"true|none|None|null|[]|{a = 1}|world|universe|root_joint|base|*".split("|"),
+    *("a" * 201, "x" * 5000, "9" * 5000, "1 " + "m*" * 3000 + "m", "(" * 3000, "\U0001f6f0", "é", "e\u0301"),
 )
 _OTHERS: tuple[Any, ...] = (
-    *(
-        True,
-        False,
-        [],
-        [1],
-        [[1.0]],
-        [1, "a"],
-        ["1 m", "2 kg"],
-        [math.nan] * 3,
-        [0, 0, 0],
-        [1e300] * 3,
-        [0.0] * 4,
-    ),
-    *([1, 2, 3], [True, False, True], [""], {}, {"a": 1}, {"law": "hertz"}, {"kind": "x"}, {"replace": True}),
-    *(
-        datetime.date(2020, 1, 1),
-        datetime.time(1, 2, 3),
-        datetime.datetime(2020, 1, 1, 1, 1),
-        [{}],
-        [{"a": 1}],
-    ),
+    *(True, False, [], [1], [[1.0]], [1, "a"], ["1 m", "2 kg"], [math.nan] * 3, [0, 0, 0], [1e300] * 3),
+    *([0.0] * 4, [1, 2, 3], [True, False, True], [""], {}, {"a": 1}, {"law": "hertz"}, {"kind": "x"}),
+    *({"replace": True}, datetime.date(2020, 1, 1), datetime.time(1, 2, 3)),
+    *(datetime.datetime(2020, 1, 1, 1, 1), [{}], [{"a": 1}]),
 )
+_ALIKE = str.maketrans("aeoipcx", "\u0430\u0435\u043e\u0456\u0440\u0441\u0445")  # of another alphabet
 
 
 def odd_number(chance: Random) -> Any:
@@ -143,15 +46,23 @@ def odd_number(chance: Random) -> Any:
     return chance.choice((1, -1)) * 10.0 ** chance.uniform(-320, 308)
 
 
+def as_float(number: Any) -> float:
+    """Return a number as a float that is no larger than floats are."""
+    return float(number) if abs(number) < 10**308 else 1e308
+
+
+def as_digits(number: Any) -> str:
+    """Return a number's text, where Python prints it."""
+    return "9" * 5000 if abs(number) > 10**400 else str(number)
+
+
 def odd_value(chance: Random) -> Any:
     """Return a value of any kind, odd in some way."""
     roll = chance.random()
     if roll < 0.35:
         return odd_number(chance)
-    if roll < 0.7:
-        return chance.choice(ODD_TEXTS)
     if roll < 0.95:
-        return chance.choice(_OTHERS)
+        return chance.choice(ODD_TEXTS if roll < 0.7 else _OTHERS)
     left, right = chance.choice((("[", "]"), ("{a = ", "}")))
     depth = chance.choice((3, 20, 40, 200, 2000))
     return Raw(left * depth + "1" + right * depth)
@@ -162,28 +73,10 @@ def misspelt(chance: Random, name: str) -> str:
     if not name:
         return "x"
     k = chance.randrange(len(name))
-    likes = {
-        "a": "\u0430",
-        "e": "\u0435",
-        "o": "\u043e",
-        "i": "\u0456",
-        "p": "\u0440",
-        "c": "\u0441",
-        "x": "\u0445",
-    }
-    choices = [
-        name[:k] + name[k + 1 :],
-        name[:k] + name[k] + name[k:],
-        name[:k] + name[k + 1 : k + 2] + name[k] + name[k + 2 :],
-        name.upper(),
-        name.capitalize(),
-        name.replace("_", "-"),
-        name + "s",
-        name + " ",
-        "".join(likes.get(letter, letter) for letter in name),
-        name + "\u200b",
-        name + ".x",
-        '"' + name,
-    ]
-    choices = [one for one in choices if one != name]
-    return chance.choice(choices)
+    choices = (
+        *(name[:k] + name[k + 1 :], name[:k] + name[k] + name[k:]),
+        *(name[:k] + name[k + 1 : k + 2] + name[k] + name[k + 2 :], name.upper(), name.capitalize()),
+        *(name.replace("_", "-"), name + "s", name + " ", name.translate(_ALIKE), name + "\u200b"),
+        *(name + ".x", '"' + name),
+    )
+    return chance.choice([one for one in choices if one != name])

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Sequence
+import shlex
+from collections.abc import Iterator
 from enum import Enum
 from pathlib import Path
 from random import Random
 from typing import Any, get_args
 
 import typer.main
+from robust.inputs import Change, Draft, draft_of_words, more_words
 
 from antenna_pin.cli import app
 from fuzzing.documents import SHORT
-from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import made
-from fuzzing.odd import ODD_TEXTS, misspelt, odd_number
-
-__all__ = ["commands", "draw_options"]
+from fuzzing.odd import ODD_TEXTS, as_digits, misspelt, odd_number
 
 # Sound words by what a metavar or a type asks for: the first fits an argument.
 _FILES = {
@@ -30,81 +29,33 @@ _FILES = {
 }
 _OUT = ("out.nc", "out.html", "out.png", "out.csv", "out.urdf", "out", "some", "out.json", "out.study")
 _TEXTS = (
-    *(
-        "1 ms",
-        "0.5 ms",
-        "0.001",
-        "1",
-        "2",
-        "0.1",
-        "1,0,0",
-        "0,1,0",
-        "play",
-        "bore",
-        "ring",
-        "disc",
-        "10 mm",
-        "1e-3",
-    ),
-    *(
-        "q[bore.x]",
-        "v[bore.vx]",
-        "motion_angle[bore]",
-        "0.1 mm, 0.2 mm",
-        "0.1,0.2",
-        "0.1 N*m:0.2 N*m:2",
-        "judge",
-    ),
-    *(
-        "0.1 N*m:0.11 N*m",
-        "drives.push.amplitude",
-        "drives.push",
-        "period",
-        "energy",
-        "steel",
-        "hertz",
-        "10x10",
-    ),
-    *(
-        "integrator.rtol=1e-6",
-        "duration=1e-3",
-        "clearance.bore.radial_clearance=0.2 mm",
-        "1/100",
-        "3 periods",
-        "all",
-    ),
+    *"1 ms|0.5 ms|0.001|1|2|0.1|1,0,0|0,1,0|play|bore|ring|disc|10 mm|1e-3|q[bore.x]|v[bore.vx]".split("|"),
+    *"motion_angle[bore]|0.1 mm, 0.2 mm|0.1,0.2|0.1 N*m:0.2 N*m:2|judge|0.1 N*m:0.11 N*m".split("|"),
+    *"drives.push.amplitude|drives.push|period|energy|steel|hertz|10x10|integrator.rtol=1e-6".split("|"),
+    *"duration=1e-3|clearance.bore.radial_clearance=0.2 mm|1/100|3 periods|all".split("|"),
 )
 
 # What keeps a command short whatever else it is told; options given twice count as the last.
 _NEEDED = {
-    "run": SHORT,
-    "poincare": ("-q", "v[bore.vx]", "--count", "32", "--transient", "0", "--most", "40"),
-    "bifurcation": (
-        *("--over", "drives.push.amplitude", "--values", "0.1,0.2", "-q", "v[bore.vx]", "--count", "32"),
-        *("--transient", "0", "--most", "40", "--workers", "1"),
-    ),
-    "orbit": ("--transient", "5", "--rtol", "1e-8", "--most", "2"),
-    "lyapunov": ("--count", "3", "--transient", "1", "--rtol", "1e-8"),
-    "phase": ("-x", "q[bore.x]", "-y", "v[bore.vx]"),
-    "pointing": ("--body", "disc", "--boresight", "1,0,0", "--direction", "0,1,0"),
-    "plot": ("--out", "some", "--figure", "energy"),
-    "record": ("--out", "out.html"),
-    "report": ("--out", "out.html", "--no-figures", "--no-recordings"),
-    "sweep": ("--workers", "0"),
-    "figures": ("--duration", "1 ms", "--figure", "1", *SHORT),
-    "study report": ("--out", "out.html", "--no-figures"),
-    "study plot": ("--list",),
-    "contact restitution": ("--no-simulate",),
+    "run": shlex.join(SHORT),
+    "poincare": "-q v[bore.vx] --count 32 --transient 0 --most 40",
+    "bifurcation": "--over drives.push.amplitude --values 0.1,0.2 -q v[bore.vx] --count 32"
+    " --transient 0 --most 40 --workers 1",
+    "orbit": "--transient 5 --rtol 1e-8 --most 2",
+    "lyapunov": "--count 3 --transient 1 --rtol 1e-8",
+    "phase": "-x q[bore.x] -y v[bore.vx]",
+    "pointing": "--body disc --boresight 1,0,0 --direction 0,1,0",
+    "plot": "--out some --figure energy",
+    "record": "--out out.html",
+    "report": "--out out.html --no-figures --no-recordings",
+    "sweep": "--workers 0",
+    "figures": f"--duration '1 ms' --figure 1 {shlex.join(SHORT)}",
+    "study report": "--out out.html --no-figures",
+    "study plot": "--list",
+    "contact restitution": "--no-simulate",
 }
 # What starts servers, waits for them or asks a browser is not drawn.
-_LEFT_OUT = {
-    "--scheduler",
-    "--tls-ca",
-    "--tls-cert",
-    "--tls-key",
-    "--install-completion",
-    "--show-completion",
-}
+_LEFT_OUT = set("--scheduler --tls-ca --tls-cert --tls-key --install-completion --show-completion".split())
 
 
 @functools.cache
@@ -132,20 +83,13 @@ def draw_options(chance: Random) -> Draft:
         one for one in command.params if one.param_type_name == "option" and not _LEFT_OUT & set(one.opts)
     ]
     needed = [*name.split(), *[word for one in positional if one.required for word in _sound(one)[:1]]]
-    needed += _NEEDED.get(name, ())
+    needed += shlex.split(_NEEDED.get(name, ""))
     needed += [option for one in named for option in one.secondary_opts if option == "--no-progress"]
-    changes = tuple(
+    changes = [
         _change(chance, named, positional, needed, len(name.split()))
         for _ in range(chance.choice((1, 1, 2, 3)))
-    )
-
-    def written(kept: Sequence[Change]) -> Input:
-        words = list(needed)
-        for change in kept:
-            change.apply(words)
-        return Input(made(), words)
-
-    return Draft(changes, written)
+    ]
+    return draft_of_words(changes, needed, made)
 
 
 def _kind(parameter: Any) -> type[Any]:
@@ -177,15 +121,14 @@ def _change(chance: Random, named: list[Any], positional: list[Any], needed: lis
         option = chance.choice(named)
         flag = chance.choice([*option.opts, *option.secondary_opts])
         if option.is_flag:
-            return Change(flag, lambda words: words.append(flag))
+            return more_words(flag)
         value, wrong = _word(chance, option)
         short = value if len(value) < 80 else f"{value[:40]}... ({len(value)} letters)"
         says = (flag, *(one.strip("-").replace("-", "_") for one in option.opts), flag.strip("-"))
         return Change(f"{flag} {ascii(short)}", lambda words: words.extend((flag, value)), wrong, says)
     if roll < 0.85:
         option = chance.choice(named) if named else None
-        flag = misspelt(chance, option.opts[0] if option else "--out")
-        return Change(f"{ascii(flag)}", lambda words: words.append(flag))
+        return more_words(misspelt(chance, option.opts[0] if option else "--out"))
     if roll < 0.95 and positional:
         value, _ = _word(chance, positional[0])
         at = next((k for k, word in enumerate(needed) if word in _sound(positional[0])), None)
@@ -210,11 +153,9 @@ def _word(chance: Random, parameter: Any) -> tuple[str, bool]:
     if roll < 0.55:
         return misspelt(chance, chance.choice(sound)), False
     if roll < 0.75:
-        number = odd_number(chance)
-        word = "9" * 5000 if abs(number) > 10**400 else str(number)
+        word = as_digits(odd_number(chance))
         return word, kind is int and not word.lstrip("-").isdigit()
-    word = chance.choice(
-        (*ODD_TEXTS, *_TEXTS, *_OUT, "no/such/out.nc", "/proc/out.nc", "/dev/full", "run.nc", ".")
-    )
+    others = ("no/such/out.nc", "/proc/out.nc", "/dev/full", "run.nc", ".")
+    word = chance.choice((*ODD_TEXTS, *_TEXTS, *_OUT, *others))
     # No number at all, where one is asked for.
     return word, kind in (int, float) and not any(letter.isdigit() or letter in "inf" for letter in word)

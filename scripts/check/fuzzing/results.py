@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import functools
+import io
 import json
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from random import Random
@@ -12,33 +12,31 @@ from typing import Any
 
 import h5py
 import numpy as np
+from robust.inputs import Change, Draft, Input, after
+from robust.trials import Content
 
 from antenna_pin.base.files import seal
 from antenna_pin.base.units import shown
 from fuzzing.documents import SHORT
-from fuzzing.inputs import Change, Draft, Input
-from fuzzing.made import FAST, MADE, made
+from fuzzing.made import FAST, MADE, SEAL, made
 from fuzzing.odd import Raw, misspelt, odd_value
 from fuzzing.texts import text_change
 
-__all__ = ["draw_result", "draw_store", "replaced"]
-
-Edit = Callable[[Any], None]
-
 # What is asked of a file, whatever it is.
 _ASKED: tuple[tuple[str, ...], ...] = (
-    ("info", "FILE"),
-    ("info", "FILE", "--json"),
-    ("analyse", "FILE"),
-    ("impacts", "FILE", "--csv", "a.csv"),
+    *(
+        ("info", "FILE"),
+        ("info", "FILE", "--json"),
+        ("analyse", "FILE"),
+        ("impacts", "FILE", "--csv", "a.csv"),
+    ),
     ("pointing", "FILE", "--body", "disc", "--boresight", "1,0,0", "--direction", "0,1,0"),
     ("phase", "FILE", "-x", "q[bore.x]", "-y", "v[bore.vx]", "--out", "p.nc"),
     ("phase", "FILE", "--list"),
     ("plot", "FILE", "--out", "figures", "--figure", "energy"),
     ("record", "FILE", "--out", "a.html"),
     ("report", "FILE", "--out", "r.html", "--no-figures", "--no-recordings"),
-    ("modes", "FILE"),
-    ("modes", "play.toml", "--at", "FILE"),
+    *(("modes", "FILE"), ("modes", "play.toml", "--at", "FILE")),
     ("run", "--resume", "FILE", "--no-progress"),
     ("run", "play.toml", "--out", "FILE", "--no-progress", *SHORT),
 )
@@ -66,65 +64,42 @@ def draw_result(chance: Random) -> Draft:
         changes = (Change(found.name, found.apply, wrong=words[0] in ("info", "analyse")),)
 
     def written(kept: Sequence[Change]) -> Input:
-        def write(path: Path) -> None:
-            content = files[name]
-            if damaged:
-                for change in kept:
-                    content = change.apply(content)
-                path.write_bytes(content)
-                # What changes nothing is no damage.
-                if content == files[name]:
-                    path.write_bytes(b"nothing")
-                return
-            path.write_bytes(_unsealed(content))
-            with h5py.File(path, "r+") as file:
-                if not sealed:
-                    file.attrs.pop("_NCProperties", None)
-                for change in kept:
-                    change.apply(file)
-            if sealed:
-                seal(path)
-
+        if damaged:
+            content = after(kept, files[name])
+            write: Content = content if content != files[name] else b"nothing"  # for what changes nothing
+        else:
+            write = functools.partial(write_edited, files[name], [change.apply for change in kept], sealed)
         return Input({**files, name: write}, [name if word == "FILE" else word for word in words])
 
     return Draft(changes, written)
 
 
-def _unsealed(content: bytes) -> bytes:
-    """Return a file without the digest behind its end."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "whole"
-        path.write_bytes(content)
-        with h5py.File(path, "r") as file:
-            size = file.id.get_filesize()
-    length = len(content) - len(seal_of(content))
-    return content[: max(min(size, length), length)]
-
-
-def seal_of(content: bytes) -> bytes:
-    """Return the digest that stands behind a file's end."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "some"
-        path.write_bytes(b"some")
+def write_edited(content: bytes, edits: Sequence[Callable[[Any], Any]], sealed: bool, path: Path) -> None:
+    """Write a result after some edits of its HDF5 file, with a seal of its own or without a trace of any."""
+    path.write_bytes(content[:-SEAL])
+    with h5py.File(path, "r+") as file:
+        if not sealed:
+            file.attrs.pop("_NCProperties", None)
+        for edit in edits:
+            edit(file)
+    if sealed:
         seal(path)
-        return content[-(path.stat().st_size - 4) :]
 
 
 def _edit(chance: Random, name: str) -> Change:
     attributes, variables = _inside(name)
     if chance.random() < 0.5:
-        key = chance.choice(attributes)
-        return _attribute_edit(chance, key)
+        return _attribute_edit(chance, chance.choice(attributes))
     return _variable_edit(chance, chance.choice(variables))
 
 
 @functools.cache
 def _inside(name: str) -> tuple[list[str], list[str]]:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / name
-        path.write_bytes(made()[name])
-        with h5py.File(path, "r") as file:
-            return sorted(file.attrs), sorted(file)
+    with h5py.File(io.BytesIO(made()[name]), "r") as file:
+        return sorted(file.attrs), sorted(file)
+
+
+_PLAIN = (0, -1.0, float("nan"), "x", "", "[", "{}", "[]", "[" * 50_000, [1.0, 2.0], ["a", "b"])
 
 
 def _attribute_edit(chance: Random, key: str) -> Change:
@@ -133,19 +108,19 @@ def _attribute_edit(chance: Random, key: str) -> Change:
     if roll < 0.15:
         return Change(f"no attribute {key}", lambda file: file.attrs.pop(key, None))
     if roll < 0.4:
-        plain = chance.choice(
-            (0, -1.0, float("nan"), "x", "", "[", "{}", "[]", "[" * 50_000, [1.0, 2.0], ["a", "b"])
+        plain = chance.choice(_PLAIN)
+        return Change(
+            f"attribute {key} = {str(plain)[:40]!r}", lambda file: file.attrs.__setitem__(key, plain)
         )
-        return Change(f"attribute {key} = {str(plain)[:40]!r}", lambda file: _set(file.attrs, key, plain))
     other = chance.choice((None, None, "gone", misspelt(chance, "name")))
 
     def edit(file: Any) -> None:
         try:
             content = json.loads(file.attrs[key])
         except (KeyError, TypeError, ValueError, RecursionError):
-            _set(file.attrs, key, "x")
+            file.attrs[key] = "x"
             return
-        _set(file.attrs, key, json.dumps(replaced(content, at, value, other), default=str))
+        file.attrs[key] = json.dumps(replaced(content, at, value, other), default=str)
 
     what = other or shown(value)[:60]
     return Change(f"attribute {key} at {at:.3f}: {what!r}", edit)
@@ -179,10 +154,6 @@ def replaced(content: Any, at: float, value: Any, other: str | None) -> Any:
     return content
 
 
-def _set(attributes: Any, key: str, value: Any) -> None:
-    attributes[key] = value
-
-
 def _variable_edit(chance: Random, name: str) -> Change:
     value, at = chance.choice((float("nan"), float("inf"), -1.0, 1e300, 1e9, 0.5)), chance.random()
     changes: dict[str, Callable[[Any], Any] | None] = {
@@ -198,7 +169,7 @@ def _variable_edit(chance: Random, name: str) -> Change:
         "complex": lambda of: of.astype(complex),
         "whole": lambda of: np.clip(np.nan_to_num(of), -1e9, 1e9).astype("i4"),
         "big-endian": lambda of: of.astype(">f8"),
-        f"with {value:g} at {at:.2f}": lambda of: _with(of, at, value),
+        f"with {value:g} at {at:.2f}": lambda of: with_value(of, int(at * np.size(of)), value),
         f"all {value:g}": lambda of: np.full(of.shape, value),
         "of another unit": lambda of: of,
     }
@@ -216,30 +187,37 @@ def _variable_edit(chance: Random, name: str) -> Change:
             values = None if change is None else change(np.asarray(old))
         except (TypeError, ValueError, IndexError):
             return  # there is nothing to be changed so
-        kept = {key: file[name].attrs[key] for key in file[name].attrs if key not in _SCALES}
-        scale = isinstance(file[name], h5py.Dataset) and file[name].is_scale
-        del file[name]
         if change is None:
-            return
-        if values is None:
+            del file[name]
+        elif values is None:
+            del file[name]
             file.create_group(name)
-            return
-        text = {"dtype": h5py.string_dtype()} if np.asarray(values).dtype == object else {}
-        new = file.create_dataset(name, data=values, **text)
-        if scale:
-            new.make_scale(name)
-        for key, entry in kept.items():
-            new.attrs[key] = entry
+        else:
+            text = {"dtype": h5py.string_dtype()} if np.asarray(values).dtype == object else {}
+            put_variable(file, name, values, **text)
 
     return Change(f"variable {name} {what}", edit)
+
+
+def put_variable(file: Any, name: str, values: Any, **more: Any) -> None:
+    """Put other values into a variable of a file, which keeps its dimensions and attributes."""
+    kept = {key: value for key, value in file[name].attrs.items() if key not in _SCALES}
+    scale = isinstance(file[name], h5py.Dataset) and file[name].is_scale
+    del file[name]
+    new = file.create_dataset(name, data=values, **more)
+    if scale:
+        new.make_scale(name)
+    for key, entry in kept.items():
+        new.attrs[key] = entry
 
 
 _SCALES = ("CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
 
 
-def _with(of: Any, at: float, value: float) -> Any:
+def with_value(of: Any, at: int, value: float) -> Any:
+    """Return an array of floats with one of its values, by its place in the flat array, another."""
     values = np.array(of, dtype=float)
-    values.flat[int(at * values.size)] = value
+    values.flat[at] = value
     return values
 
 
@@ -266,9 +244,7 @@ def draw_store(chance: Random) -> Draft:
     changes = tuple(_store_change(chance, name) for _ in range(chance.choice((1, 1, 2))))
 
     def written(kept: Sequence[Change]) -> Input:
-        content: bytes | None = files[name]
-        for change in kept:
-            content = None if content is None else change.apply(content)
+        content = after(kept, files[name])
         rest = {key: one for key, one in files.items() if key != name}
         return Input(rest if content is None else {**rest, name: content}, words)
 

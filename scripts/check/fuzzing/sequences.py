@@ -10,38 +10,25 @@ from random import Random
 from typing import Any
 
 import numpy as np
+from robust.inputs import Change, Draft, Input, draft_of_words, more_words
 
 from antenna_pin import AntennaPinError, load_scenario, start
 from antenna_pin.base.units import shown
 from antenna_pin.fmu.packed import Packed
 from antenna_pin.live.explored import Explored
-from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import made
-from fuzzing.odd import ODD_TEXTS, Raw, odd_number, odd_value
+from fuzzing.odd import ODD_TEXTS, Raw, as_float, odd_number, odd_value
 from fuzzing.results import replaced
 
-__all__ = ["draw_explored", "draw_fmu", "draw_session"]
-
 Call = Callable[[Any], Any]
+Calls = dict[str, Call]
 
 _SCENARIOS = ("play.toml", "swing.toml")
 _FEW_STEPS = ("integrator.max_steps=200", "integrator.engine=compiled")
-_PLACES = (
-    "drives.push.amplitude",
-    "springs.held.stiffness",
-    "drives.push",
-    "springs.held",
-    "drives.push.frequency",
+_PLACES = tuple(
+    "drives.push.amplitude springs.held.stiffness drives.push springs.held drives.push.frequency".split()
 )
-_READ = (
-    "bore.angle",
-    "bore.rate",
-    "motion_angle[bore]",
-    "time",
-    "energy",
-    "drives.push.torque",
-    "peak_force",
-)
+_READ = tuple("bore.angle bore.rate motion_angle[bore] time energy drives.push.torque peak_force".split())
 
 
 def _value(chance: Random) -> Any:
@@ -63,9 +50,24 @@ def _numbers(chance: Random) -> Any:
     )
 
 
-def _drawn(chance: Random, made_of: Callable[[], Any], draw: Callable[[Random], tuple[str, Call]]) -> Draft:
-    """Return some calls of one object; what is refused is refused, and the next call follows."""
-    changes = tuple(Change(*draw(chance)) for _ in range(chance.randrange(1, 7)))
+def _drawn(
+    chance: Random, made_of: Callable[[], Any], draw: Callable[[Random], Calls], often: str = ""
+) -> Draft:
+    """Return some calls of one object; what is refused is refused, and the next call follows.
+
+    Args:
+        chance: What draws.
+        made_of: Makes the object.
+        draw: Returns calls of it by their names, of which one is taken.
+        often: Part of the names of those that are taken twice as often.
+    """
+
+    def one_change() -> Change:
+        calls = draw(chance)
+        what = chance.choice([*calls, *[name for name in calls if often and often in name]])
+        return Change(ascii(what)[1:-1][:160], calls[what])
+
+    changes = tuple(one_change() for _ in range(chance.randrange(1, 7)))
 
     def written(kept: Sequence[Change]) -> Input:
         def act() -> None:
@@ -93,10 +95,10 @@ def draw_session(chance: Random) -> Draft:
     return _drawn(chance, lambda: start(load_scenario(name, overrides=_FEW_STEPS)), _session_call)
 
 
-def _session_call(chance: Random) -> tuple[str, Call]:
+def _session_call(chance: Random) -> Calls:
     value, place, read = _value(chance), _name(chance, _PLACES), _name(chance, _READ)
     q, at, limit = _numbers(chance), chance.random(), _value(chance)
-    calls: dict[str, Call] = {
+    return {
         f"step({shown(value)})": lambda one: one.step(value),
         f"run_until({shown(value)})": lambda one: one.run_until(value),
         f"run_until(f, {shown(value)})": lambda one: one.run_until(
@@ -121,8 +123,6 @@ def _session_call(chance: Random) -> tuple[str, Call]:
         "close": lambda one: one.close(),
         f"command[{shown(place)}] = {shown(value)}": lambda one: one.command.__setitem__(place, value),
     }
-    what = chance.choice([*calls])
-    return ascii(what)[1:161], calls[what]
 
 
 def _spoiled(state: Any, at: float, value: Any) -> Any:
@@ -138,47 +138,36 @@ def draw_explored(chance: Random) -> Draft:
     """Return what a page's sliders and boxes do to a scenario."""
     name, span = chance.choice(_SCENARIOS), chance.choice((1e-3, 1e-3, 5e-4, 0.0, -1.0, math.nan, math.inf))
     joint = chance.choice((None, None, "bore", "x"))
-    return _drawn(
-        chance, lambda: Explored(load_scenario(name, overrides=_FEW_STEPS), joint, span), _explored_call
-    )
+
+    def explored() -> Explored:
+        return Explored(load_scenario(name, overrides=_FEW_STEPS), joint, span)
+
+    return _drawn(chance, explored, _explored_call, often=" at ")
 
 
-def _explored_call(chance: Random) -> tuple[str, Call]:
-    at, share, text = (
-        chance.random(),
-        _value(chance),
-        chance.choice((*ODD_TEXTS, "1", "1e-3", "0.2", "1e308")),
-    )
-    number = odd_number(chance)
-    number = float(number) if abs(number) < 10**308 else 1e308
+def _explored_call(chance: Random) -> Calls:
+    at, share = chance.random(), _value(chance)
+    text, number = chance.choice((*ODD_TEXTS, "1", "1e-3", "0.2", "1e308")), as_float(odd_number(chance))
     share = float(share) if isinstance(share, int | float) and abs(share) < 10**308 else 0.5
     name = chance.choice(("bore", *ODD_TEXTS))
 
-    def typed(one: Explored) -> None:
-        knob = one.knobs[int(at * len(one.knobs))]
-        one.turn(knob.place, knob.read(text))
-        one.scenario()
+    def turned(value: Callable[[Any], Any]) -> Call:
+        def call(one: Explored) -> None:
+            knob = one.knobs[int(at * len(one.knobs))]
+            one.turn(knob.place, value(knob))
+            knob.told(one.value(knob))
+            one.scenario()
 
-    def slid(one: Explored) -> None:
-        knob = one.knobs[int(at * len(one.knobs))]
-        one.turn(knob.place, knob.from_slider(min(max(share, 0.0), 1.0)))
-        knob.told(one.value(knob))
-        one.scenario()
+        return call
 
-    def turned(one: Explored) -> None:
-        one.turn(one.knobs[int(at * len(one.knobs))].place, number)
-        one.scenario()
-
-    calls: dict[str, Call] = {
-        f"typed at {at:.3f} {shown(text)}": typed,
-        f"slid at {at:.3f} {shown(share)}": slid,
-        f"turned at {at:.3f} {shown(number)}": turned,
+    return {
+        f"typed at {at:.3f} {shown(text)}": turned(lambda knob: knob.read(text)),
+        f"slid at {at:.3f} {shown(share)}": turned(lambda knob: knob.from_slider(min(max(share, 0.0), 1.0))),
+        f"turned at {at:.3f} {shown(number)}": turned(lambda knob: number),
         f"look_at({shown(name)})": lambda one: one.look_at(name),
         "save": lambda one: load_scenario(one.save(Path("saved.toml"))),
         "reset": lambda one: one.reset(),
     }
-    what = chance.choice([*calls, *[key for key in calls if " at " in key]])
-    return ascii(what)[1:161], calls[what]
 
 
 # --- units for co-simulation -------------------------------------------------------------------------------
@@ -191,12 +180,6 @@ def draw_fmu(chance: Random) -> Draft:
     """Return what a unit is made with, or the calls of a master."""
     if chance.random() < 0.3:
         return _exported(chance)
-    about = {
-        "inputs": ["springs.held.stiffness"],
-        "outputs": ["bore.angle", "bore.rate"],
-        "parameters": ["springs.held.damping"],
-        "token": "one",
-    }
     edit = _value(chance) if chance.random() < 0.3 else None
     at = chance.random()
 
@@ -204,10 +187,10 @@ def draw_fmu(chance: Random) -> Draft:
         from antenna_pin.fmu.slave import Slave
 
         scenario = load_scenario("swing.toml", overrides=_FEW_STEPS)
-        packed = Packed(
-            scenario=scenario, **{k: tuple(v) if isinstance(v, list) else v for k, v in about.items()}
+        inputs, outputs, parameters = ("springs.held.stiffness",), _READ[:2], ("springs.held.damping",)
+        Packed(scenario=scenario, inputs=inputs, outputs=outputs, parameters=parameters, token="one").write(
+            Path()
         )
-        packed.write(Path())
         if edit is not None:
             (path,) = Path().glob("*.json")
             path.write_text(json.dumps(replaced(json.loads(path.read_text()), at, edit, None), default=str))
@@ -224,9 +207,9 @@ def draw_fmu(chance: Random) -> Draft:
     )
 
 
-def _slave_call(chance: Random) -> tuple[str, Call]:
+def _slave_call(chance: Random) -> Calls:
     size, now = _float(chance), _float(chance)
-    calls: dict[str, Call] = {
+    return {
         f"do_step(time, {shown(size)})": lambda one: one.do_step(one.time, size),
         f"do_step({shown(now)}, {shown(size)})": lambda one: one.do_step(now, size),
         f"input {shown(size)}": lambda one: one._inputs.__setitem__("springs.held.stiffness", size),
@@ -237,8 +220,6 @@ def _slave_call(chance: Random) -> tuple[str, Call]:
         "terminate": lambda one: one.terminate(),
         "description": lambda one: one.to_xml(),
     }
-    what = chance.choice([*calls])
-    return what, calls[what]
 
 
 def _float(chance: Random) -> float:
@@ -260,12 +241,5 @@ def _exported(chance: Random) -> Draft:
         option = chance.choice([*sound])
         word = chance.choice(sound[option]) if chance.random() < 0.6 else chance.choice(ODD_TEXTS)
         words = [option, word] if chance.random() < 0.8 else [option, word, chance.choice(_INPUTS)]
-        changes.append(Change(ascii(" ".join(words)[:100]), lambda given, words=words: given.extend(words)))
-
-    def written(kept: Sequence[Change]) -> Input:
-        words = ["export", "fmu", "swing.toml", "--outputs", "bore.angle"]
-        for change in kept:
-            change.apply(words)
-        return Input(made(), words)
-
-    return Draft(tuple(changes), written)
+        changes.append(more_words(*words))
+    return draft_of_words(changes, ("export", "fmu", "swing.toml", "--outputs", "bore.angle"), made)

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import re
+import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from random import Random
 from typing import Any
 
 import numpy as np
+from robust.inputs import Change, Draft, Input, after, draft_of_words, more_words
+from robust.trials import write_files
 
 from antenna_pin import load_scenario, simulate, start
 from antenna_pin.base.state import State
 from antenna_pin.base.units import shown
 from antenna_pin.simulation.parts import read_sealed, write_sealed
 from fuzzing.documents import SHORT
-from fuzzing.inputs import Change, Draft, Input
 from fuzzing.made import made, stopped
-from fuzzing.odd import ODD_TEXTS, odd_number, odd_value
+from fuzzing.odd import ODD_TEXTS, as_float, odd_number, odd_value
 from fuzzing.results import replaced
 from fuzzing.texts import text_change
-
-__all__ = ["draw_checkpoint", "draw_sensitivity", "draw_state"]
 
 _ANY = re.compile(".*")
 _KEYS = ("springs.held.stiffness", "springs.held.damping", "drives.push.amplitude", "drives.push.frequency")
@@ -41,33 +42,25 @@ def draw_state(chance: Random) -> Draft:
     python = chance.random() < 0.5
 
     def written(kept: Sequence[Change]) -> Input:
-        def write(path: Path) -> None:
-            content = _text_in(path.parent).encode()
-            for one in kept:
-                content = one.apply(content)
-            path.write_bytes(content)
-
         def act() -> None:
             text = Path("state.json").read_bytes().decode("utf-8", "surrogateescape")
             scenario = load_scenario("swing.toml", overrides=SHORT[1:])
             simulate(scenario, duration=1e-3, start=State.from_json(text))
 
         words = [*_SENSITIVITY, _KEYS[0], "--method", "equation", "--start", "state.json"]
-        return Input({**made(), "state.json": write}, act if python else words)
+        return Input({**made(), "state.json": after(kept, _state())}, act if python else words)
 
     return Draft((change,), written)
 
 
-_TEXT: list[str] = []
-
-
-def _text_in(folder: Path) -> str:
-    """Return a state's text, made once from the scenario in a folder."""
-    if not _TEXT:
-        session = start(load_scenario(folder / "swing.toml"))
+@functools.cache
+def _state() -> bytes:
+    """Return a state after a millisecond, as text."""
+    with tempfile.TemporaryDirectory() as name:
+        write_files(Path(name), {file: made()[file] for file in ("swing.toml", "pair.urdf")})
+        session = start(load_scenario(Path(name) / "swing.toml"))
         session.step(1e-3)
-        _TEXT.append(session.state.to_json())
-    return _TEXT[0]
+        return session.state.to_json().encode()
 
 
 # --- checkpoints -------------------------------------------------------------------------------------------
@@ -88,19 +81,14 @@ def draw_checkpoint(chance: Random) -> Draft:
 
     def written(kept: Sequence[Change]) -> Input:
         def write(target: Path) -> None:
-            content = files[path]
-            if damaged:
-                for change in kept:
-                    content = change.apply(content)
-                target.write_bytes(content)
-                return
-            target.write_bytes(content)
+            target.write_bytes(files[path])
             numbers = read_sealed(target, _ANY)
             for change in kept:
                 change.apply(numbers)
             write_sealed(target, numbers)
 
-        return Input({**made(), **files, path: write}, ["run", "--resume", "stopped.nc", "--no-progress"])
+        content = after(kept, files[path]) if damaged else write
+        return Input({**made(), **files, path: content}, ["run", "--resume", "stopped.nc", "--no-progress"])
 
     return Draft(changes, written)
 
@@ -115,8 +103,7 @@ def _array_change(chance: Random, told: bool) -> Change:
             numbers["about"] = np.array(json.dumps(about, default=str))
 
         return Change(f"about at {at:.3f}: {other or shown(value)[:60]}", edit)
-    number = odd_number(chance)
-    number = float(number) if abs(number) < 10**308 else 1e308
+    number = as_float(odd_number(chance))
     edits: dict[str, Callable[[Any], Any]] = {
         "gone": lambda of: None,
         "one more": lambda of: np.concatenate([of.reshape(-1), of.reshape(-1)[:1]]),
@@ -164,12 +151,5 @@ def draw_sensitivity(chance: Random) -> Draft:
                 ["--csv", chance.choice(("a.csv", "run.nc"))],
             )
         )
-        changes.append(Change(ascii(" ".join(words)[:100]), lambda given, words=words: given.extend(words)))
-
-    def written(kept: Sequence[Change]) -> Input:
-        given = [*_SENSITIVITY, _KEYS[1], "--method", "equation"]
-        for change in kept:
-            change.apply(given)
-        return Input(made(), given)
-
-    return Draft(tuple(changes), written)
+        changes.append(more_words(*words))
+    return draft_of_words(changes, (*_SENSITIVITY, _KEYS[1], "--method", "equation"), made)

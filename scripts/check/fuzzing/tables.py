@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from random import Random
 
+from robust.inputs import Change, Draft, Input, after
+
 from antenna_pin.elements import DRIVES
 from antenna_pin.scenario import DRIVE_SPECS
 from fuzzing.declared import declared
 from fuzzing.documents import SHORT, Base, document, scenarios, small_scenario
-from fuzzing.inputs import Change, Draft, Input
-from fuzzing.odd import ODD_TEXTS, misspelt, odd_number
+from fuzzing.odd import ODD_TEXTS, as_digits, misspelt, odd_number
 from fuzzing.texts import text_change
-
-__all__ = ["draw_curve", "draw_modal"]
 
 _PRINT = """1    WING                            NOVEMBER  22, 2026  MSC.NASTRAN 11/22/24   PAGE    12
 0
@@ -31,10 +30,6 @@ _PRINT = """1    WING                            NOVEMBER  22, 2026  MSC.NASTRAN
 """
 
 
-def _changes(chance: Random, content: str) -> tuple[Change, ...]:
-    return tuple(_change(chance, content) for _ in range(chance.choice((1, 1, 1, 2, 3))))
-
-
 def _change(chance: Random, content: str) -> Change:
     """Return a change of a table's bytes: of a word, of a row, of anything."""
     if chance.random() < 0.35:
@@ -45,12 +40,7 @@ def _change(chance: Random, content: str) -> Change:
     words = rows[at].split("," if comma else None)
     k, roll = chance.randrange(len(words)), chance.random()
     if roll < 0.7:
-        number = odd_number(chance)
-        texts = (
-            "9" * 5000 if abs(number) > 10**400 else repr(number),
-            chance.choice(ODD_TEXTS),
-            misspelt(chance, words[k]),
-        )
+        texts = (as_digits(odd_number(chance)), chance.choice(ODD_TEXTS), misspelt(chance, words[k]))
         words[k] = chance.choice(texts)
         what = f"{words[k][:60]!r} in row {at}"
     elif roll < 0.8:
@@ -70,13 +60,10 @@ def _draft(chance: Random, base: Base, table: dict[str, object], name: str, cont
     words = chance.choice((("info",), ("modes",), ("run", "--out", "out.nc", "--no-progress", *SHORT)))
 
     def made(kept: Sequence[Change]) -> Input:
-        text = content.encode()
-        for change in kept:
-            text = change.apply(text)
-        files = {**base.files, base.name: document(table), name: text}
+        files = {**base.files, base.name: document(table), name: after(kept, content.encode())}
         return Input(files, [words[0], base.name, *words[1:]])
 
-    return Draft(_changes(chance, content), made)
+    return Draft(tuple(_change(chance, content) for _ in range(chance.choice((1, 1, 1, 2, 3)))), made)
 
 
 def draw_curve(chance: Random) -> Draft:

@@ -2,91 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from random import Random
 
-from fuzzing.inputs import Change
-
-__all__ = ["text_change"]
-
-
-def _lines(content: bytes) -> list[bytes]:
-    return content.split(b"\n")
+from robust.inputs import Change
 
 
 def text_change(chance: Random) -> Change:
     """Return a change that takes a file's bytes and returns others."""
     at, other, letter = chance.random(), chance.random(), bytes([chance.randrange(256)])
+    times = chance.choice((1, 1, 1, 10, 100_000))
 
-    def place(content: bytes) -> int:
-        return int(at * len(content))
+    def at_byte(edit: Callable[[bytes, int], bytes]) -> Callable[[bytes], bytes]:
+        return lambda content: edit(content, int(at * len(content)))
 
-    def cut(content: bytes) -> bytes:
-        return content[: place(content)]
+    def of_lines(edit: Callable[[list[bytes], int], list[bytes]]) -> Callable[[bytes], bytes]:
+        def edited(content: bytes) -> bytes:
+            lines = content.split(b"\n")
+            return b"\n".join(edit(lines, int(at * len(lines))))
 
-    def begun_late(content: bytes) -> bytes:
-        return content[place(content) :]
+        return edited
 
-    def flipped(content: bytes) -> bytes:
-        k = place(content)
-        return content[:k] + letter + content[k + 1 :]
-
-    def inserted(content: bytes) -> bytes:
-        k = place(content)
-        return content[:k] + letter * chance_count + content[k:]
-
-    def line_twice(content: bytes) -> bytes:
-        lines = _lines(content)
-        k = int(at * len(lines))
-        return b"\n".join([*lines[:k], *lines[k : k + 1] * 2, *lines[k + 1 :]])
-
-    def line_lost(content: bytes) -> bytes:
-        lines = _lines(content)
-        k = int(at * len(lines))
-        return b"\n".join(lines[:k] + lines[k + 1 :])
-
-    def lines_swapped(content: bytes) -> bytes:
-        lines = _lines(content)
-        k, n = int(at * len(lines)), int(other * len(lines))
+    def swapped(lines: list[bytes], k: int) -> list[bytes]:
+        n = int(other * len(lines))
         lines[k], lines[n] = lines[n], lines[k]
-        return b"\n".join(lines)
+        return lines
 
-    def line_ends(content: bytes) -> bytes:
-        return content.replace(b"\n", b"\r\n" if at < 0.5 else b"\r")
-
-    def marked(content: bytes) -> bytes:
-        return b"\xef\xbb\xbf" + content
-
-    def wide(content: bytes) -> bytes:
-        return content.decode("utf-8", "replace").encode("utf-16" if at < 0.5 else "utf-16-le")
-
-    def latin(content: bytes) -> bytes:
-        return content + "# schön\n".encode("latin-1")
-
-    def numbers_moved(content: bytes) -> bytes:
-        return content.replace(b".", b",") if at < 0.5 else content.replace(b"e-", b"e+")
-
-    def repeated(content: bytes) -> bytes:
-        return content * 2
-
-    def emptied(content: bytes) -> bytes:
-        return b"" if at < 0.5 else bytes(100)
-
-    chance_count = chance.choice((1, 1, 1, 10, 100_000))
-    edits = (
-        cut,
-        begun_late,
-        flipped,
-        flipped,
-        flipped,
-        inserted,
-        inserted,
-        line_twice,
-        line_lost,
-        lines_swapped,
-    )
-    edits += (line_ends, marked, wide, latin, numbers_moved, repeated, emptied)
-    edit = chance.choice(edits)
-    name = edit.__name__.replace("_", " ")
-    if edit in (flipped, inserted):
-        name += f" {letter!r}" + (f" times {chance_count}" if edit is inserted else "")
-    return Change(f"text {name} at {at:.3f}", edit)
+    first = at < 0.5
+    edits: dict[str, Callable[[bytes], bytes]] = {
+        "cut": at_byte(lambda content, k: content[:k]),
+        "begun late": at_byte(lambda content, k: content[k:]),
+        f"flipped {letter!r}": at_byte(lambda content, k: content[:k] + letter + content[k + 1 :]),
+        f"inserted {letter!r} times {times}": at_byte(
+            lambda content, k: content[:k] + letter * times + content[k:]
+        ),
+        "line twice": of_lines(lambda lines, k: lines[: k + 1] + lines[k:]),
+        "line lost": of_lines(lambda lines, k: lines[:k] + lines[k + 1 :]),
+        "lines swapped": of_lines(swapped),
+        "line ends": lambda content: content.replace(b"\n", b"\r\n" if first else b"\r"),
+        "marked": lambda content: b"\xef\xbb\xbf" + content,
+        "wide": lambda content: content.decode("utf-8", "replace").encode("utf-16" if first else "utf-16-le"),
+        "latin": lambda content: content + "# schön\n".encode("latin-1"),
+        "numbers moved": lambda content: (
+            content.replace(b".", b",") if first else content.replace(b"e-", b"e+")
+        ),
+        "repeated": lambda content: content * 2,
+        "emptied": lambda content: b"" if first else bytes(100),
+    }
+    cut, late, flipped, inserted, *rest = edits
+    name = chance.choice((cut, late, flipped, flipped, flipped, inserted, inserted, *rest))
+    return Change(f"text {name} at {at:.3f}", edits[name])

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterator
 
-from bad_input_case import MECHANISM, SCENARIO, Case, changed
-
-__all__ = ["cases"]
+from bad_inputs.case import FILES, MECHANISM, Case, changed
 
 _COMMAND = ("urdf", "scenario.toml", "--out", "out.urdf")
 
+_KIND = "must be revolute or continuous"
 _MASS = '<mass value="2"/>'
 _INERTIA = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
-_BAR = '      <inertia ixx="1" iyy="1" izz="1" ixy="0"'  # of the link that moves
 _BOX = '<box size="0.1 0.1 0.4"/>'
 _AXIS = '<axis xyz="0 1 0"/>'
 _PARENT = '<parent link="stand"/>'
@@ -43,9 +40,9 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("parent without link", _PARENT, "<parent/>", "must have a link"),
     ("a child of two joints", "  <joint", changed(_JOINT, "hinge", "other") + "  <joint", "child of one"),
     ("two roots", "</robot>", '<link name="x"/></robot>', "exactly one link must be nobody's child"),
-    ("kind of joint unknown", 'type="revolute"', 'type="revolut"', "must be revolute or continuous"),
-    ("kind of joint in capitals", 'type="revolute"', 'type="Revolute"', "must be revolute or continuous"),
-    ("no kind of joint", ' type="revolute"', "", "must be revolute or continuous"),
+    ("kind of joint unknown", 'type="revolute"', 'type="revolut"', _KIND),
+    ("kind of joint in capitals", 'type="revolute"', 'type="Revolute"', _KIND),
+    ("no kind of joint", ' type="revolute"', "", _KIND),
     ("axis of no length", _AXIS, '<axis xyz="0 0 0"/>', "axis must be nonzero"),
     ("axis of two", _AXIS, '<axis xyz="0 1"/>', "3 finite number"),
     ("axis without numbers", _AXIS, "<axis/>", "<axis> xyz"),
@@ -65,12 +62,7 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("two inertias", _INERTIA, _INERTIA + _INERTIA, "one <inertia>"),
     ("two inertials", "<inertial>", f"<inertial>{_MASS}{_INERTIA}</inertial><inertial>", "one <inertial>"),
     ("two origins of a joint", _ORIGIN, _ORIGIN + _ORIGIN, "one <origin>"),
-    (
-        "two origins of an inertial",
-        '<origin xyz="0 0 -0.2"/>',
-        '<origin xyz="0 0 -0.2"/><origin/>',
-        "one <origin>",
-    ),
+    ("two origins of an inertial", ' -0.2"/>', ' -0.2"/><origin/>', "one <origin>"),
     ("two axes", _AXIS, _AXIS + '<axis xyz="1 0 0"/>', "one <axis>"),
     ("two parents", _PARENT, _PARENT + '<parent link="bar"/>', "one <parent>"),
     ("two children", _CHILD, _CHILD + '<child link="stand"/>', "one <child>"),
@@ -95,14 +87,10 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("inertia in capitals", "<inertia ", "<Inertia ", "did you mean <inertia>"),
     ("axis as text", _AXIS, "<axis>0 1 0</axis>", "must hold no text"),
     ("bounds as elements", _LIMIT, "<limit><lower>1</lower></limit>", "did you mean the attribute lower"),
-    (
-        "a xacro macro",
-        'name="pair">',
-        'name="pair" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:if/>',
-        "xacro",
-    ),
+    ("a xacro macro", 'pair">', 'pair" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:if/>', "xacro"),
 )
 
+_TENFOLD = "".join(f'<!ENTITY {new} "{f"&{old};" * 10}">' for old, new in ("ab", "bc", "cd"))
 # Whole files.
 _FILES: tuple[tuple[str, str | bytes, str], ...] = (
     ("empty file", "", "not well-formed XML"),
@@ -114,39 +102,18 @@ _FILES: tuple[tuple[str, str | bytes, str], ...] = (
     ("an SDF", '<sdf version="1.6"><model name="a"/></sdf>', "must be <robot>"),
     ("no links at all", '<robot name="a"/>', "at least one <link>"),
     ("nested 10,000 deep", '<robot name="a">' + "<a>" * 10000 + "</a>" * 10000 + "</robot>", "XML"),
-    (
-        "entities that grow",
-        '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">'
-        '<!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;"><!ENTITY d "&c;&c;&c;&c;&c;&c;&c;&c;&c;&c;">]>'
-        '<robot name="&d;&d;"/>',
-        "",
-    ),
+    ("entities that grow", f'<!DOCTYPE r [<!ENTITY a "{"a" * 10}">{_TENFOLD}]><robot name="&d;&d;"/>', ""),
     ("a name of 100,000 letters", MECHANISM.replace('"bar"', f'"{"b" * 100_000}"'), "letters"),
-    (
-        "a value of 100,000 letters",
-        MECHANISM.replace('"revolute"', f'"{"b" * 100_000}"'),
-        "must be revolute or continuous",
-    ),
+    ("a value of 100,000 letters", MECHANISM.replace("revolute", "b" * 100_000), _KIND),
     ("control characters", MECHANISM.replace("pair", "pa\x1bir"), "not well-formed XML"),
 )
-
-_STL = struct.pack("<80xI", 1) + struct.pack("<12fH", *([0.0] * 12), 0)
-
-
-def _mesh(name: str, content: str | bytes, says: str, file: str, **more: str) -> Case:
-    text = changed(MECHANISM, _BOX, f'<mesh filename="{file}"/>')
-    return Case(
-        "urdf", name, says, _COMMAND[:1], {"pair.urdf": text, "scenario.toml": SCENARIO, file: content}
-    )
 
 
 def cases() -> Iterator[Case]:
     """Yield all of them."""
     for name, old, new, says in _CHANGES:
-        files = {"pair.urdf": changed(MECHANISM, old, new), "scenario.toml": SCENARIO}
-        yield Case("urdf", name, says, _COMMAND, files)
+        yield Case("urdf", name, says, _COMMAND, FILES | {"pair.urdf": changed(MECHANISM, old, new)})
     for name, text, says in _FILES:
-        yield Case("urdf", name, says, _COMMAND, {"pair.urdf": text, "scenario.toml": SCENARIO})
-    missing = changed(MECHANISM, _BOX, '<mesh filename="no.stl"/>')
-    files = {"pair.urdf": missing, "scenario.toml": SCENARIO}
-    yield Case("urdf", "a mesh to be copied is missing", "no.stl", (*_COMMAND, "--copy-meshes"), files)
+        yield Case("urdf", name, says, _COMMAND, FILES | {"pair.urdf": text})
+    missing = FILES | {"pair.urdf": changed(MECHANISM, _BOX, '<mesh filename="no.stl"/>')}
+    yield Case("urdf", "a mesh to be copied is missing", "no.stl", (*_COMMAND, "--copy-meshes"), missing)

@@ -1,12 +1,11 @@
-#!/usr/bin/env python3
-"""Random URDFs as exporters write them: do they load, and as the mechanisms that they mean?
+"""Random URDFs as exporters write them: each must load, as the mechanism that it means.
 
 ``urdf_generator.py`` says what is odd about them. Each is loaded on a free base and compared with its plain
 twin, which Pinocchio reads by itself: mass matrix and nonlinear effects at a random state must be the same
 to the last bit, or to round-off where frames are added. The files stay in a folder, where ``antenna-pin urdf
 FOLDER --check`` says what was passed over::
 
-    scripts/check/odd_urdfs.py --count 200 --out odd
+    scripts/check/robustness.py odd-urdfs --count 200 --out odd
 
 With ``--hands`` they are hands (``hand_generator.py``): fingers that mimic, knuckles without mass, inertia
 that no body has. Each must load on a fixed base and have inertia to move by in its zero pose, but for one in
@@ -15,14 +14,14 @@ forty that is no mechanism.
 Prints a line for each that does not load or is another mechanism, then the count beside that of Pinocchio
 alone. With ``--slips`` each file has one name that is written almost right (``<orgin>``, ``xzy``) and must be
 refused, in one line that names both; how many Pinocchio alone loads, as other mechanisms, is printed beside.
-Exit code 1 on any.
 """
 
 from __future__ import annotations
 
 import argparse
-import sys
+import contextlib
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -32,8 +31,9 @@ from urdf_generator import OddUrdf, SlippedUrdf, draw_slip, draw_urdf
 
 from antenna_pin import AntennaPinError, System, Urdf, build_mechanism
 from antenna_pin.errors import NotSimulatedWarning
+from robust.trials import Report, write_files
 
-__all__ = ["problem_of", "problem_of_hand", "problem_of_slip"]
+WHAT = "URDFs"
 
 # Of the hands that Pinocchio loads, how many must load here: the others are no mechanisms.
 _GOAL = 0.95
@@ -97,57 +97,50 @@ def problem_of_slip(drawn: SlippedUrdf) -> str | None:
     return "is not refused"
 
 
-def main() -> int:
-    """Draw, write, load and compare."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--count", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--slips", action="store_true")
-    parser.add_argument("--hands", action="store_true")
-    parser.add_argument("--out", type=Path, default=Path("odd_urdfs"), metavar="DIR")
-    given = parser.parse_args()
-    given.out.mkdir(parents=True, exist_ok=True)
-    alone = failed = 0
-    for number in range(given.count):
-        if given.slips:
-            slipped = draw_slip(given.seed, number)
-            path, what = given.out / f"{slipped.name}.urdf", f"{slipped.written} for {slipped.meant}"
-            path.write_text(slipped.text)
-            problem = problem_of_slip(slipped)
-        elif given.hands:
-            hand = draw_hand(given.seed, number)
-            path, what = (
-                given.out / f"{hand.name}.urdf",
-                "as it should" if not hand.moves else "it should load",
-            )
-            path.write_text(hand.text)
-            problem = problem_of_hand(hand)
+def trials(seed: int, count: int, kind: str, folder: Path) -> Iterator[tuple[Path, str | None, str]]:
+    """Write so many URDFs of a kind; yield of each the file, what is wrong with it, and what it is."""
+    for number in range(count):
+        if kind == "slips":
+            slip = draw_slip(seed, number)
+            name, text, what = slip.name, slip.text, f"{slip.written} for {slip.meant}"
+        elif kind == "hands":
+            hand = draw_hand(seed, number)
+            name, text, what = hand.name, hand.text, "it should load" if hand.moves else "as it should"
         else:
-            drawn = draw_urdf(given.seed, number)
-            path, what = given.out / f"{drawn.name}.urdf", ", ".join(drawn.oddities)
-            path.write_bytes(drawn.odd)
-            problem = problem_of(drawn, path)
+            drawn = draw_urdf(seed, number)
+            name, text, what = drawn.name, drawn.odd, ", ".join(drawn.oddities)
+        path = folder / f"{name}.urdf"
+        write_files(folder, {path.name: text})
+        if kind == "slips":
+            yield path, problem_of_slip(slip), what
+        else:
+            yield path, problem_of_hand(hand) if kind == "hands" else problem_of(drawn, path), what
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.set_defaults(seed=0, kind="odd")
+    parser.add_argument("--count", type=int, default=200, help="of URDFs [%(default)s]")
+    for kind in ("slips", "hands"):
+        parser.add_argument(f"--{kind}", dest="kind", action="store_const", const=kind)
+    parser.add_argument("--out", type=Path, default=Path("odd_urdfs"), metavar="DIR")
+
+
+def run(given: argparse.Namespace, report: Report) -> int:
+    """Draw, write, load and compare; return the exit code."""
+    alone = failed = 0
+    for path, problem, what in trials(given.seed, given.count, given.kind, given.out):
         if problem:
             failed += 1
             print(f"{path}: {problem} ({what})")
-        try:
+        with contextlib.suppress(ValueError):
             pin.buildModelFromUrdf(str(path))
             alone += 1
-        except ValueError:
-            pass
-    if given.hands:
-        share = (given.count - failed) / alone
-        loaded = given.count - failed
-        print(
-            f"{loaded} of {given.count} load, {100 * share:.1f} % of the {alone} that Pinocchio alone loads"
-        )
-        return 1 if share < _GOAL else 0
-    done = "are refused by their slips" if given.slips else "load as what they mean"
-    print(f"{given.count - failed} of {given.count} {done}; Pinocchio alone loads {alone}")
-    return 1 if failed else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    good = given.count - failed
+    if given.kind == "hands":
+        share = good / alone
+        print(f"{good} of {given.count} load, {100 * share:.1f} % of the {alone} that Pinocchio alone loads")
+        return int(share < _GOAL)
+    done = "are refused by their slips" if given.kind == "slips" else "load as what they mean"
+    print(f"{good} of {given.count} {done}; Pinocchio alone loads {alone}")
+    return int(failed > 0)

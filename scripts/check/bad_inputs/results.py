@@ -4,32 +4,29 @@ from __future__ import annotations
 
 import functools
 import json
+import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
-from bad_input_case import MECHANISM, SCENARIO, Case
+from bad_inputs.case import FILES, MECHANISM, Case
+from fuzzing.made import SEAL
+from fuzzing.results import put_variable, with_value, write_edited
+from robust.trials import Content, flipped, write_files
 
 from antenna_pin import Trajectory, load_scenario, simulate
 
-__all__ = ["cases", "edited", "result", "write_result"]
-
-_SEAL = 85  # bytes at the end of a result: the digest of all before
-
-Edit = Callable[[Any], None]
+Edit = Callable[[Any], Any]
 
 
 @functools.cache
 def result() -> bytes:
     """Return the file of a short run with contacts."""
-    from tempfile import TemporaryDirectory
-
-    with TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "pair.urdf").write_text(MECHANISM)
-        (folder / "scenario.toml").write_text(SCENARIO)
+        write_files(folder, FILES)
         scenario = load_scenario(folder, overrides={"initial.joints.hinge.journal_velocity": [0.5, 0.0, 0.0]})
         return simulate(scenario).save(folder / "run.nc").read_bytes()
 
@@ -39,79 +36,43 @@ def write_result(path: Path) -> None:
     path.write_bytes(result())
 
 
-def edited(edit: Edit) -> Callable[[Path], None]:
+def _edited(edit: Edit) -> Callable[[Path], None]:
     """Return what writes a result that somebody has edited, who knows to leave no seal."""
-
-    def write(path: Path) -> None:
-        path.write_bytes(result()[:-_SEAL])
-        with h5py.File(path, "r+") as file:
-            del file.attrs["_NCProperties"]
-            edit(file)
-
-    return write
+    return lambda path: write_edited(result(), [edit], False, path)
 
 
 def _attribute(name: str, value: Any) -> Edit:
-    def edit(file: Any) -> None:
-        file.attrs[name] = value
-
-    return edit
+    return lambda file: file.attrs.__setitem__(name, value)
 
 
 def _without(name: str) -> Edit:
-    def edit(file: Any) -> None:
-        del file.attrs[name]
-
-    return edit
+    return lambda file: file.attrs.__delitem__(name)
 
 
 def _json(name: str, change: Callable[[Any], Any]) -> Edit:
-    def edit(file: Any) -> None:
-        file.attrs[name] = json.dumps(change(json.loads(file.attrs[name])))
-
-    return edit
+    return lambda file: file.attrs.__setitem__(name, json.dumps(change(json.loads(file.attrs[name]))))
 
 
 def _gone(name: str) -> Edit:
-    def edit(file: Any) -> None:
-        del file[name]
+    return lambda file: file.__delitem__(name)
 
-    return edit
+
+def _instead(name: str, put: Edit) -> Edit:
+    """Return what puts something else into the place of a variable."""
+    return lambda file: (file.__delitem__(name), put(file))
+
+
+def _link(file: Any, link: Any) -> None:
+    file["gap"] = link
 
 
 def _values(name: str, change: Callable[[Any], Any], **more: Any) -> Edit:
     """Return what puts other values into a variable, which keeps its dimensions."""
-
-    def edit(file: Any) -> None:
-        values = file[name][()]
-        attributes = {key: value for key, value in file[name].attrs.items() if key != "DIMENSION_LIST"}
-        scale = file[name].is_scale
-        del file[name]
-        made = file.create_dataset(name, data=change(values), **more)
-        if scale:
-            made.make_scale(name)
-        for key, value in attributes.items():
-            if key not in ("CLASS", "NAME", "REFERENCE_LIST"):
-                made.attrs[key] = value
-
-    return edit
+    return lambda file: put_variable(file, name, change(file[name][()]), **more)
 
 
 def _with(at: int, value: float) -> Callable[[Any], Any]:
-    def change(values: Any) -> Any:
-        values = np.array(values, dtype=float)
-        values.flat[at] = value
-        return values
-
-    return change
-
-
-def _all(*edits: Edit) -> Edit:
-    def edit(file: Any) -> None:
-        for one in edits:
-            one(file)
-
-    return edit
+    return lambda values: with_value(values, at, value)
 
 
 def _no_contacts(file: Any) -> None:
@@ -137,51 +98,15 @@ def _with_key(name: str, *keys: str, value: Any) -> Edit:
 
 _TEXT = {"dtype": h5py.string_dtype()}
 
-_ATTRIBUTES = (
-    "case",
-    "clearance_joints",
-    "conservation",
-    "counts",
-    "drives",
-    "end_time",
-    "gap_difference",
-    "mechanism",
-    "outcome",
-    "outcome_message",
-    "samples",
-    "scenario",
-    "title",
-    "urdf",
-    "urdf_folder",
+_ATTRIBUTES = tuple(
+    "case clearance_joints conservation counts drives end_time gap_difference mechanism outcome "
+    "outcome_message samples scenario title urdf urdf_folder".split()
 )
-
-_VARIABLES = (
-    "contact",
-    "contact_joint",
-    "contact_kind",
-    "clearance_joint",
-    "drive",
-    "axis",
-    "configuration",
-    "time",
-    "q",
-    "v",
-    "a",
-    "gap",
-    "contact_force",
-    "joint_torque",
-    "motion_angle",
-    "drive_work",
-    "energy_error",
-    "linear_momentum",
-    "final_angle",
-    "peak_force",
-    "peak_depth",
-    "episode_contact",
-    "dissipation_damper",
-    "base_position",
+_VARIABLES = tuple(
+    "contact contact_joint contact_kind clearance_joint drive axis configuration time q v a gap "
+    "contact_force joint_torque motion_angle drive_work energy_error linear_momentum final_angle peak_force "
+    "peak_depth episode_contact dissipation_damper base_position".split()
 )
-
 _HINGE = ("clearance_joints", "hinge")
 
 _EDITS: Mapping[str, tuple[Edit, str]] = {
@@ -254,23 +179,19 @@ _EDITS: Mapping[str, tuple[Edit, str]] = {
     "episodes before the first": (_values("episode_contact", lambda of: of - 99), "'episode_contact'"),
     "episodes of half a contact": (_values("episode_contact", lambda of: of + 0.5), "'episode_contact'"),
     "zero contacts": (_no_contacts, ""),
-    "a group for a variable": (_all(_gone("gap"), lambda file: file.create_group("gap")), ""),
+    "a group for a variable": (_instead("gap", lambda file: file.create_group("gap")), ""),
     "an empty variable": (
-        _all(_gone("gap"), lambda file: file.create_dataset("gap", data=h5py.Empty("f8"))),
+        _instead("gap", lambda file: file.create_dataset("gap", data=h5py.Empty("f8"))),
         "",
     ),
-    "a link to nowhere": (
-        _all(_gone("gap"), lambda file: file.__setitem__("gap", h5py.SoftLink("/nowhere"))),
-        "",
-    ),
-    "a link to itself": (
-        _all(_gone("gap"), lambda file: file.__setitem__("gap", h5py.SoftLink("/gap"))),
-        "",
-    ),
-    "a link to another file": (
-        _all(_gone("gap"), lambda file: file.__setitem__("gap", h5py.ExternalLink("no.nc", "/gap"))),
-        "",
-    ),
+    **{
+        f"a link to {where}": (_instead("gap", functools.partial(_link, link=link)), "")
+        for where, link in (
+            ("nowhere", h5py.SoftLink("/nowhere")),
+            ("itself", h5py.SoftLink("/gap")),
+            ("another file", h5py.ExternalLink("no.nc", "/gap")),
+        )
+    },
 }
 
 
@@ -284,9 +205,8 @@ _DRAWN: Mapping[str, tuple[Edit, str]] = {
 }
 
 
-def _files() -> Iterator[tuple[str, bytes | Callable[[Path], None], str]]:
+def _files() -> Iterator[tuple[str, Content, str]]:
     """Yield whole files that are none."""
-    whole = result
     yield "empty file", b"", "must be a NetCDF file"
     yield "text", b"hello", "must be a NetCDF file"
     yield "zeros", bytes(5000), "must be a NetCDF file"
@@ -294,27 +214,18 @@ def _files() -> Iterator[tuple[str, bytes | Callable[[Path], None], str]]:
     yield "an older NetCDF", b"CDF\x01" + bytes(100), "must be a NetCDF file"
     yield "empty HDF5", lambda path: h5py.File(path, "w").close(), "the format must be"
     for share in (0.01, 0.3, 0.6, 0.9, 0.999):
-        cut = functools.partial(_write_part, share=share)
+        cut = _of_result(lambda whole, share=share: whole[: int(share * len(whole))])
         yield f"cut off at {100 * share:g} %", cut, "must be"
-    yield "twice the file", lambda path: path.write_bytes(2 * whole()), "another checksum"
-    yield "a seal too much", lambda path: path.write_bytes(whole() + whole()[-_SEAL:]), "another checksum"
-    yield "no seal", lambda path: path.write_bytes(whole()[:-_SEAL]), "another checksum"
+    yield "twice the file", _of_result(lambda whole: 2 * whole), "another checksum"
+    yield "a seal too much", _of_result(lambda whole: whole + whole[-SEAL:]), "another checksum"
+    yield "no seal", _of_result(lambda whole: whole[:-SEAL]), "another checksum"
     for share in np.linspace(0.02, 0.98, 12):
-        yield f"a bit flipped at {100 * share:.0f} %", functools.partial(_write_flipped, share=share), ""
+        flip = _of_result(lambda whole, share=share: flipped(whole, 8 * int(share * len(whole))))
+        yield f"a bit flipped at {100 * share:.0f} %", flip, ""
 
 
-def _write_part(path: Path, share: float) -> None:
-    path.write_bytes(result()[: int(share * len(result()))])
-
-
-def _write_flipped(path: Path, share: float) -> None:
-    content = bytearray(result())
-    content[int(share * len(content))] ^= 1
-    path.write_bytes(content)
-
-
-def _load() -> Trajectory:
-    return Trajectory.load("run.nc")
+def _of_result(change: Callable[[bytes], bytes]) -> Callable[[Path], Any]:
+    return lambda path: path.write_bytes(change(result()))
 
 
 def cases() -> Iterator[Case]:
@@ -327,9 +238,9 @@ def cases() -> Iterator[Case]:
         edits[f"no variable {name}"] = (_gone(name), f"{name}")
     for name, (edit, says) in edits.items():
         # To say what a result is, nobody reads its scenario.
-        act = _load if name.startswith("scenario") else ("info", "run.nc")
-        yield Case("results", name, says, act, {"run.nc": edited(edit)})
+        act = (lambda: Trajectory.load("run.nc")) if name.startswith("scenario") else ("info", "run.nc")
+        yield Case("results", name, says, act, {"run.nc": _edited(edit)})
     for name, (edit, says) in _DRAWN.items():
-        yield Case("results", name, says, ("record", "run.nc", "--out", "a.html"), {"run.nc": edited(edit)})
+        yield Case("results", name, says, ("record", "run.nc", "--out", "a.html"), {"run.nc": _edited(edit)})
     for name, content, says in _files():
         yield Case("results", name, says, ("info", "run.nc"), {"run.nc": content})

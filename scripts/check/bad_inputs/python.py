@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from bad_input_case import MECHANISM, SCENARIO, Case
-from bad_inputs_results import write_result
+from bad_inputs.case import FILES, Case
+from bad_inputs.results import write_result
 
 from antenna_pin import (
     ErrorScales,
@@ -28,15 +28,25 @@ from antenna_pin.record import record
 from antenna_pin.report import report
 from antenna_pin.simulation import Time
 
-__all__ = ["cases"]
+
+def _load(**more: Any) -> Scenario:
+    return load_scenario("scenario.toml", **more)
 
 
 def _scenario(**overrides: Any) -> Scenario:
-    return load_scenario("scenario.toml", overrides={k.replace("__", "."): v for k, v in overrides.items()})
+    return _load(overrides={k.replace("__", "."): v for k, v in overrides.items()})
 
 
 def _run() -> Trajectory:
     return Trajectory.load("run.nc")
+
+
+def _simulated(**more: Any) -> Trajectory:
+    return simulate(_scenario(), **more)
+
+
+def _pair() -> Urdf:
+    return Urdf.load("pair.urdf")
 
 
 def _deep(depth: int) -> Any:
@@ -53,13 +63,15 @@ def _itself() -> Any:
 
 
 _HUGE = 10**5000
+_SIZES = dict.fromkeys(("bearing_radius", "bearing_length", "axial_clearance"), 1.0)
+_SIZES |= dict.fromkeys(("bearing_outer_radius", "flange_radius"), 2.0)
 
 _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "scenario: number for a name": (lambda: load_scenario("3"), "3"),
     "scenario: name with a null": (lambda: load_scenario("a\0b"), ""),
     "scenario: name with a surrogate": (lambda: load_scenario("a\ud800"), ""),
     "scenario: name of 100,000 letters": (lambda: load_scenario("a" * 100_000), "letters"),
-    "scenario: case of no name": (lambda: load_scenario("scenario.toml", case=""), "case"),
+    "scenario: case of no name": (lambda: _load(case=""), "case"),
     "override: object": (lambda: _scenario(title=object()), "must be a number"),
     "override: None": (lambda: _scenario(title=None), "must be a number"),
     "override: bytes": (lambda: _scenario(title=b"a"), "must be a number"),
@@ -70,12 +82,9 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "override: a table in itself": (lambda: _scenario(drives=_itself()), "deep"),
     "override: NumPy matrix": (lambda: _scenario(mechanism__gravity=np.eye(3)), "gravity"),
     "override: NumPy dates": (lambda: _scenario(duration=np.datetime64("2020-01-01")), "duration"),
-    "override: empty key": (lambda: load_scenario("scenario.toml", overrides={"": 1}), "keys joined by dots"),
-    "override: key with a line end": (lambda: load_scenario("scenario.toml", overrides={"a\nb": 1}), "a\\nb"),
-    "override: text without =": (
-        lambda: load_scenario("scenario.toml", overrides="rtol"),
-        "overrides must be",
-    ),
+    "override: empty key": (lambda: _load(overrides={"": 1}), "keys joined by dots"),
+    "override: key with a line end": (lambda: _load(overrides={"a\nb": 1}), "a\\nb"),
+    "override: text without =": (lambda: _load(overrides="rtol"), "overrides must be"),
     "scenario JSON: none": (lambda: Scenario.model_validate_json(""), "JSON"),
     "scenario JSON: nested": (lambda: Scenario.model_validate_json("[" * 10_000), "JSON"),
     "scenario JSON: a number": (lambda: Scenario.model_validate_json("3"), ""),
@@ -97,32 +106,29 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "scales: angle true": (lambda: ErrorScales(angle=True), "angle must be"),
     "simulate: nothing": (lambda: simulate(None), "model must be"),  # type: ignore[arg-type]
     "simulate: a file that is not there": (lambda: simulate("nothing.toml"), "nothing.toml"),
-    "simulate: duration nan": (lambda: simulate(_scenario(), duration=math.nan), "duration must be"),
-    "simulate: duration of mass": (lambda: simulate(_scenario(), duration="1 kg"), "duration must be a time"),
-    "simulate: events a table": (lambda: simulate(_scenario(), events={"a": 1}), "events must be"),  # type: ignore[arg-type]
-    "simulate: events of numbers": (lambda: simulate(_scenario(), events=[1]), "events must be"),  # type: ignore[list-item]
+    "simulate: duration nan": (lambda: _simulated(duration=math.nan), "duration must be"),
+    "simulate: duration of mass": (lambda: _simulated(duration="1 kg"), "duration must be a time"),
+    "simulate: events a table": (lambda: _simulated(events={"a": 1}), "events must be"),  # type: ignore[arg-type]
+    "simulate: events of numbers": (lambda: _simulated(events=[1]), "events must be"),  # type: ignore[list-item]
     "event: times in a list": (lambda: Time([0.1]), "instants must be"),  # type: ignore[arg-type]
     "system: no mechanism": (lambda: System(None), "mechanism must be"),  # type: ignore[arg-type]
-    "simulate: duration true": (lambda: simulate(_scenario(), duration=True), "duration must be"),
-    "simulate: duration of 5,000 digits": (lambda: simulate(_scenario(), duration=_HUGE), "duration must be"),
-    "simulate: duration without end": (lambda: simulate(_scenario(), duration=1e30), "in a run of"),
-    "simulate: q of text": (lambda: simulate(_scenario(), q=["a"]), "q must"),
-    "simulate: q of one": (lambda: simulate(_scenario(), q=[0.0]), "q must"),
-    "simulate: q nan": (lambda: simulate(_scenario(), q=[math.nan] * 14), "q must"),
-    "simulate: v of one": (lambda: simulate(_scenario(), v=[0.0]), "v must"),
-    "simulate: v infinite": (lambda: simulate(_scenario(), v=[math.inf] * 12), "v must"),
-    "simulate: angles of no joint": (lambda: simulate(_scenario(), angles={"x": 0.0}), "x"),
-    "simulate: start and q": (
-        lambda: simulate(_scenario(), start=_run().end, q=[0.0]),
-        "left out beside start",
-    ),
+    "simulate: duration true": (lambda: _simulated(duration=True), "duration must be"),
+    "simulate: duration of 5,000 digits": (lambda: _simulated(duration=_HUGE), "duration must be"),
+    "simulate: duration without end": (lambda: _simulated(duration=1e30), "in a run of"),
+    "simulate: q of text": (lambda: _simulated(q=["a"]), "q must"),
+    "simulate: q of one": (lambda: _simulated(q=[0.0]), "q must"),
+    "simulate: q nan": (lambda: _simulated(q=[math.nan] * 14), "q must"),
+    "simulate: v of one": (lambda: _simulated(v=[0.0]), "v must"),
+    "simulate: v infinite": (lambda: _simulated(v=[math.inf] * 12), "v must"),
+    "simulate: angles of no joint": (lambda: _simulated(angles={"x": 0.0}), "x"),
+    "simulate: start and q": (lambda: _simulated(start=_run().end, q=[0.0]), "left out beside start"),
     "simulate: start of another": (lambda: simulate(load_scenario("pendulum"), start=_run().end), ""),
     "simulate: step without end": (
-        lambda: simulate(_scenario(), settings=RunSettings(method="rk4", step=1e-20)),
+        lambda: _simulated(settings=RunSettings(method="rk4", step=1e-20)),
         "step must be",
     ),
     "simulate: samples without end": (
-        lambda: simulate(_scenario(), settings=RunSettings(output_rate=1e12)),
+        lambda: _simulated(settings=RunSettings(output_rate=1e12)),
         "output_rate must be",
     ),
     "load: not there": (lambda: Trajectory.load("no.nc"), "no such file"),
@@ -137,19 +143,16 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "URDF: not there": (lambda: Urdf.load("no.urdf"), "cannot be read"),
     "URDF: a folder": (lambda: Urdf.load("."), "cannot be read"),
     "URDF: impossible link": (lambda: Urdf.load("pair.urdf", ["x"]), "'x'"),
-    "URDF: joint unknown": (lambda: Urdf.load("pair.urdf").joint("x"), "'x'"),
-    "URDF: kind of a variant": (lambda: Urdf.load("pair.urdf").variant({"hinge": "x"}), "'x'"),  # type: ignore[dict-item]
-    "URDF: joint of a variant": (lambda: Urdf.load("pair.urdf").variant({"x": "free"}), "'x'"),
-    "URDF: mass of a link without": (lambda: Urdf.load("pair.urdf").mass_properties("x"), "'x'"),
-    "mechanism: base": (lambda: build_mechanism(Urdf.load("pair.urdf"), base="x"), "base"),  # type: ignore[arg-type]
+    "URDF: joint unknown": (lambda: _pair().joint("x"), "'x'"),
+    "URDF: kind of a variant": (lambda: _pair().variant({"hinge": "x"}), "'x'"),  # type: ignore[dict-item]
+    "URDF: joint of a variant": (lambda: _pair().variant({"x": "free"}), "'x'"),
+    "URDF: mass of a link without": (lambda: _pair().mass_properties("x"), "'x'"),
+    "mechanism: base": (lambda: build_mechanism(_pair(), base="x"), "base"),  # type: ignore[arg-type]
     "mechanism: gravity of two": (
-        lambda: build_mechanism(Urdf.load("pair.urdf"), gravity=(0.0, 1.0)),  # type: ignore[arg-type]
+        lambda: build_mechanism(_pair(), gravity=(0.0, 1.0)),  # type: ignore[arg-type]
         "gravity",
     ),
-    "mechanism: gravity nan": (
-        lambda: build_mechanism(Urdf.load("pair.urdf"), gravity=(0.0, 0.0, math.nan)),
-        "gravity",
-    ),
+    "mechanism: gravity nan": (lambda: build_mechanism(_pair(), gravity=(0.0, 0.0, math.nan)), "gravity"),
     "law: stiffness negative": (lambda: Hertz(stiffness=-1.0), "stiffness must be"),
     "law: restitution": (lambda: LankaraniNikravesh(stiffness=1.0, restitution=2.0), "restitution must be"),
     "law: friction negative": (
@@ -162,14 +165,7 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     ),
     "geometry: journal larger": (lambda: PlanarClearance(bearing_radius=1.0, journal_radius=2.0), "must be"),
     "geometry: clearance nan": (
-        lambda: RevoluteClearance.from_clearances(
-            bearing_radius=1.0,
-            radial_clearance=math.nan,
-            bearing_length=1.0,
-            axial_clearance=0.1,
-            bearing_outer_radius=2.0,
-            flange_radius=2.0,
-        ),
+        lambda: RevoluteClearance.from_clearances(**_SIZES, radial_clearance=math.nan),
         "must be",
     ),
     "record: a file": (lambda: record("run.nc"), ""),  # type: ignore[arg-type]
@@ -188,6 +184,6 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
 
 def cases() -> Iterator[Case]:
     """Yield all of them."""
-    files = {"pair.urdf": MECHANISM, "scenario.toml": SCENARIO, "run.nc": write_result}
+    files = FILES | {"run.nc": write_result}
     for name, (call, says) in _CALLS.items():
         yield Case("python", name, says, call, files)

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from bad_input_case import MECHANISM, SCENARIO, Case, changed
-
-__all__ = ["cases"]
+from bad_inputs.case import FILES, MECHANISM, SCENARIO, Case, changed
 
 _COMMAND = ("run", "scenario.toml", "--out", "out.nc", "--no-progress")
 
 _FORMAT = "format = 1\n"
 _TABLE = "time = [0, 1, 2]\ntorque = [0, 1, 0]\n"
 _LAW = 'normal = { law = "lankarani-nikravesh", restitution = 0.8 }'
-_FRICTION = 'friction = { law = "tanh", coefficient_of_friction = 0.1, transition_speed = "1 mm/s" }'
 _RTOL = "rtol = 1e-8"
 _MODEL = 'model = "contact"'
-_OUTPUT = "[output]"
+_INTEGRATOR = "[integrator]"
+_CLEARANCES = '"0.1 mm"\nbearing_l'
 _DEEP = 2000
+
+
+def _more(text: str, before: str = "[output]") -> tuple[str, str]:
+    """Return what is replaced, and by what, for a text to stand before a table."""
+    return before, f"{text}\n{before}"
+
 
 # What is wrong: what is replaced, by what, and what must be said.
 _CHANGES: tuple[tuple[str, str, str, str], ...] = (
@@ -109,67 +113,36 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("base unknown", "[mechanism]", '[mechanism]\nbase = "fre"', "did you mean free"),
     ("joint unknown", "[clearance.hinge]", "[clearance.hing]", "did you mean hinge"),
     ("joint of 100,000 letters", "[clearance.hinge]", f"[clearance.{'h' * 100_000}]", "letters"),
-    ("model unknown", 'model = "contact"', 'model = "contct"', "contact"),
-    ("model a table", 'model = "contact"', "model = {}", "model"),
+    ("model unknown", _MODEL, 'model = "contct"', "contact"),
+    ("model a table", _MODEL, "model = {}", "model"),
     ("no model", 'model = "contact"\n', "", "model"),
-    ("clearance as wide as the bearing", '"0.1 mm"\nbearing_l', '"10 mm"\nbearing_l', "smaller than"),
-    ("clearance negative", '"0.1 mm"\nbearing_l', '"-0.1 mm"\nbearing_l', "must be positive"),
-    (
-        "both clearances",
-        '"0.1 mm"\nbearing_l',
-        '"0.1 mm"\njournal_radius = 0.01\nbearing_l',
-        "exactly one of",
-    ),
+    ("clearance as wide as the bearing", _CLEARANCES, '"10 mm"\nbearing_l', "smaller than"),
+    ("clearance negative", _CLEARANCES, '"-0.1 mm"\nbearing_l', "must be positive"),
+    ("both clearances", _CLEARANCES, '"0.1 mm"\njournal_radius = 0.01\nbearing_l', "exactly one of"),
     ("no clearance", 'radial_clearance = "0.1 mm"\n', "", "exactly one of"),
-    ("strips text", 'model = "contact"', 'model = "contact"\nstrips = "4"', "strips must be"),
-    ("strips odd", 'model = "contact"', 'model = "contact"\nstrips = 5', "strips must be"),
-    ("strips of half", 'model = "contact"', 'model = "contact"\nstrips = 4.5', "strips must be"),
-    ("strips true", 'model = "contact"', 'model = "contact"\nstrips = true', "strips must be"),
-    (
-        "strips without bounds",
-        'model = "contact"',
-        'model = "contact"\nstrips = 1_000_000_000',
-        "strips must be",
-    ),
-    ("sectors two", 'model = "contact"', 'model = "contact"\nsectors = 2', "sectors must be"),
-    (
-        "sectors without bounds",
-        'model = "contact"',
-        'model = "contact"\nsectors = 1000000000',
-        "sectors must be",
-    ),
+    ("strips text", _MODEL, 'model = "contact"\nstrips = "4"', "strips must be"),
+    ("strips odd", _MODEL, 'model = "contact"\nstrips = 5', "strips must be"),
+    ("strips of half", _MODEL, 'model = "contact"\nstrips = 4.5', "strips must be"),
+    ("strips true", _MODEL, 'model = "contact"\nstrips = true', "strips must be"),
+    ("strips without bounds", _MODEL, 'model = "contact"\nstrips = 1_000_000_000', "strips must be"),
+    ("sectors two", _MODEL, 'model = "contact"\nsectors = 2', "sectors must be"),
+    ("sectors without bounds", _MODEL, 'model = "contact"\nsectors = 1000000000', "sectors must be"),
     ("flange smaller than the bearing", '"14 mm"', '"9 mm"', "larger than"),
     ("material unknown", '"steel"', '"stel"', "did you mean steel"),
-    (
-        "material without Poisson",
-        "[integrator]",
-        "[materials.x]\nyoung = 1e9\n[integrator]",
-        "poisson is missing",
-    ),
+    ("material without Poisson", *_more("[materials.x]\nyoung = 1e9", _INTEGRATOR), "poisson is missing"),
     (
         "Poisson's ratio of 1",
-        "[integrator]",
-        "[materials.x]\nyoung = 1e9\npoisson = 1\n[integrator]",
+        *_more("[materials.x]\nyoung = 1e9\npoisson = 1", _INTEGRATOR),
         "poisson must be",
     ),
     *(
-        (
-            f"spring: {key} as {value}",
-            "[springs.hinge]",
-            f"[springs.hinge]\n{key} = {value}",
-            "true or false",
-        )
+        (f"spring: {key} as {value}", "[springs.hinge]", f"[springs.hinge]\n{key} = {value}", "true or false")
         for key in ("on", "shorter_way")
         for value in ('"no"', "1", '"off"', "0.0")
     ),
-    ("guess of text", "[output]", '[initial.joints.hinge]\nguess = "no"\n[output]', "guess must be true or"),
+    ("guess of text", *_more('[initial.joints.hinge]\nguess = "no"'), "guess must be true or"),
     *(
-        (
-            f"{key} beside the journal's",
-            "[output]",
-            f"[initial.joints.hinge]\n{key} = 0\n{journal}\n[output]",
-            says,
-        )
+        (f"{key} beside the journal's", *_more(f"[initial.joints.hinge]\n{key} = 0\n{journal}"), says)
         for key, journal, says in (
             ("rate", "journal_angular_velocity = [0, 0, 5]", "beside journal_angular_velocity[2]"),
             ("velocity", "journal_angular_velocity = [0, 0, 5]", "beside journal_angular_velocity[2]"),
@@ -198,25 +171,10 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     ("table with text", "[0, 1, 0]", '[0, "a", 0]', "torque[1]"),
     ("table with units", "[0, 1, 0]", '[0, "1 N", 0]', "torque[1]"),
     ("table file and numbers", _TABLE, _TABLE + 'file = "a.csv"\n', "got both"),
-    (
-        "initial state of no joint",
-        "[output]",
-        "[initial.joints.hing]\nangle = 0\n[output]",
-        "did you mean hinge",
-    ),
+    ("initial state of no joint", *_more("[initial.joints.hing]\nangle = 0"), "did you mean hinge"),
     ("event of no kind", "[output]", "[events.e]\n[output]", "kind"),
-    (
-        "event at a contact unknown",
-        "[output]",
-        '[events.e]\nkind = "gap"\ncontact = "x"\nvalue = 0\n[output]',
-        "x",
-    ),
-    (
-        "event sets nothing",
-        "[output]",
-        '[events.e]\nkind = "time"\ntime = 1e-4\naction = "set"\n[output]',
-        "set",
-    ),
+    ("event at a contact unknown", *_more('[events.e]\nkind = "gap"\ncontact = "x"\nvalue = 0'), "x"),
+    ("event sets nothing", *_more('[events.e]\nkind = "time"\ntime = 1e-4\naction = "set"'), "set"),
     ("closure of no kind", "[output]", "[closures.c]\n[output]", "kind"),
     ("flexible link unknown", "[output]", '[flexible.x]\nkind = "modes"\n[output]', "x"),
     ("pointing of no link", "[output]", '[pointing]\nbody = "bra"\n[output]', "pointing"),
@@ -250,73 +208,51 @@ _CSV: tuple[tuple[str, str | bytes, str], ...] = (
     ("Latin 1", "time,torque\n0,1\n1,2 # schön\n".encode("latin-1"), "UTF-8 text"),
 )
 
-# Quantities, each set as a duration: a positive time.
-_TIMES: tuple[tuple[str, str], ...] = (
-    ("1 s**9**9**9", "duration must be a time"),
-    ("1 9**9**9*s", "duration must be a time"),
-    ("1 s**99999999999", "duration must be a time"),
-    ("1 s*(9**9**9)", "duration must be a time"),
-    ("1 s**(1e300)", "duration must be a time"),
-    (f"1 {'s*' * 50_000}s", "duration must be a time"),
-    (f"1 {'(' * 5000}s{')' * 5000}", "duration must be a time"),
-    (f"1 {'s' * 100_000}", "duration must be a time"),
-    (f"{'1' * 100_000} s", "duration must be a time"),
-    ("1 s**-1", "duration must be a time"),
-    ("1 furlong", "(length)"),
-    ("1 degC", "unit 'degC' is unknown"),
-    ("1 dB", "unit 'dB' is unknown"),
-    ("1 sec onds", "unit"),
-    ("1 s s", "duration"),
-    ("1 %", "duration"),
-    ("90 %%", "duration"),
-    ("1 s %", ""),
-    ("1 Hz", "(frequency)"),
-    ("1 rad/s", "(angular rate)"),
-    ("1/0 s", "duration must be a time"),
-    ("1 s/0", "duration must be a time"),
-    ("1 0*s", "duration must be a time"),
-    ("1 -s", "duration must be a time"),
-    ("1e400 s", "not finite"),
-    ("1e-400 s", "duration must be positive"),
-    ("-1 s", "duration must be positive"),
-    ("nan s", "not finite"),
-    ("inf s", "not finite"),
-    ("s", "write a number and its unit"),
-    ("", "write a number and its unit"),
-    ("one s", "write a number and its unit"),
-    ("0x10 s", "duration must be a time"),
-    ("1_000 s", "duration must be a time"),
-    ("1,500 s", "duration must be a time"),
-    ("\u0661 s", "duration must be a time"),
-    ("1 \u017f", "duration must be a time"),
-    ("1 s\nimport os", "duration must be a time"),
-    ("1 \x1b[31ms", "duration must be a time"),
-    ("1 __import__('os')", "duration must be a time"),
-    ("1 s.real", "duration must be a time"),
-    ("1 s;s", "duration must be a time"),
-    ("1 s**s", "duration must be a time"),
-    ("1 s**0.1", "duration must be a time"),
-    ("[1]", "duration must be a time"),
-    ("{a=1}", "duration must be a time"),
-    ("2020-01-01", "duration must be a time"),
-    ("true", "duration must be a time"),
-    ("9" * 5000, "duration must be a time"),
-    ("[" * 2000 + "]" * 2000, "duration must be a time"),
-)
+# Quantities, each set as a duration, a positive time, by what must be said.
+_TIMES: Mapping[str, tuple[str, ...]] = {
+    "duration must be a time": (
+        *("1 s**9**9**9", "1 9**9**9*s", "1 s**99999999999", "1 s*(9**9**9)", "1 s**(1e300)"),
+        *(f"1 {'s*' * 50_000}s", f"1 {'(' * 5000}s{')' * 5000}", f"1 {'s' * 100_000}", f"{'1' * 100_000} s"),
+        *(
+            "1 s**-1",
+            "1/0 s",
+            "1 s/0",
+            "1 0*s",
+            "1 -s",
+            "0x10 s",
+            "1_000 s",
+            "1,500 s",
+            "\u0661 s",
+            "1 \u017f",
+        ),
+        *("1 s\nimport os", "1 \x1b[31ms", "1 __import__('os')", "1 s.real", "1 s;s", "1 s**s", "1 s**0.1"),
+        *("[1]", "{a=1}", "2020-01-01", "true", "9" * 5000, "[" * 2000 + "]" * 2000),
+    ),
+    "(length)": ("1 furlong",),
+    "unit 'degC' is unknown": ("1 degC",),
+    "unit 'dB' is unknown": ("1 dB",),
+    "unit": ("1 sec onds",),
+    "duration": ("1 s s", "1 %", "90 %%"),
+    "": ("1 s %",),
+    "(frequency)": ("1 Hz",),
+    "(angular rate)": ("1 rad/s",),
+    "not finite": ("1e400 s", "nan s", "inf s"),
+    "duration must be positive": ("1e-400 s", "-1 s"),
+    "write a number and its unit": ("s", "", "one s"),
+}
 
 
 def cases() -> Iterator[Case]:
     """Yield all of them."""
     for name, old, new, says in _CHANGES:
-        files = {"pair.urdf": MECHANISM, "scenario.toml": changed(SCENARIO, old, new)}
-        yield Case("toml", name, says, _COMMAND, files)
+        yield Case("toml", name, says, _COMMAND, FILES | {"scenario.toml": changed(SCENARIO, old, new)})
     for name, text, says in _FILES:
-        yield Case("toml", name, says, _COMMAND, {"pair.urdf": MECHANISM, "scenario.toml": text})
+        yield Case("toml", name, says, _COMMAND, FILES | {"scenario.toml": text})
     scenario = changed(SCENARIO, _TABLE, 'file = "table.csv"\n')
     for name, text, says in _CSV:
-        files = {"pair.urdf": MECHANISM, "scenario.toml": scenario, "table.csv": text}
+        files = FILES | {"scenario.toml": scenario, "table.csv": text}
         yield Case("toml", f"table: {name}", says, _COMMAND, files)
-    files = {"pair.urdf": MECHANISM, "scenario.toml": SCENARIO}
-    for text, says in _TIMES:
-        name = text if len(text) < 40 else f"{text[:20]}... ({len(text)} letters)"
-        yield Case("units", name, says, (*_COMMAND, "--set", f"duration={text}"), files)
+    for says, texts in _TIMES.items():
+        for text in texts:
+            name = text if len(text) < 40 else f"{text[:20]}... ({len(text)} letters)"
+            yield Case("units", name, says, (*_COMMAND, "--set", f"duration={text}"), FILES)
