@@ -13,6 +13,8 @@ import argparse
 import importlib
 import signal
 import sys
+import tempfile
+from pathlib import Path
 
 from robust.trials import Report
 
@@ -21,8 +23,7 @@ CHECKS = {
     "bad-inputs": "hundreds of bad inputs, with what must be said of each",
     "odd-urdfs": "random URDFs as exporters write them, as hands, or with a slip",
     "faults": "random faults of every command that works or writes",
-    "resume": "random interruptions of a run with checkpoints",
-    "kills": "a study that is killed, starved and damaged",
+    "interruptions": "runs with checkpoints and studies that are killed, starved and damaged",
     "signals": "signals at random times of the life of every long command",
 }
 
@@ -36,19 +37,21 @@ def main() -> int:
         if name in sys.argv[1:2]:  # the others are not imported
             check = importlib.import_module(f"robust.{name.replace('-', '_')}")
             options = checks.add_parser(name, help=summary, description=check.__doc__, formatter_class=plain)
-            options.add_argument("--seed", type=int, help="of all draws [%(default)s]")
-            options.set_defaults(seed=1, verbose=False)
-            check.arguments(options)
+            if check.SEED is not None:
+                options.add_argument("--seed", type=int, default=check.SEED, help="of draws [%(default)s]")
+            for option, how in check.OPTIONS.items():
+                options.add_argument(option, **how)
         else:
             checks.add_parser(name, help=summary)
     given = parser.parse_args()
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # which shells have background jobs ignore
-    report = Report(check.WHAT, given.verbose)
-    try:
-        code: int | None = check.run(given, report)
-    except KeyboardInterrupt:
-        print("interrupted")
-        code = None
+    for number in (signal.SIGINT, signal.SIGTERM):  # shells have background jobs ignore the first
+        signal.signal(number, signal.default_int_handler)
+    report, code = Report(), None
+    with tempfile.TemporaryDirectory(prefix="robust-") as folder:
+        try:
+            code = check.run(given, report, Path(folder))
+        except KeyboardInterrupt:
+            print("interrupted")
     return report.close() if code is None else code
 
 

@@ -15,16 +15,12 @@ MECHANISM = """<?xml version="1.0"?>
     <inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
   </link>
   <joint name="hinge" type="revolute">
-    <parent link="stand"/>
-    <child link="bar"/>
-    <origin xyz="0 0 0" rpy="0 0 0"/>
-    <axis xyz="0 1 0"/>
+    <parent link="stand"/><child link="bar"/><origin xyz="0 0 0" rpy="0 0 0"/><axis xyz="0 1 0"/>
     <limit lower="-1" upper="1" effort="1" velocity="1"/>
   </joint>
   <link name="bar">
     <inertial>
-      <origin xyz="0 0 -0.2"/>
-      <mass value="2"/>
+      <origin xyz="0 0 -0.2"/><mass value="2"/>
       <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>
     </inertial>
     <visual>
@@ -39,10 +35,8 @@ SCENARIO = """format = 1
 title = "A bar on a hinge with play"
 duration = "1 ms"
 default_case = "play"
-
 [mechanism]
 urdf = "pair.urdf"
-
 [clearance.hinge]
 model = "contact"
 bearing_radius = "10 mm"
@@ -55,23 +49,18 @@ journal_material = "steel"
 bearing_material = "steel"
 normal = { law = "lankarani-nikravesh", restitution = 0.8 }
 friction = { law = "tanh", coefficient_of_friction = 0.1, transition_speed = "1 mm/s" }
-
 [springs.hinge]
 stiffness = "0.5 N*m/rad"
 damping = "0.02 N*m*s/rad"
-
 [drives.motor]
 joint = "hinge"
 kind = "table"
 time = [0, 1, 2]
 torque = [0, 1, 0]
-
 [integrator]
 rtol = 1e-8
-
 [output]
 rate = "1 kHz"
-
 [cases.play]
 description = "with play"
 """

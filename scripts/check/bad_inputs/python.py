@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from bad_inputs.case import FILES, Case
 from bad_inputs.results import write_result
 
-from antenna_pin import (
-    ErrorScales,
-    RunSettings,
-    Scenario,
-    System,
-    Trajectory,
-    Urdf,
-    build_mechanism,
-    load_scenario,
-    simulate,
-)
+from antenna_pin import ErrorScales, RunSettings, Scenario, System, Trajectory, Urdf, load_scenario, simulate
 from antenna_pin.base.units import quantity
 from antenna_pin.contact import Hertz, LankaraniNikravesh, Tanh
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
+from antenna_pin.mechanism import build_mechanism
 from antenna_pin.record import record
 from antenna_pin.report import report
 from antenna_pin.simulation import Time
@@ -45,25 +37,25 @@ def _simulated(**more: Any) -> Trajectory:
     return simulate(_scenario(), **more)
 
 
+def _set(**settings: Any) -> Trajectory:
+    return _simulated(settings=RunSettings(**settings))
+
+
 def _pair() -> Urdf:
     return Urdf.load("pair.urdf")
 
 
-def _deep(depth: int) -> Any:
-    value: Any = 1.0
-    for _ in range(depth):
-        value = {"a": value}
-    return value
+def _built(**more: Any) -> Any:
+    return build_mechanism(_pair(), **more)
 
 
-def _itself() -> Any:
-    table: dict[str, Any] = {}
-    table["a"] = table
-    return table
-
-
+_DEEP = functools.reduce(lambda value, _: {"a": value}, range(2000), cast(Any, 1.0))
+_ITSELF: dict[str, Any] = {}
+_ITSELF["a"] = _ITSELF
 _HUGE = 10**5000
 _SIZES = dict.fromkeys(("bearing_radius", "bearing_length", "axial_clearance"), 1.0)
+_from_clearances, _socket = RevoluteClearance.from_clearances, SphericalClearance
+_tanh = functools.partial(Tanh, transition_speed=1.0)
 _SIZES |= dict.fromkeys(("bearing_outer_radius", "flange_radius"), 2.0)
 
 _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
@@ -78,8 +70,8 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "override: complex": (lambda: _scenario(duration=1j), "must be a number"),
     "override: nan": (lambda: _scenario(duration=math.nan), "not finite"),
     "override: integer of 5,000 digits": (lambda: _scenario(duration=_HUGE), "duration"),
-    "override: tables 2,000 deep": (lambda: _scenario(drives=_deep(2000)), "deep"),
-    "override: a table in itself": (lambda: _scenario(drives=_itself()), "deep"),
+    "override: tables 2,000 deep": (lambda: _scenario(drives=_DEEP), "deep"),
+    "override: a table in itself": (lambda: _scenario(drives=_ITSELF), "deep"),
     "override: NumPy matrix": (lambda: _scenario(mechanism__gravity=np.eye(3)), "gravity"),
     "override: NumPy dates": (lambda: _scenario(duration=np.datetime64("2020-01-01")), "duration"),
     "override: empty key": (lambda: _load(overrides={"": 1}), "keys joined by dots"),
@@ -93,25 +85,25 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "settings: rtol 5": (lambda: RunSettings(rtol=5), "rtol must be"),
     "settings: rtol below round-off": (lambda: RunSettings(rtol=1e-18), "round-off"),
     "settings: rtol nan": (lambda: RunSettings(rtol=math.nan), "rtol must be"),
-    "settings: rtol text": (lambda: RunSettings(rtol="small"), "rtol must be"),  # type: ignore[arg-type]
+    "settings: rtol text": (lambda: RunSettings(rtol="small"), "rtol must be"),
     "settings: rtol of 5,000 digits": (lambda: RunSettings(rtol=_HUGE), "rtol must be"),
     "settings: min_step > max_step": (lambda: RunSettings(min_step=1.0, max_step=0.1), "min_step must be"),
-    "settings: scales 1": (lambda: RunSettings(scales=1), "scales must be"),  # type: ignore[arg-type]
-    "settings: scales None": (lambda: RunSettings(scales=None), "scales must be"),  # type: ignore[arg-type]
-    "settings: steps of half": (lambda: RunSettings(max_steps=1.5), "max_steps must be"),  # type: ignore[arg-type]
+    "settings: scales 1": (lambda: RunSettings(scales=1), "scales must be"),
+    "settings: scales None": (lambda: RunSettings(scales=None), "scales must be"),
+    "settings: steps of half": (lambda: RunSettings(max_steps=1.5), "max_steps must be"),
     "settings: steps zero": (lambda: RunSettings(max_steps=0), "max_steps must be"),
-    "settings: method": (lambda: RunSettings(method="euler"), "method must be"),  # type: ignore[arg-type]
+    "settings: method": (lambda: RunSettings(method="euler"), "method must be"),
     "settings: rate infinite": (lambda: RunSettings(output_rate=math.inf), "output_rate must be"),
     "scales: angle zero": (lambda: ErrorScales(angle=0.0), "angle must be"),
     "scales: angle true": (lambda: ErrorScales(angle=True), "angle must be"),
-    "simulate: nothing": (lambda: simulate(None), "model must be"),  # type: ignore[arg-type]
+    "simulate: nothing": (lambda: simulate(None), "model must be"),
     "simulate: a file that is not there": (lambda: simulate("nothing.toml"), "nothing.toml"),
     "simulate: duration nan": (lambda: _simulated(duration=math.nan), "duration must be"),
     "simulate: duration of mass": (lambda: _simulated(duration="1 kg"), "duration must be a time"),
-    "simulate: events a table": (lambda: _simulated(events={"a": 1}), "events must be"),  # type: ignore[arg-type]
-    "simulate: events of numbers": (lambda: _simulated(events=[1]), "events must be"),  # type: ignore[list-item]
-    "event: times in a list": (lambda: Time([0.1]), "instants must be"),  # type: ignore[arg-type]
-    "system: no mechanism": (lambda: System(None), "mechanism must be"),  # type: ignore[arg-type]
+    "simulate: events a table": (lambda: _simulated(events={"a": 1}), "events must be"),
+    "simulate: events of numbers": (lambda: _simulated(events=[1]), "events must be"),
+    "event: times in a list": (lambda: Time([0.1]), "instants must be"),
+    "system: no mechanism": (lambda: System(None), "mechanism must be"),
     "simulate: duration true": (lambda: _simulated(duration=True), "duration must be"),
     "simulate: duration of 5,000 digits": (lambda: _simulated(duration=_HUGE), "duration must be"),
     "simulate: duration without end": (lambda: _simulated(duration=1e30), "in a run of"),
@@ -123,14 +115,8 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "simulate: angles of no joint": (lambda: _simulated(angles={"x": 0.0}), "x"),
     "simulate: start and q": (lambda: _simulated(start=_run().end, q=[0.0]), "left out beside start"),
     "simulate: start of another": (lambda: simulate(load_scenario("pendulum"), start=_run().end), ""),
-    "simulate: step without end": (
-        lambda: _simulated(settings=RunSettings(method="rk4", step=1e-20)),
-        "step must be",
-    ),
-    "simulate: samples without end": (
-        lambda: _simulated(settings=RunSettings(output_rate=1e12)),
-        "output_rate must be",
-    ),
+    "simulate: step without end": (lambda: _set(method="rk4", step=1e-20), "step must be"),
+    "simulate: samples without end": (lambda: _set(output_rate=1e12), "output_rate must be"),
     "load: not there": (lambda: Trajectory.load("no.nc"), "no such file"),
     "load: a folder": (lambda: Trajectory.load("."), ""),
     "load: a null": (lambda: Trajectory.load("a\0"), ""),
@@ -144,31 +130,22 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "URDF: a folder": (lambda: Urdf.load("."), "cannot be read"),
     "URDF: impossible link": (lambda: Urdf.load("pair.urdf", ["x"]), "'x'"),
     "URDF: joint unknown": (lambda: _pair().joint("x"), "'x'"),
-    "URDF: kind of a variant": (lambda: _pair().variant({"hinge": "x"}), "'x'"),  # type: ignore[dict-item]
+    "URDF: kind of a variant": (lambda: _pair().variant({"hinge": "x"}), "'x'"),
     "URDF: joint of a variant": (lambda: _pair().variant({"x": "free"}), "'x'"),
     "URDF: mass of a link without": (lambda: _pair().mass_properties("x"), "'x'"),
-    "mechanism: base": (lambda: build_mechanism(_pair(), base="x"), "base"),  # type: ignore[arg-type]
-    "mechanism: gravity of two": (
-        lambda: build_mechanism(_pair(), gravity=(0.0, 1.0)),  # type: ignore[arg-type]
-        "gravity",
-    ),
-    "mechanism: gravity nan": (lambda: build_mechanism(_pair(), gravity=(0.0, 0.0, math.nan)), "gravity"),
+    "mechanism: base": (lambda: _built(base="x"), "base"),
+    "mechanism: gravity of two": (lambda: _built(gravity=(0.0, 1.0)), "gravity"),
+    "mechanism: gravity nan": (lambda: _built(gravity=(0.0, 0.0, math.nan)), "gravity"),
     "law: stiffness negative": (lambda: Hertz(stiffness=-1.0), "stiffness must be"),
     "law: restitution": (lambda: LankaraniNikravesh(stiffness=1.0, restitution=2.0), "restitution must be"),
     "law: friction negative": (
-        lambda: Tanh(coefficient_of_friction=-1.0, transition_speed=1.0),
+        lambda: _tanh(coefficient_of_friction=-1),
         "coefficient_of_friction must be",
     ),
-    "geometry: ball larger than socket": (
-        lambda: SphericalClearance(socket_radius=1.0, ball_radius=2.0),
-        "must be",
-    ),
+    "geometry: ball larger than socket": (lambda: _socket(socket_radius=1.0, ball_radius=2.0), "must be"),
     "geometry: journal larger": (lambda: PlanarClearance(bearing_radius=1.0, journal_radius=2.0), "must be"),
-    "geometry: clearance nan": (
-        lambda: RevoluteClearance.from_clearances(**_SIZES, radial_clearance=math.nan),
-        "must be",
-    ),
-    "record: a file": (lambda: record("run.nc"), ""),  # type: ignore[arg-type]
+    "geometry: clearance nan": (lambda: _from_clearances(**_SIZES, radial_clearance=math.nan), "must be"),
+    "record: a file": (lambda: record("run.nc"), ""),
     "record: speed": (lambda: record(_run(), speed=math.inf), "speed"),
     "record: view": (lambda: record(_run(), view="side"), "view"),
     "record: megabytes": (lambda: record(_run(), max_megabytes=-1.0), "max_megabytes"),

@@ -57,13 +57,9 @@ def _gone(name: str) -> Edit:
     return lambda file: file.__delitem__(name)
 
 
-def _instead(name: str, put: Edit) -> Edit:
-    """Return what puts something else into the place of a variable."""
-    return lambda file: (file.__delitem__(name), put(file))
-
-
-def _link(file: Any, link: Any) -> None:
-    file["gap"] = link
+def _instead(put: Edit) -> Edit:
+    """Return what puts something else into the place of the gaps."""
+    return lambda file: (file.__delitem__("gap"), put(file))
 
 
 def _values(name: str, change: Callable[[Any], Any], **more: Any) -> Edit:
@@ -96,6 +92,7 @@ def _with_key(name: str, *keys: str, value: Any) -> Edit:
     return _json(name, change)
 
 
+_ELSEWHERE = h5py.ExternalLink("no.nc", "/gap")
 _TEXT = {"dtype": h5py.string_dtype()}
 
 _ATTRIBUTES = tuple(
@@ -121,10 +118,7 @@ _EDITS: Mapping[str, tuple[Edit, str]] = {
     "counts with more": (_attribute("counts", '{"laps": 3}'), "'counts' that cannot be read"),
     "scenario no JSON": (_attribute("scenario", "{"), "'scenario', which must be a table, as JSON"),
     "scenario empty": (_attribute("scenario", "{}"), "'scenario' that cannot be read"),
-    "scenario nested without end": (
-        _attribute("scenario", "[" * 50_000),
-        "'scenario', which must be a table, as JSON",
-    ),
+    "scenario nested without end": (_attribute("scenario", "[" * 50_000), "'scenario', which must be a"),
     "end no JSON": (_attribute("end", "{"), "'end' that cannot be read"),
     "end of another shape": (_attribute("end", '{"time": 0}'), "'end' that cannot be read"),
     "end time text": (_attribute("end_time", "soon"), "'end_time' that cannot be read"),
@@ -179,19 +173,11 @@ _EDITS: Mapping[str, tuple[Edit, str]] = {
     "episodes before the first": (_values("episode_contact", lambda of: of - 99), "'episode_contact'"),
     "episodes of half a contact": (_values("episode_contact", lambda of: of + 0.5), "'episode_contact'"),
     "zero contacts": (_no_contacts, ""),
-    "a group for a variable": (_instead("gap", lambda file: file.create_group("gap")), ""),
-    "an empty variable": (
-        _instead("gap", lambda file: file.create_dataset("gap", data=h5py.Empty("f8"))),
-        "",
-    ),
-    **{
-        f"a link to {where}": (_instead("gap", functools.partial(_link, link=link)), "")
-        for where, link in (
-            ("nowhere", h5py.SoftLink("/nowhere")),
-            ("itself", h5py.SoftLink("/gap")),
-            ("another file", h5py.ExternalLink("no.nc", "/gap")),
-        )
-    },
+    "a group for a variable": (_instead(lambda file: file.create_group("gap")), ""),
+    "an empty variable": (_instead(lambda file: file.create_dataset("gap", data=h5py.Empty("f8"))), ""),
+    "a link to nowhere": (_instead(lambda file: file.__setitem__("gap", h5py.SoftLink("/nowhere"))), ""),
+    "a link to itself": (_instead(lambda file: file.__setitem__("gap", h5py.SoftLink("/gap"))), ""),
+    "a link to another file": (_instead(lambda file: file.__setitem__("gap", _ELSEWHERE)), ""),
 }
 
 

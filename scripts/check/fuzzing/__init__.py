@@ -7,36 +7,26 @@ from random import Random
 
 from robust.inputs import Draft
 
-from fuzzing.calls import draw_call
-from fuzzing.documents import draw_diagram, draw_scenario, draw_study
-from fuzzing.measured import draw_fit, draw_record
-from fuzzing.mechanisms import draw_urdf
-from fuzzing.options import draw_options
-from fuzzing.results import draw_result, draw_store
-from fuzzing.sequences import draw_explored, draw_fmu, draw_session
-from fuzzing.states import draw_checkpoint, draw_sensitivity, draw_state
-from fuzzing.tables import draw_curve, draw_modal
-
-__all__ = ["FORMATS"]
+from fuzzing import calls, documents, mechanisms, options, results, sequences, tables
 
 FORMATS: Mapping[str, Callable[[Random], Draft]] = {
-    "scenario": draw_scenario,
-    "study": draw_study,
-    "diagram": draw_diagram,
-    "urdf": draw_urdf,
-    "curve": draw_curve,
-    "modal": draw_modal,
-    "result": draw_result,
-    "store": draw_store,
-    "fit": draw_fit,
-    "record": draw_record,
-    "sensitivity": draw_sensitivity,
-    "state": draw_state,
-    "checkpoint": draw_checkpoint,
-    "session": draw_session,
-    "explored": draw_explored,
-    "fmu": draw_fmu,
-    "options": draw_options,
-    "python": draw_call,
+    "scenario": documents.draw_scenario,
+    "study": documents.draw_study,
+    "diagram": documents.draw_diagram,
+    "urdf": mechanisms.draw_urdf,
+    "curve": tables.draw_curve,
+    "modal": tables.draw_modal,
+    "result": results.draw_result,
+    "store": results.draw_store,
+    "fit": tables.draw_fit,
+    "record": tables.draw_record,
+    "sensitivity": options.draw_sensitivity,
+    "state": results.draw_state,
+    "checkpoint": results.draw_checkpoint,
+    "session": sequences.draw_session,
+    "explored": sequences.draw_explored,
+    "fmu": sequences.draw_fmu,
+    "options": options.draw_options,
+    "python": calls.draw_call,
 }
 """What draws an input, by its format."""

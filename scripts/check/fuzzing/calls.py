@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import functools
 import importlib
@@ -11,7 +12,7 @@ import pkgutil
 import re
 import tempfile
 import typing
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 from random import Random
@@ -44,28 +45,21 @@ _ODD_OBJECTS: tuple[Callable[[], Any], ...] = (
 )
 
 
-def _documented() -> set[str]:
-    """Return the names that README and docs import from the package, and those that it exports itself."""
-    root = Path(__file__).parents[3]
-    found = {f"antenna_pin.{name}" for name in antenna_pin.__all__ if name != "explore"}  # which goes on
-    for page in (root / "README.md", *(root / "docs").glob("*.md")):
-        for room, names in _IMPORT.findall(page.read_text()):
-            found |= {f"{room}.{name}" for name in re.findall(r"\w+", names)}
-    return found
-
-
 @functools.cache
 def public() -> dict[str, Any]:
     """Return what people call: what the documents import, and every class that declares parameters."""
     found: dict[str, Any] = {}
-    documented = _documented()
-    for name in sorted(documented):
+    root = Path(__file__).parents[3]
+    names = {f"antenna_pin.{name}" for name in antenna_pin.__all__ if name != "explore"}  # which goes on
+    for page in (root / "README.md", *(root / "docs").glob("*.md")):
+        for room, several in _IMPORT.findall(page.read_text()):
+            names |= {f"{room}.{name}" for name in re.findall(r"\w+", several)}
+    for name in sorted(names):
         room, _, one = name.rpartition(".")
         found[name] = getattr(importlib.import_module(room), one)
     for info in pkgutil.iter_modules(antenna_pin.__path__):
-        if info.name.startswith("_") or info.name == "cli":
-            continue
-        room = importlib.import_module(f"antenna_pin.{info.name}")
+        hidden = info.name.startswith("_") or info.name == "cli"
+        room = None if hidden else importlib.import_module(f"antenna_pin.{info.name}")
         for name in getattr(room, "__all__", ()):
             one = getattr(room, name)
             if dataclasses.is_dataclass(one) and isinstance(one, type) and parameters_of(one):
@@ -77,9 +71,8 @@ def _is_given(one: Any) -> bool:
     """Whether it is nothing that people call, but what they get: an error, an outcome, what calls return."""
     if not isinstance(one, type):
         return get_origin(one) is not None
-    if one.__name__ in _GIVEN:
-        return True
-    return issubclass(one, BaseException) or getattr(one, "_is_protocol", False) or issubclass(one, Enum)
+    given = one.__name__ in _GIVEN or getattr(one, "_is_protocol", False)
+    return given or issubclass(one, (BaseException, Enum))
 
 
 @functools.cache
@@ -90,11 +83,9 @@ def _parameters(name: str) -> dict[str, tuple[Any, bool]]:
         signature = inspect.signature(one)
     except (TypeError, ValueError):
         return {}
-    about = one.__init__ if isinstance(one, type) else one
-    try:
-        hints = typing.get_type_hints(about)
-    except Exception:  # of names that are imported for type checkers only
-        hints = {}
+    hints: dict[str, Any] = {}
+    with contextlib.suppress(Exception):  # of names that are imported for type checkers only
+        hints = typing.get_type_hints(one.__init__ if isinstance(one, type) else one)
     return {
         key: (hints.get(key, Any), each.default is inspect.Parameter.empty)
         for key, each in signature.parameters.items()
@@ -120,6 +111,14 @@ def _objects() -> Mapping[str, Any]:
     return {type(one).__name__: one for one in found}
 
 
+_SOUND: Mapping[Any, Sequence[Any]] = {
+    float: (0.5, 1.0, 0.01, 2),
+    int: (1, 2, 3),
+    str: ("bore", "disc", "ring", "play.toml", "hertz", "1 mm", "run.nc", "motion_angle"),
+    **dict.fromkeys((Any, object), (1.0, "bore", [1.0, 2.0])),
+}
+
+
 def _sound(chance: Random, hint: Any, depth: int = 0) -> Any:
     """Return a value that an annotation allows; raises LookupError where none is known."""
     origin, parts = get_origin(hint), get_args(hint)
@@ -130,14 +129,11 @@ def _sound(chance: Random, hint: Any, depth: int = 0) -> Any:
     if origin in (typing.Union, UnionType):
         kinds = [part for part in parts if part is not NoneType]
         return _sound(chance, chance.choice(kinds), depth)
-    if hint is float:
-        return chance.choice((0.5, 1.0, 0.01, 2))
-    if hint is int:
-        return chance.choice((1, 2, 3))
     if hint is bool:
         return chance.random() < 0.5
-    if hint is str:
-        return chance.choice(("bore", "disc", "ring", "play.toml", "hertz", "1 mm", "run.nc", "motion_angle"))
+    for kind, values in _SOUND.items():
+        if hint is kind:
+            return chance.choice(values)
     if hint is Path or "PathLike" in str(hint):
         return Path(chance.choice(("run.nc", "play.toml", "pair.urdf", "out.nc", "out.html")))
     if "NDArray" in str(hint) or hint is np.ndarray or "ArrayLike" in str(hint):
@@ -150,8 +146,6 @@ def _sound(chance: Random, hint: Any, depth: int = 0) -> Any:
         inside = [part for part in parts if part is not Ellipsis]
         fixed = origin is tuple and Ellipsis not in parts
         return tuple(_sound(chance, part, depth + 1) for part in (inside if fixed else inside[:1] * 2))
-    if hint is Any or hint is object:
-        return chance.choice((1.0, "bore", [1.0, 2.0]))
     if origin is Callable or "Callable" in str(hint):
         return lambda *_: 1.0
     name = getattr(hint, "__name__", str(hint))
@@ -174,9 +168,7 @@ def _odd(chance: Random) -> Callable[[], Any]:
     if roll < 0.5:
         return chance.choice(_ODD_OBJECTS)
     value = odd_number(chance) if roll < 0.75 else odd_value(chance)
-    if isinstance(value, Raw):
-        value = value.text
-    return lambda: value
+    return lambda: value.text if isinstance(value, Raw) else value
 
 
 # --- calls -------------------------------------------------------------------------------------------------
@@ -187,7 +179,8 @@ def draw_call(chance: Random) -> Draft:
     name = chance.choice(sorted(public()))
     parameters = _parameters(name)
     seed = chance.randrange(2**32)
-    changes = tuple(_changes(chance, name, parameters))
+    count = chance.choice((1, 1, 2)) if parameters else 0
+    changes = tuple(_change(chance, name, sorted(parameters)) for _ in range(count))
 
     def written(kept: Sequence[Change]) -> Input:
         def act() -> Any:
@@ -205,14 +198,7 @@ def draw_call(chance: Random) -> Draft:
     return Draft(changes, written)
 
 
-def _changes(chance: Random, name: str, parameters: Mapping[str, tuple[Any, bool]]) -> Iterator[Change]:
-    for _ in range(chance.choice((1, 1, 2))):
-        if not parameters:
-            return
-        key = chance.choice(sorted(parameters))
-        value = _odd(chance)
-        shown = ascii(shown_value(value()))[:60]
-        yield Change(
-            f"{name}({key}={shown})",
-            lambda arguments, key=key, value=value: arguments.__setitem__(key, value()),
-        )
+def _change(chance: Random, name: str, keys: Sequence[str]) -> Change:
+    key, value = chance.choice(keys), _odd(chance)
+    shown = ascii(shown_value(value()))[:60]
+    return Change(f"{name}({key}={shown})", lambda arguments: arguments.__setitem__(key, value()))

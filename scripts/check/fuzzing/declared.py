@@ -36,14 +36,12 @@ _PREFIXES, _SCALED = ("", "m", "u", "k"), ("m", "s", "N", "Pa", "Hz")
 
 
 class Shape:
-    """Values that a key may hold: tables by default."""
+    """Values that a key may hold, tables by default; each kind draws sound ones, too."""
 
     def _admits(self, value: Any) -> bool:
-        """Return whether a value may be taken; False only if it must be refused."""
         return isinstance(value, Mapping)
 
     def _sound(self, chance: Random, names: Names) -> Any:
-        """Return a value that is taken."""
         raise NotImplementedError
 
 
@@ -112,40 +110,20 @@ class Numbers(Shape):
 
 
 @dataclass(frozen=True)
-class Choice(Shape):
-    """One of some texts."""
+class Plain(Shape):
+    """True or false, or text: one of some, or any; ``doc`` says of what."""
 
-    texts: tuple[str, ...]
-
-    def _admits(self, value: Any) -> bool:
-        return isinstance(value, str) and value in self.texts
-
-    def _sound(self, chance: Random, names: Names) -> str:
-        return chance.choice(self.texts)
-
-
-@dataclass(frozen=True)
-class Flag(Shape):
-    """True or false."""
-
-    def _admits(self, value: Any) -> bool:
-        return isinstance(value, bool)
-
-    def _sound(self, chance: Random, names: Names) -> bool:
-        return chance.random() < 0.5
-
-
-@dataclass(frozen=True)
-class Text(Shape):
-    """Text of any kind; ``doc`` says of what."""
-
+    type: type
+    texts: tuple[str, ...] = ()
     doc: str = ""
 
     def _admits(self, value: Any) -> bool:
-        return isinstance(value, str)
+        return isinstance(value, self.type) and (not self.texts or value in self.texts)
 
-    def _sound(self, chance: Random, names: Names) -> str:
-        return name_for(chance, self.doc, names)
+    def _sound(self, chance: Random, names: Names) -> bool | str:
+        if self.type is bool:
+            return chance.random() < 0.5
+        return chance.choice(self.texts) if self.texts else name_for(chance, self.doc, names)
 
 
 @dataclass(frozen=True)
@@ -158,9 +136,10 @@ class Several(Shape):
         return not isinstance(value, Mapping)
 
     def _sound(self, chance: Random, names: Names) -> list[Any]:
-        return [
-            chance.choice(self.of)._sound(chance, names) if self.of else 1 for _ in range(chance.randrange(4))
-        ]
+        return [self._one(chance, names) for _ in range(chance.randrange(4))]
+
+    def _one(self, chance: Random, names: Names) -> Any:
+        return chance.choice(self.of)._sound(chance, names) if self.of else 1
 
 
 @dataclass(frozen=True)
@@ -186,12 +165,9 @@ class Law(Shape):
         }
 
     def _sound(self, chance: Random, names: Names) -> dict[str, Any]:
-        law = chance.choice(list(self.laws))
-        table: dict[str, Any] = {"law": law}
-        for name, number in self.parameters(law).items():
-            if chance.random() < (0.9 if self.family == "friction" else 0.3):
-                table[name] = number._sound(chance)
-        return table
+        law, often = chance.choice(list(self.laws)), 0.9 if self.family == "friction" else 0.3
+        parameters = self.parameters(law).items()
+        return {"law": law} | {key: of._sound(chance) for key, of in parameters if chance.random() < often}
 
 
 @dataclass(frozen=True)
@@ -201,12 +177,8 @@ class Table(Shape):
     classes: tuple[type[Spec], ...]
 
     def _sound(self, chance: Random, names: Names) -> dict[str, Any]:
-        """Return what is required, and some of the rest."""
-        return {
-            key: what.sound(chance, names)
-            for key, what in declared(chance.choice(self.classes)).items()
-            if what.required or chance.random() < 0.4
-        }
+        keys = declared(chance.choice(self.classes)).items()
+        return {key: of.sound(chance, names) for key, of in keys if of.required or chance.random() < 0.4}
 
 
 @dataclass(frozen=True)
@@ -216,11 +188,8 @@ class Named(Shape):
     of: tuple[Shape, ...]
 
     def _sound(self, chance: Random, names: Names) -> dict[str, Any]:
-        count = chance.randrange(3)
-        return {
-            name_for(chance, "", names): chance.choice(self.of)._sound(chance, names) if self.of else 1
-            for _ in range(count)
-        }
+        several = Several(self.of)
+        return {name_for(chance, "", names): several._one(chance, names) for _ in range(chance.randrange(3))}
 
 
 def name_for(chance: Random, doc: str, names: Names) -> str:
@@ -294,7 +263,7 @@ def _shapes(hint: Any, field: FieldInfo | None, key: str, doc: str) -> Iterator[
             if part not in tables and part is not NoneType:
                 yield from _shapes(part, None, key, doc)
     elif origin is Literal and isinstance(parts[0], str):
-        yield Choice(tuple(part for part in parts if isinstance(part, str)))
+        yield Plain(str, tuple(part for part in parts if isinstance(part, str)))
     elif origin is Literal:
         yield Whole(parts[0], parts[-1])
     elif origin is dict:
@@ -302,7 +271,8 @@ def _shapes(hint: Any, field: FieldInfo | None, key: str, doc: str) -> Iterator[
     elif origin in (tuple, list):
         yield Several(tuple(_shapes(parts[0], None, key, doc)))
     elif hint in (bool, int, float, str):
-        yield {bool: Flag(), int: Whole(0, 10**100), float: Number(("1",)), str: Text(doc)}[hint]
+        plain = {bool: Plain(bool), int: Whole(0, 10**100), float: Number(("1",)), str: Plain(str, (), doc)}
+        yield plain[hint]
     elif hint in (LawSpec, LawChange):
         yield Law("friction" if key == "friction" else "normal")
     elif isinstance(hint, type) and issubclass(hint, Spec):
@@ -332,7 +302,7 @@ def class_of(table: Mapping[str, Any], classes: tuple[type[Spec], ...]) -> type[
     for cls in classes:
         for key in ("kind", "model"):
             shapes = declared(cls)[key].shapes if key in declared(cls) else ()
-            if any(isinstance(shape, Choice) and table.get(key) in shape.texts for shape in shapes):
+            if any(isinstance(shape, Plain) and table.get(key) in shape.texts for shape in shapes):
                 return cls
     return classes[0]
 
@@ -353,10 +323,9 @@ def _within(shapes: tuple[Shape, ...], value: Any, path: tuple[str, ...]) -> Ite
         if isinstance(shape, Table):
             yield from places_of(class_of(value, shape.classes), value, path)
         elif isinstance(shape, Law):
-            yield Place((*path, "law"), Declared((Choice(tuple(shape.laws)),), True), "law" in value)
-            if shape.family != "friction":
-                texts = Declared((Choice(tuple(DISSIPATIONS)),), False)
-                yield Place((*path, "dissipation"), texts, "dissipation" in value)
+            kinds = [("law", shape.laws, True), ("dissipation", DISSIPATIONS, False)]
+            for key, texts, required in kinds[: 1 if shape.family == "friction" else 2]:
+                yield Place((*path, key), Declared((Plain(str, tuple(texts)),), required), key in value)
             for name, number in shape.parameters(value.get("law")).items():
                 yield Place((*path, name), Declared((number,), False), name in value)
         elif isinstance(shape, Named) and shape.of:

@@ -11,7 +11,7 @@ from random import Random
 from typing import Any
 from xml.etree import ElementTree
 
-from robust.inputs import Change, Draft, Input, after
+from robust.inputs import Change, Draft, Input, after, several
 
 from antenna_pin import Scenario, Study, models_path
 from antenna_pin.contact import MATERIALS
@@ -20,8 +20,7 @@ from antenna_pin.nonlinear import DiagramPlan
 from antenna_pin.scenario.merge import merge
 from fuzzing.declared import NEW, Named, Names, Place, Table, name_for, places_of
 from fuzzing.kinds import RIG, rigs
-from fuzzing.odd import Raw, misspelt, odd_value
-from fuzzing.texts import text_change
+from fuzzing.odd import Raw, misspelt, odd_value, text_change
 
 # Of shipped scenarios the small ones are drawn so many times as often, and so are those of a kind each; that
 # with most kinds is drawn as often as all of these.
@@ -67,15 +66,33 @@ class _Work:
 @functools.cache
 def scenarios() -> tuple[Base, ...]:
     """Return the shipped scenarios, one for each case, short; and those with an element of every kind."""
-    return (*_cases(), *_rigs())
+    return tuple(
+        Base("scenario.toml", Scenario, table, files, _names(table, files), _REPLACED)
+        for table, files, times in _cases()
+        for _ in range(times)
+    )
 
 
+@functools.cache
 def small_scenario() -> Base:
     """Return one that takes next to no time."""
     return next(base for base in scenarios() if base.table["mechanism"]["urdf"] == "pair.urdf")
 
 
-def _cases() -> Iterator[Base]:
+def driven(**drive: Any) -> dict[str, Any]:
+    """Return the table of the small scenario without play, driven."""
+    push = {"joint": "bore", "kind": "sine", "amplitude": 0.1} | drive
+    return {**small_scenario().table, "clearance": {}, "initial": {}, "drives": {"push": push}}
+
+
+def base_on(scenario: Mapping[str, Any], name: str, cls: type[Any], table: Mapping[str, Any]) -> Base:
+    """Return a document that names a scenario with the files of the small one."""
+    small = small_scenario()
+    files = {**small.files, small.name: document(scenario).encode()}
+    return Base(name, cls, table, files, small.names)
+
+
+def _cases() -> Iterator[tuple[dict[str, Any], dict[str, bytes], int]]:
     for folder in sorted(models_path().iterdir()):
         if not (folder / "scenario.toml").is_file():
             continue
@@ -89,21 +106,15 @@ def _cases() -> Iterator[Base]:
             found = merge(merge(table, own), short)
             for joint in found.get("clearance", {}).values():
                 joint["geometry"] = "closed-form"
-            yield from _bases(found, files, _OFTEN if folder.name in _SMALL else 1)
-
-
-def _rigs() -> Iterator[Base]:
+            yield found, files, _OFTEN if folder.name in _SMALL else 1
     for number, table in enumerate(rigs()):
-        yield from _bases(table, {"rig.urdf": RIG.encode()}, _OFTEN if number else _MOST)
-
-
-def _bases(table: Mapping[str, Any], files: Mapping[str, bytes], times: int) -> list[Base]:
-    return [Base("scenario.toml", Scenario, table, files, _names(table, files), _REPLACED)] * times
+        yield table, {"rig.urdf": RIG.encode()}, _OFTEN if number else _MOST
 
 
 def _names(table: Mapping[str, Any], files: Mapping[str, bytes]) -> Names:
     robot = ElementTree.fromstring(files[table["mechanism"]["urdf"]])
     joints = [joint.get("name", "") for joint in robot.findall("joint")]
+    families = [kind for kind in FAMILIES if isinstance(table.get(kind), Mapping)]
     found = {
         "joint": joints,
         "link": [link.get("name", "") for link in robot.findall("link")],
@@ -111,12 +122,7 @@ def _names(table: Mapping[str, Any], files: Mapping[str, bytes]) -> Names:
         "material": [*table.get("materials", ()), *MATERIALS],
         "contact": [f"{joint}.{side}" for joint in joints for side in ("radial+", "axial-", "radial")],
         "file": [*files],
-        "set": [
-            f"{kind}.{name}.on"
-            for kind in FAMILIES
-            if isinstance(table.get(kind), Mapping)
-            for name in table[kind]
-        ],
+        "set": [f"{kind}.{name}.on" for kind in families for name in table[kind]],
         "key": [".".join(place.path) for place in places_of(Scenario, table) if place.there],
     }
     return found | {"": [name for names in found.values() for name in names] + ["world", "new"]}
@@ -228,7 +234,7 @@ def document(table: Mapping[str, Any]) -> str:
 
 def draft_of(chance: Random, base: Base, act: Callable[[list[str]], Sequence[str]]) -> Draft:
     """Return a document with some changes, and the command of what is to be set."""
-    changes = tuple(change_of(chance, base) for _ in range(chance.choice((1, 1, 1, 2, 3))))
+    changes = several(chance, lambda: change_of(chance, base), 1, 1, 1, 2, 3)
 
     def made(kept: Sequence[Change]) -> Input:
         work = _Work(copy.deepcopy(dict(base.table)))
@@ -268,68 +274,49 @@ def draw_scenario(chance: Random) -> Draft:
     return draft_of(chance, base, lambda sets: [words[0], base.name, *sets, *words[1:]])
 
 
-_STUDY = {
-    "scenario": "scenario.toml",
-    "seed": 1,
-    "set": {"duration": 1e-3, "integrator": {"max_steps": 200}},
-    "sampling": {"method": "random", "count": 2},
-    "parameters": {
-        "restitution": {"key": "clearance.bore.normal.restitution", "between": [0.3, 0.9]},
-        "play": {"key": "clearance.bore.radial_clearance", "values": ["0.1 mm", "0.2 mm"]},
-        "radius": {
-            "key": "clearance.bore.bearing_radius",
-            "tolerance": {"nominal": "10 mm", "plus": "10 um", "minus": "-10 um"},
-        },
-        "speed": {"key": "integrator.rtol", "start": 1e-8, "stop": 1e-6, "count": 2, "spacing": "log"},
-    },
-    "responses": {
-        "impacts": {"measure": "impacts"},
-        "speed_left": {"measure": "peak_acceleration", "of": "bore"},
-        "like": {"measure": "peak_force", "title": "force"},
-    },
-    "reference": {"set": {"integrator": {"rtol": 1e-9}}, "follows": ["play"]},
-}
-
-
-@functools.cache
-def _study_base() -> Base:
-    small = small_scenario()
-    files = {**small.files, small.name: document(small.table).encode()}
-    return Base("some.study.toml", Study, _STUDY, files, small.names)
+_STUDY = tomllib.loads("""
+scenario = "scenario.toml"
+seed = 1
+set = {duration=1e-3, integrator={max_steps=200}}
+sampling = {method="random", count=2}
+[parameters]
+restitution = {key="clearance.bore.normal.restitution", between=[0.3, 0.9]}
+play = {key="clearance.bore.radial_clearance", values=["0.1 mm", "0.2 mm"]}
+radius = {key="clearance.bore.bearing_radius", tolerance={nominal="10 mm", plus="10 um", minus="-10 um"}}
+speed = {key="integrator.rtol", start=1e-8, stop=1e-6, count=2, spacing="log"}
+[responses]
+impacts = {measure="impacts"}
+speed_left = {measure="peak_acceleration", of="bore"}
+like = {measure="peak_force", title="force"}
+[reference]
+set = {integrator={rtol=1e-9}}
+follows = ["play"]
+""")
 
 
 def draw_study(chance: Random) -> Draft:
     """Return a study, whose runs are counted or made."""
-    base = _study_base()
+    base = base_on(small_scenario().table, "some.study.toml", Study, _STUDY)
     words: tuple[str, ...] = ("sweep", base.name, "--out", "some.study", "--no-progress")
     words += ("--dry-run",) if chance.random() < 0.7 else ("--workers", "0")
     return draft_of(chance, base, lambda sets: [*words, *sets])
 
 
-_DIAGRAM = {
-    "scenario": "scenario.toml",
-    "set": {"integrator": {"max_steps": 2000}},
-    "parameter": "drives.push.amplitude",
-    "values": "0.1 N*m:0.2 N*m:2",
-    "section": "period",
-    "quantities": ["v[bore]"],
-    "count": 32,
-    "transient": 0,
-}
-
-
-@functools.cache
-def _diagram_base() -> Base:
-    small = small_scenario()
-    push = {"joint": "bore", "kind": "sine", "amplitude": 0.1, "frequency": 1000.0}
-    table = {**small.table, "clearance": {}, "initial": {}, "drives": {"push": push}}
-    files = {**small.files, small.name: document(table).encode()}
-    return Base("some.diagram.toml", DiagramPlan, _DIAGRAM, files, small.names)
+_DIAGRAM = tomllib.loads("""
+scenario = "scenario.toml"
+set = {integrator={max_steps=2000}}
+parameter = "drives.push.amplitude"
+values = "0.1 N*m:0.2 N*m:2"
+section = "period"
+quantities = ["v[bore]"]
+count = 32
+transient = 0
+""")
 
 
 def draw_diagram(chance: Random) -> Draft:
     """Return a bifurcation diagram's file."""
-    base = _diagram_base()
+    base = base_on(driven(frequency=1000.0), "some.diagram.toml", DiagramPlan, _DIAGRAM)
     words = ["bifurcation", base.name, "--out", "diagram.nc", "--no-progress", "--workers", "1"]
     draft = draft_of(chance, base, lambda sets: [*words, *sets])
     return limited(draft, base.name, _fewer)

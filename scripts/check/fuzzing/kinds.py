@@ -15,20 +15,13 @@ _JOINT = (
     '<axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="9" velocity="9"/></joint>'
 )
 _JOINTS = (
-    ("hinge", "revolute", "base"),
-    ("arm", "revolute", "hinge_link"),
-    ("wheel", "continuous", "base"),
-    ("third", "continuous", "base"),
-    ("slide", "prismatic", "base"),
+    *(("hinge", "revolute", "base"), ("arm", "revolute", "hinge_link"), ("wheel", "continuous", "base")),
+    *(("third", "continuous", "base"), ("slide", "prismatic", "base")),
 )
 
 #: The rig: three hinges at the base, one of them with an arm, and a slide.
-RIG = (
-    '<robot name="rig">'
-    + _LINK.format("base")
-    + "".join(_JOINT.format(*one) + _LINK.format(f"{one[0]}_link") for one in _JOINTS)
-    + "</robot>"
-)
+RIG = "".join(_JOINT.format(*one) + _LINK.format(f"{one[0]}_link") for one in _JOINTS)
+RIG = f'<robot name="rig">{_LINK.format("base")}{RIG}</robot>'
 
 _BASE: Mapping[str, Any] = {
     "duration": 1e-3,
@@ -94,30 +87,31 @@ events.off = {kind="time", time="0.4 ms", action="set", set="latches.slide.on", 
 """
 # Each by itself: they shut others out.
 _ALONE = (
-    '[bearings.wheel]\nkind = "stiffness"\nradial = 2e6\naxial = 1e6\ntilt = 3e3\ndamping_time = 1e-4\n',
-    '[bearings.wheel]\nkind = "balls"\ncount = 9\nball_diameter = "8 mm"\npitch_diameter = "40 mm"\n'
-    'contact_angle = "25 deg"\npreload = "100 N"\narrangement = "back-to-back"\nspread = "20 mm"\n',
-    '[bearings.wheel]\nkind = "preload"\nforce = "10 N"\nstiffness = "1e4 N/m"\n[clearance.wheel]\n'
-    'model = "contact"\nbearing_radius = "10 mm"\nradial_clearance = "0.1 mm"\nbearing_length = "50 mm"\n'
-    'axial_clearance = "0.2 mm"\nbearing_outer_radius = "12 mm"\nflange_radius = "14 mm"\n'
-    'geometry = "closed-form"\nnormal = { law = "lankarani-nikravesh", stiffness = 1e9, restitution = 0.5 }\n'
-    'friction = { law = "none" }\n',
-    '[couplings.hinge]\nleader = "wheel"\nmultiplier = -2.0\noffset = 0.1\n',
-    '[couplings.hinge]\nkind = "differential"\nfirst = "wheel"\nsecond = "third"\n',
-    '[couplings.hinge]\nkind = "planetary"\nsun = "wheel"\nring = "third"\nratio = 3.0\n',
-    '[drives.hinge]\nkind = "motion"\nfollows = "way"\n[references.way]\nkind = "rest-to-rest"\nend = 0.3\n'
-    'duration = "1 s"\n[initial.joints.hinge]\n',
-    '[drives.hinge]\nkind = "table"\ntime = [0.0, 1.0]\ntorque = [1.0, 2.0]\n[drives.wheel]\nkind = "sine"\n'
-    'amplitude = 2.0\nfrequency = "30 Hz"\n',
-    "[mechanism]\nbase = 'fixed'\n[shake.up]\nkind = 'sine'\ndirection = [0, 0, 1]\nacceleration = 9.8\n"
-    "frequency = '40 Hz'\nfade_in = '10 ms'\n",
-    "[mechanism]\nbase = 'fixed'\n[shake.up]\nkind = 'sweep'\naxis = [0, 1, 0]\nvelocity = 0.1\n"
-    "start_frequency = '5 Hz'\nend_frequency = '100 Hz'\noctaves_per_minute = 4.0\nback = true\n",
-    "[mechanism]\nbase = 'fixed'\n[shake.up]\nkind = 'random'\ndirection = [1, 0, 0]\n"
-    "frequency = [20.0, 80.0, 200.0]\ndensity = [1.0, 4.0, 4.0]\nperiod = 0.5\nseed = 1\n",
-    "[mechanism]\nbase = 'fixed'\n[shake.up]\nkind = 'table'\ndirection = [1, 0, 0]\nof = 'acceleration'\n"
-    "time = [0.0, 0.1, 0.2]\ncourse = [0.0, 1.0, 0.0]\nscale = 9.80665\n",
-    "stops = true\n",
+    'bearings.wheel = {kind="stiffness", radial=2000000.0, axial=1000000.0, tilt=3000.0, '
+    "damping_time=0.0001}",
+    'bearings.wheel = {kind="balls", count=9, ball_diameter="8 mm", pitch_diameter="40 mm", '
+    'contact_angle="25 deg", preload="100 N", arrangement="back-to-back", spread="20 mm"}',
+    'bearings.wheel = {kind="preload", force="10 N", stiffness="1e4 N/m"}\n'
+    'clearance.wheel = {model="contact", bearing_radius="10 mm", radial_clearance="0.1 mm", '
+    'bearing_length="50 mm", axial_clearance="0.2 mm", bearing_outer_radius="12 mm", '
+    'flange_radius="14 mm", geometry="closed-form", normal={law="lankarani-nikravesh", '
+    'stiffness=1000000000.0, restitution=0.5}, friction={law="none"}}',
+    'couplings.hinge = {leader="wheel", multiplier=-2.0, offset=0.1}',
+    'couplings.hinge = {kind="differential", first="wheel", second="third"}',
+    'couplings.hinge = {kind="planetary", sun="wheel", ring="third", ratio=3.0}',
+    'drives.hinge = {kind="motion", follows="way"}\nreferences.way = {kind="rest-to-rest", end=0.3, '
+    'duration="1 s"}\ninitial.joints.hinge = {}',
+    'drives.hinge = {kind="table", time=[0.0, 1.0], torque=[1.0, 2.0]}\ndrives.wheel = {kind="sine", '
+    'amplitude=2.0, frequency="30 Hz"}',
+    'mechanism = {base="fixed"}\nshake.up = {kind="sine", direction=[0, 0, 1], acceleration=9.8, '
+    'frequency="40 Hz", fade_in="10 ms"}',
+    'mechanism = {base="fixed"}\nshake.up = {kind="sweep", axis=[0, 1, 0], velocity=0.1, '
+    'start_frequency="5 Hz", end_frequency="100 Hz", octaves_per_minute=4.0, back=true}',
+    'mechanism = {base="fixed"}\nshake.up = {kind="random", direction=[1, 0, 0], frequency=[20.0, 80.0, '
+    "200.0], density=[1.0, 4.0, 4.0], period=0.5, seed=1}",
+    'mechanism = {base="fixed"}\nshake.up = {kind="table", direction=[1, 0, 0], of="acceleration", '
+    "time=[0.0, 0.1, 0.2], course=[0.0, 1.0, 0.0], scale=9.80665}",
+    "stops = true",
 )
 
 

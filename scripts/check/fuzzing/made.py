@@ -13,30 +13,35 @@ from robust.inputs import quietly
 from robust.trials import read_files, write_files
 
 from antenna_pin import load_scenario, simulate
-from fuzzing.documents import SHORT, document, small_scenario
+from fuzzing.documents import SHORT, document, driven, small_scenario
 
-FAST = ("--no-progress",)
 SEAL = 85  # bytes at the end of a result: the digest of all before
 
 
-def _words(text: str) -> tuple[str, ...]:
+def words(text: str) -> tuple[str, ...]:
+    """Return the words of a command as a shell parts them."""
     return tuple(shlex.split(text))
+
+
+def each(text: str) -> tuple[tuple[str, ...], ...]:
+    """Return the words of commands that are parted by bars."""
+    return tuple(map(words, text.split("|")))
 
 
 _OVER = "--over drives.push.amplitude --values"
 _ORBIT = "orbit swing.toml --transient 5 --rtol 1e-9"
 #: What is written, by the name of the file, and the command that writes it.
 MADE: Mapping[str, tuple[str, ...]] = {
-    "run.nc": ("run", "play.toml", *FAST, *SHORT),
-    "portrait.nc": _words("phase run.nc -x q[bore.x] -y v[bore.vx]"),
-    "section.nc": _words("poincare swing.toml -q v[bore] --count 32 --transient 0"),
-    "diagram.nc": _words(
+    "run.nc": ("run", "play.toml", "--no-progress", *SHORT),
+    "portrait.nc": words("phase run.nc -x q[bore.x] -y v[bore.vx]"),
+    "section.nc": words("poincare swing.toml -q v[bore] --count 32 --transient 0"),
+    "diagram.nc": words(
         f"bifurcation swing.toml {_OVER} 0.1,0.2 -q v[bore] --count 32 --transient 0 --workers 1 "
         "--no-progress"
     ),
-    "orbit.nc": _words(f"{_ORBIT} --no-progress"),
-    "branch.nc": _words(f"{_ORBIT} {_OVER} '0.1 N*m:0.11 N*m' --most 3 --no-progress"),
-    "exponents.nc": _words("lyapunov swing.toml --count 5 --transient 1 --rtol 1e-9 --no-progress"),
+    "orbit.nc": words(f"{_ORBIT} --no-progress"),
+    "branch.nc": words(f"{_ORBIT} {_OVER} '0.1 N*m:0.11 N*m' --most 3 --no-progress"),
+    "exponents.nc": words("lyapunov swing.toml --count 5 --transient 1 --rtol 1e-9 --no-progress"),
 }
 # The last word is what is written.
 _WRITING = {
@@ -64,13 +69,13 @@ _WRITING = {
 
 
 def _writing(text: str) -> tuple[tuple[str, ...], str]:
-    *words, output = _words(text)
-    return (*words, f"out/{output}"), output
+    *most, output = words(text)
+    return (*most, f"out/{output}"), output
 
 
 #: Every command that works or writes, by a name: its words and what it writes, in the folder ``out``.
 COMMANDS: Mapping[str, tuple[tuple[str, ...], str]] = {
-    **{name[:-3]: ((*words, "--out", f"out/{name}"), name) for name, words in MADE.items()},
+    **{name[:-3]: ((*of, "--out", f"out/{name}"), name) for name, of in MADE.items()},
     **{name: _writing(text) for name, text in _WRITING.items()},
     "list": (("list",), ""),
 }
@@ -96,19 +101,10 @@ columns.rate = { of = "motion_rate[bore]", sd = "1e-3 rad/s" }
 """
 
 
-def _record(folder: Path) -> str:
-    """Return the record of a run of ``swing.toml``, as text."""
-    run = simulate(load_scenario(folder / "swing.toml")).data
-    rows = zip(run["time"].values.tolist(), run["motion_rate"].values[:, 0].tolist(), strict=True)
-    return "time,rate\n" + "".join(f"{time!r},{rate!r}\n" for time, rate in rows)
-
-
 def swinging() -> dict[str, Any]:
     """Return a scenario that is driven and damped, without play: it has an orbit of 10 ms."""
-    push = {"joint": "bore", "kind": "sine", "amplitude": 0.1, "frequency": 100.0}
     held = {"joint": "bore", "stiffness": 100.0, "damping": 1.0}
-    table = {**small_scenario().table, "clearance": {}, "initial": {}, "drives": {"push": push}}
-    return {**table, "springs": {"held": held}}
+    return driven(frequency=100.0) | {"springs": {"held": held}}
 
 
 @functools.cache
@@ -116,18 +112,20 @@ def made() -> Mapping[str, bytes]:
     """Return the files that can be read again, and those that they came from, by name."""
     base = small_scenario()
     # Fast enough to touch within its millisecond.
-    fast = {"bore": {"journal_velocity": [0.5, 0.0, 0.0]}}
-    play = {**base.table, "initial": {"joints": fast}}
+    play = {**base.table, "initial": {"joints": {"bore": {"journal_velocity": [0.5, 0.0, 0.0]}}}}
     long = {**play, "duration": 0.5, "output": {"rate": 20e3}}
     tables = {"play.toml": play, "swing.toml": swinging(), "long.toml": long}
     files = {**base.files, **{name: document(table).encode() for name, table in tables.items()}}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_files(folder, {**files, "few.study.toml": _STUDY, "few.fit.toml": _FIT})
-        (folder / "test.csv").write_text(_record(folder))
-        for file, words in MADE.items():
-            quietly([*words, "--out", file], folder)
-        quietly(["sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *FAST], folder)
+        run = simulate(load_scenario(folder / "swing.toml")).data
+        rows = zip(run["time"].values.tolist(), run["motion_rate"].values[:, 0].tolist(), strict=True)
+        record = "".join(f"{time!r},{rate!r}\n" for time, rate in rows)
+        write_files(folder, {"test.csv": f"time,rate\n{record}"})
+        for file, command in MADE.items():
+            quietly([*command, "--out", file], folder)
+        quietly(words("sweep few.study.toml --out few.study --workers 0 --no-progress"), folder)
         return files | read_files(folder)
 
 
@@ -137,5 +135,5 @@ def stopped() -> Mapping[str, bytes]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_files(folder, {file: made()[file] for file in ("long.toml", "pair.urdf")})
-        quietly(["run", "long.toml", "--out", "stopped.nc", "--max-wall-time", "10 ms", *FAST], folder)
+        quietly(words("run long.toml --out stopped.nc --max-wall-time '10 ms' --no-progress"), folder)
         return {file: one for file, one in read_files(folder).items() if file.startswith("stopped.nc.parts/")}

@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 from lxml import etree
-from robust.inputs import Change, Draft, Input, after
+from robust.inputs import Change, Draft, Input, after, several
 from urdf_generator import draw_urdf as odd_urdf
 
 from fuzzing.documents import SHORT, document, scenarios
-from fuzzing.odd import ODD_TEXTS, as_digits, misspelt, odd_number
-from fuzzing.texts import text_change
+from fuzzing.odd import ODD_TEXTS, as_digits, misspelt, odd_number, text_change
 
 _ODD_URDFS = 40  # that are drawn from, beside the shipped ones
 _TYPES = tuple("revolute continuous prismatic fixed floating planar Revolute ball universal".split())
@@ -46,11 +45,10 @@ def draw_urdf(chance: Random) -> Draft:
     else:
         table = dict(base.table)
     root = etree.fromstring(content, etree.XMLParser(recover=True))
-    if root is None:  # no XML to a strict reader
-        root = etree.fromstring(drawn.plain)
+    root = etree.fromstring(drawn.plain) if root is None else root  # no XML to a strict reader
     for number, element in enumerate(root.iter(etree.Element)):
         element.set("fuzz", str(number))
-    changes = tuple(_change(chance, root) for _ in range(chance.choice((1, 1, 1, 2, 3))))
+    changes = several(chance, lambda: _change(chance, root), 1, 1, 1, 2, 3)
     if chance.random() < 0.12:
         edit = text_change(chance)
         changes = (*changes[1:], Change(edit.name, lambda work: work.edits.append(edit)))
@@ -73,13 +71,13 @@ def draw_urdf(chance: Random) -> Draft:
 
 
 def _change(chance: Random, root: Any) -> Change:
-    elements = [one for one in root.iter(etree.Element) if len(one.attrib) > 1]
-    number = chance.randrange(len(list(root.iter(etree.Element))))
+    every = list(root.iter(etree.Element))
+    elements = [one for one in every if len(one.attrib) > 1]
+    number = chance.randrange(len(every))
     if elements and chance.random() < 0.6:
         return _attribute_change(chance, root, chance.choice(elements))
-    element = next(one for one in root.iter(etree.Element) if one.get("fuzz") == str(number))
-    label = _label(element)
-    others = [int(one.get("fuzz")) for one in root.iter(etree.Element)]
+    others = [int(one.get("fuzz")) for one in every]
+    element = every[others.index(number)]
     other, kind, tag = chance.choice(others), chance.randrange(6), misspelt(chance, str(element.tag))
 
     def apply(work: _Work) -> None:
@@ -102,14 +100,12 @@ def _change(chance: Random, root: Any) -> Change:
             here[:] = []
 
     what = ("lost", "twice", "moved", "copied elsewhere", f"called {tag!r}", "emptied")[kind]
-    return Change(f"{label} {what}", apply)
+    return Change(f"{_label(element)} {what}", apply)
 
 
 def _label(element: Any) -> str:
-    return "/".join(
-        f"{one.tag} {one.get('name', '')}".strip()
-        for one in (*reversed(list(element.iterancestors())), element)
-    )[-60:]
+    path = (*reversed(list(element.iterancestors())), element)
+    return "/".join(f"{one.tag} {one.get('name', '')}".strip() for one in path)[-60:]
 
 
 def _attribute_change(chance: Random, root: Any, element: Any) -> Change:
@@ -154,11 +150,9 @@ def _value(chance: Random, root: Any, key: str, old: str) -> tuple[str, bool]:
 
 
 def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+    with contextlib.suppress(ValueError):
+        return float(word) is not None
+    return False
 
 
 def _try(act: Callable[[], Any]) -> None:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import functools
 import shlex
-from collections.abc import Iterator
 from enum import Enum
 from pathlib import Path
 from random import Random
 from typing import Any, get_args
 
 import typer.main
-from robust.inputs import Change, Draft, draft_of_words, more_words
+from robust.inputs import Change, Draft, draft_of_words, more_words, several
 
+from antenna_pin.base.units import shown
 from antenna_pin.cli import app
 from fuzzing.documents import SHORT
 from fuzzing.made import made
 from fuzzing.odd import ODD_TEXTS, as_digits, misspelt, odd_number
+from fuzzing.results import KEYS, SENSITIVITY
 
 # Sound words by what a metavar or a type asks for: the first fits an argument.
 _FILES = {
@@ -24,8 +25,7 @@ _FILES = {
     "FILE": ("run.nc", "orbit.nc", "branch.nc", "diagram.nc", "section.nc"),
     "STUDY": ("few.study.toml", "few.study"),
     "STORE": ("few.study",),
-    "DIR": ("some",),
-    "FOLDER": ("some",),
+    **dict.fromkeys(("DIR", "FOLDER"), ("some",)),
 }
 _OUT = ("out.nc", "out.html", "out.png", "out.csv", "out.urdf", "out", "some", "out.json", "out.study")
 _TEXTS = (
@@ -61,17 +61,13 @@ _LEFT_OUT = set("--scheduler --tls-ca --tls-cert --tls-key --install-completion 
 @functools.cache
 def commands() -> dict[str, Any]:
     """Return every command by its words, but one that serves until Ctrl-C."""
-    found = dict(_commands(typer.main.get_command(app), ()))
-    return {name: command for name, command in found.items() if name != "explore"}
-
-
-def _commands(command: Any, words: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
-    below = getattr(command, "commands", None)
-    if below is None:
-        yield " ".join(words), command
-        return
-    for name, one in below.items():
-        yield from _commands(one, (*words, name))
+    found, left = {}, [("", typer.main.get_command(app))]
+    for words, command in left:
+        if hasattr(command, "commands"):
+            left += [(f"{words} {name}".strip(), one) for name, one in command.commands.items()]
+        elif words != "explore":
+            found[words] = command
+    return found
 
 
 def draw_options(chance: Random) -> Draft:
@@ -85,10 +81,8 @@ def draw_options(chance: Random) -> Draft:
     needed = [*name.split(), *[word for one in positional if one.required for word in _sound(one)[:1]]]
     needed += shlex.split(_NEEDED.get(name, ""))
     needed += [option for one in named for option in one.secondary_opts if option == "--no-progress"]
-    changes = [
-        _change(chance, named, positional, needed, len(name.split()))
-        for _ in range(chance.choice((1, 1, 2, 3)))
-    ]
+    first = len(name.split())
+    changes = several(chance, lambda: _change(chance, named, positional, needed, first), 1, 1, 2, 3)
     return draft_of_words(changes, needed, made)
 
 
@@ -159,3 +153,29 @@ def _word(chance: Random, parameter: Any) -> tuple[str, bool]:
     word = chance.choice((*ODD_TEXTS, *_TEXTS, *_OUT, *others))
     # No number at all, where one is asked for.
     return word, kind in (int, float) and not any(letter.isdigit() or letter in "inf" for letter in word)
+
+
+def draw_sensitivity(chance: Random) -> Draft:
+    """Return what may be asked of sensitivities: keys, scales, methods, pieces."""
+
+    def change() -> Change:
+        odd = chance.random() < 0.6
+        scale = shown(odd_number(chance)) if odd else "1"
+        method, texts = ("quick-runs", "runs"), (*ODD_TEXTS, scale)
+        options = (
+            (chance.choice(ODD_TEXTS if odd else KEYS),),
+            (f"{chance.choice(KEYS)}={scale}",),
+            ("--method", chance.choice(ODD_TEXTS if odd else method)),
+            ("--pieces", chance.choice(texts) if odd else "0.2 ms"),
+            ("--duration", chance.choice(texts) if odd else "0.5 ms"),
+            ("--most", scale),
+            ("--start", chance.choice((*ODD_TEXTS, "play.toml", "run.nc"))),
+            ("--out", chance.choice(("a.nc", "a", "swing.toml", "no/a.nc"))),
+            ("--plot", chance.choice(("a.png", "a.xyz", "run.nc"))),
+            ("--csv", chance.choice(("a.csv", "run.nc"))),
+        )
+        return more_words(*chance.choice(options))
+
+    return draft_of_words(
+        several(chance, change, 1, 1, 2), (*SENSITIVITY, KEYS[1], "--method", "equation"), made
+    )

@@ -1,10 +1,12 @@
-"""What commands write and read again: results of runs, sections, diagrams, orbits, and stores of studies."""
+"""What commands write and read again: results, stores of studies, states and checkpoints."""
 
 from __future__ import annotations
 
 import functools
 import io
 import json
+import re
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from random import Random
@@ -12,38 +14,32 @@ from typing import Any
 
 import h5py
 import numpy as np
-from robust.inputs import Change, Draft, Input, after
-from robust.trials import Content
+from robust.inputs import Change, Draft, Input, after, several
+from robust.trials import Content, write_files
 
+from antenna_pin import load_scenario, simulate, start
 from antenna_pin.base.files import seal
+from antenna_pin.base.state import State
 from antenna_pin.base.units import shown
+from antenna_pin.simulation.parts import read_sealed, write_sealed
 from fuzzing.documents import SHORT
-from fuzzing.made import FAST, MADE, SEAL, made
-from fuzzing.odd import Raw, misspelt, odd_value
-from fuzzing.texts import text_change
+from fuzzing.made import MADE, SEAL, each, made, stopped, words
+from fuzzing.odd import Raw, as_float, misspelt, odd_number, odd_value, text_change
 
 # What is asked of a file, whatever it is.
-_ASKED: tuple[tuple[str, ...], ...] = (
-    *(
-        ("info", "FILE"),
-        ("info", "FILE", "--json"),
-        ("analyse", "FILE"),
-        ("impacts", "FILE", "--csv", "a.csv"),
-    ),
-    ("pointing", "FILE", "--body", "disc", "--boresight", "1,0,0", "--direction", "0,1,0"),
-    ("phase", "FILE", "-x", "q[bore.x]", "-y", "v[bore.vx]", "--out", "p.nc"),
-    ("phase", "FILE", "--list"),
-    ("plot", "FILE", "--out", "figures", "--figure", "energy"),
-    ("record", "FILE", "--out", "a.html"),
-    ("report", "FILE", "--out", "r.html", "--no-figures", "--no-recordings"),
-    *(("modes", "FILE"), ("modes", "play.toml", "--at", "FILE")),
-    ("run", "--resume", "FILE", "--no-progress"),
+_ASKED = (
+    *each("info FILE|info FILE --json|analyse FILE|impacts FILE --csv a.csv"),
+    *each("pointing FILE --body disc --boresight 1,0,0 --direction 0,1,0"),
+    *each("phase FILE -x q[bore.x] -y v[bore.vx] --out p.nc|phase FILE --list"),
+    *each("plot FILE --out figures --figure energy|record FILE --out a.html"),
+    *each("report FILE --out r.html --no-figures --no-recordings|modes FILE|modes play.toml --at FILE"),
+    *each("run --resume FILE --no-progress"),
     ("run", "play.toml", "--out", "FILE", "--no-progress", *SHORT),
 )
 # Of some what they are read for, too.
 _ALSO: Mapping[str, tuple[str, ...]] = {
-    "orbit.nc": ("orbit", "FILE", "--out", "o.nc", "--rtol", "1e-9", "--no-progress"),
-    "branch.nc": ("orbit", "FILE", "--at", "1", "--rtol", "1e-9", "--no-progress"),
+    "orbit.nc": words("orbit FILE --out o.nc --rtol 1e-9 --no-progress"),
+    "branch.nc": words("orbit FILE --at 1 --rtol 1e-9 --no-progress"),
     "diagram.nc": (*MADE["diagram.nc"], "--out", "FILE"),
 }
 
@@ -55,13 +51,19 @@ def draw_result(chance: Random) -> Draft:
     """Return a file that commands write, edited or damaged, and what is asked of it."""
     name = chance.choice([*MADE, "run.nc", "run.nc"])
     files = {key: content for key, content in made().items() if not key.startswith("few")}
-    words = chance.choice((*_ASKED, _ALSO.get(name, _ASKED[0])))
+    asked = chance.choice((*_ASKED, _ALSO.get(name, _ASKED[0])))
     damaged = chance.random() < 0.2
     sealed = chance.random() < 0.3
-    changes = tuple(_edit(chance, name) for _ in range(chance.choice((1, 1, 2))))
+    inside = _inside(name)
+
+    def edit() -> Change:
+        variable = chance.random() >= 0.5
+        return (_attribute_edit, _variable_edit)[variable](chance, chance.choice(inside[variable]))
+
+    changes = several(chance, edit, 1, 1, 2)
     if damaged:
         found = text_change(chance)
-        changes = (Change(found.name, found.apply, wrong=words[0] in ("info", "analyse")),)
+        changes = (Change(found.name, found.apply, wrong=asked[0] in ("info", "analyse")),)
 
     def written(kept: Sequence[Change]) -> Input:
         if damaged:
@@ -69,7 +71,7 @@ def draw_result(chance: Random) -> Draft:
             write: Content = content if content != files[name] else b"nothing"  # for what changes nothing
         else:
             write = functools.partial(write_edited, files[name], [change.apply for change in kept], sealed)
-        return Input({**files, name: write}, [name if word == "FILE" else word for word in words])
+        return Input({**files, name: write}, [name if word == "FILE" else word for word in asked])
 
     return Draft(changes, written)
 
@@ -84,13 +86,6 @@ def write_edited(content: bytes, edits: Sequence[Callable[[Any], Any]], sealed: 
             edit(file)
     if sealed:
         seal(path)
-
-
-def _edit(chance: Random, name: str) -> Change:
-    attributes, variables = _inside(name)
-    if chance.random() < 0.5:
-        return _attribute_edit(chance, chance.choice(attributes))
-    return _variable_edit(chance, chance.choice(variables))
 
 
 @functools.cache
@@ -109,25 +104,25 @@ def _attribute_edit(chance: Random, key: str) -> Change:
         return Change(f"no attribute {key}", lambda file: file.attrs.pop(key, None))
     if roll < 0.4:
         plain = chance.choice(_PLAIN)
-        return Change(
-            f"attribute {key} = {str(plain)[:40]!r}", lambda file: file.attrs.__setitem__(key, plain)
-        )
+        name = f"attribute {key} = {str(plain)[:40]!r}"
+        return Change(name, lambda file: file.attrs.__setitem__(key, plain))
     other = chance.choice((None, None, "gone", misspelt(chance, "name")))
 
     def edit(file: Any) -> None:
         try:
-            content = json.loads(file.attrs[key])
+            file.attrs[key] = spoiled(file.attrs[key], at, value, other)
         except (KeyError, TypeError, ValueError, RecursionError):
             file.attrs[key] = "x"
-            return
-        file.attrs[key] = json.dumps(replaced(content, at, value, other), default=str)
 
-    what = other or shown(value)[:60]
-    return Change(f"attribute {key} at {at:.3f}: {what!r}", edit)
+    return Change(f"attribute {key} at {at:.3f}: {other or shown(value)[:60]!r}", edit)
 
 
-def replaced(content: Any, at: float, value: Any, other: str | None) -> Any:
+def spoiled(text: str | bytes, at: float, value: Any, other: str | None = None) -> str:
     """Return JSON with the entry at some part of it replaced, lost or called otherwise."""
+    return json.dumps(_replaced(json.loads(text), at, value, other), default=str)
+
+
+def _replaced(content: Any, at: float, value: Any, other: str | None) -> Any:
     if isinstance(value, Raw):
         value = [[[[value.text]]]]
     if isinstance(value, int) and value.bit_length() > 4096:  # which Python does not print
@@ -187,11 +182,10 @@ def _variable_edit(chance: Random, name: str) -> Change:
             values = None if change is None else change(np.asarray(old))
         except (TypeError, ValueError, IndexError):
             return  # there is nothing to be changed so
-        if change is None:
+        if values is None:
             del file[name]
-        elif values is None:
-            del file[name]
-            file.create_group(name)
+            if change is not None:
+                file.create_group(name)
         else:
             text = {"dtype": h5py.string_dtype()} if np.asarray(values).dtype == object else {}
             put_variable(file, name, values, **text)
@@ -226,27 +220,19 @@ def with_value(of: Any, at: int, value: float) -> Any:
 
 def draw_store(chance: Random) -> Draft:
     """Return the store of a study, a file of it damaged, and what is asked of it."""
-    files = {
-        key: content for key, content in made().items() if not key.endswith(".nc") or key.startswith("few")
-    }
-    inside = sorted(key for key in files if key.startswith("few.study/"))
-    name = chance.choice(inside)
-    words = chance.choice(
-        (
-            ("study", "show", "few.study", "--json"),
-            ("study", "show", "few.study", "--failed"),
-            ("study", "plot", "few.study", "--list"),
-            ("study", "report", "few.study", "--out", "r.html", "--no-figures"),
-            ("sweep", "few.study", "--workers", "0", *FAST),
-            ("sweep", "few.study.toml", "--out", "few.study", "--workers", "0", *FAST),
-        )
+    files = {key: one for key, one in made().items() if not key.endswith(".nc") or key.startswith("few")}
+    name = chance.choice(sorted(key for key in files if key.startswith("few.study/")))
+    asked = chance.choice(
+        each("study show few.study --json|study show few.study --failed|study plot few.study --list")
+        + each("study report few.study --out r.html --no-figures|sweep few.study --workers 0 --no-progress")
+        + each("sweep few.study.toml --out few.study --workers 0 --no-progress")
     )
-    changes = tuple(_store_change(chance, name) for _ in range(chance.choice((1, 1, 2))))
+    changes = several(chance, lambda: _store_change(chance, name), 1, 1, 2)
 
     def written(kept: Sequence[Change]) -> Input:
         content = after(kept, files[name])
         rest = {key: one for key, one in files.items() if key != name}
-        return Input(rest if content is None else {**rest, name: content}, words)
+        return Input(rest if content is None else {**rest, name: content}, asked)
 
     return Draft(changes, written)
 
@@ -261,9 +247,102 @@ def _store_change(chance: Random, name: str) -> Change:
 
     def edit(content: bytes) -> bytes:
         try:
-            table = json.loads(content)
+            return spoiled(content, at, value).encode()
         except (ValueError, RecursionError):
             return content[:-1]
-        return json.dumps(replaced(table, at, value, None), default=str).encode()
 
     return Change(f"{name} at {at:.3f}: {shown(value)[:60]!r}", edit)
+
+
+# --- states and checkpoints --------------------------------------------------------------------------------
+
+KEYS = ("springs.held.stiffness", "springs.held.damping", "drives.push.amplitude", "drives.push.frequency")
+SENSITIVITY = words("sensitivity swing.toml --set integrator.max_steps=200 --duration '1 ms'")
+
+
+def draw_state(chance: Random) -> Draft:
+    """Return a state with something changed, to go on from by a command or in Python."""
+    at, value, other = chance.random(), odd_value(chance), chance.choice((None, None, None, "gone", "x"))
+    name = f"at {at:.3f}: {other or shown(value)[:60]}"
+    change = Change(name, lambda text: spoiled(text, at, value, other).encode())
+    if chance.random() < 0.2:
+        change = text_change(chance)
+    python = chance.random() < 0.5
+
+    def written(kept: Sequence[Change]) -> Input:
+        def act() -> None:
+            text = Path("state.json").read_bytes().decode("utf-8", "surrogateescape")
+            scenario = load_scenario("swing.toml", overrides=SHORT[1:])
+            simulate(scenario, duration=1e-3, start=State.from_json(text))
+
+        command = (*SENSITIVITY, KEYS[0], "--method", "equation", "--start", "state.json")
+        return Input({**made(), "state.json": after(kept, _state())}, act if python else command)
+
+    return Draft((change,), written)
+
+
+@functools.cache
+def _state() -> bytes:
+    """Return a state after a millisecond, as text."""
+    with tempfile.TemporaryDirectory() as name:
+        write_files(Path(name), {file: made()[file] for file in ("swing.toml", "pair.urdf")})
+        session = start(load_scenario(Path(name) / "swing.toml"))
+        session.step(1e-3)
+        return session.state.to_json().encode()
+
+
+def draw_checkpoint(chance: Random) -> Draft:
+    """Return a run that was stopped, its checkpoint changed and sealed again or damaged, and gone on with."""
+    name = chance.choice(("checkpoint", "checkpoint", "checkpoint", "000000.part"))
+    files = stopped()
+    name = name if f"stopped.nc.parts/{name}" in files else "checkpoint"
+    path = f"stopped.nc.parts/{name}"
+    damaged = chance.random() < 0.2
+    draw = text_change if damaged else functools.partial(_array_change, told=name == "checkpoint")
+    changes = several(chance, lambda: draw(chance), 1, 1, 2)
+
+    def written(kept: Sequence[Change]) -> Input:
+        def write(target: Path) -> None:
+            target.write_bytes(files[path])
+            numbers = read_sealed(target, re.compile(".*"))
+            for change in kept:
+                change.apply(numbers)
+            write_sealed(target, numbers)
+
+        content = after(kept, files[path]) if damaged else write
+        return Input({**made(), **files, path: content}, ["run", "--resume", "stopped.nc", "--no-progress"])
+
+    return Draft(changes, written)
+
+
+def _array_change(chance: Random, told: bool) -> Change:
+    roll, at, value, name_at = chance.random(), chance.random(), odd_value(chance), chance.random()
+    if told and roll < 0.5:
+        other = chance.choice((None, None, None, "gone", "x"))
+
+        def edit(numbers: dict[str, Any]) -> None:
+            numbers["about"] = np.array(spoiled(str(numbers["about"]), at, value, other))
+
+        return Change(f"about at {at:.3f}: {other or shown(value)[:60]}", edit)
+    number = as_float(odd_number(chance))
+    edits: dict[str, Callable[[Any], Any]] = {
+        "gone": lambda of: None,
+        "one more": lambda of: np.concatenate([of.reshape(-1), of.reshape(-1)[:1]]),
+        "one less": lambda of: of[:-1] if of.ndim else of,
+        "an axis more": lambda of: of[..., None],
+        f"all {number:g}": lambda of: np.full(of.shape, number) if of.dtype.kind == "f" else of,
+        "large": lambda of: np.full(of.shape, 2**40).astype(of.dtype) if of.dtype.kind in "iu" else of,
+        "below zero": lambda of: np.full(of.shape, -1).astype(of.dtype) if of.dtype.kind in "iu" else of,
+        "text": lambda of: np.array("x"),
+        "none": lambda of: of[:0] if of.ndim else of,
+    }
+    what = chance.choice([*edits])
+
+    def change(numbers: dict[str, Any]) -> None:
+        key = sorted(set(numbers) - {"about"})[int(name_at * (len(numbers) - 1))]
+        if (array := edits[what](numbers.pop(key))) is not None:
+            numbers[key] = array
+
+    if roll > 0.95:
+        return Change("an array more", lambda numbers: numbers.__setitem__("more", np.zeros(3)))
+    return Change(f"array at {name_at:.3f} {what}", change)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -13,18 +14,21 @@ import numpy as np
 from robust.inputs import Change, Draft, Input, draft_of_words, more_words
 
 from antenna_pin import AntennaPinError, load_scenario, start
+from antenna_pin.base.state import State
 from antenna_pin.base.units import shown
 from antenna_pin.fmu.packed import Packed
 from antenna_pin.live.explored import Explored
 from fuzzing.made import made
 from fuzzing.odd import ODD_TEXTS, Raw, as_float, odd_number, odd_value
-from fuzzing.results import replaced
+from fuzzing.results import spoiled
 
 Call = Callable[[Any], Any]
 Calls = dict[str, Call]
 
 _SCENARIOS = ("play.toml", "swing.toml")
-_FEW_STEPS = ("integrator.max_steps=200", "integrator.engine=compiled")
+_loaded = functools.partial(
+    load_scenario, overrides=("integrator.max_steps=200", "integrator.engine=compiled")
+)
 _PLACES = tuple(
     "drives.push.amplitude springs.held.stiffness drives.push springs.held drives.push.frequency".split()
 )
@@ -41,26 +45,16 @@ def _value(chance: Random) -> Any:
 
 
 def _name(chance: Random, sound: Sequence[str]) -> Any:
-    return chance.choice(sound) if chance.random() < 0.7 else chance.choice((*ODD_TEXTS, None, 3, ("a",)))
+    return chance.choice(sound if chance.random() < 0.7 else (*ODD_TEXTS, None, 3, ("a",)))
 
 
-def _numbers(chance: Random) -> Any:
-    return chance.choice(
-        ([], [math.nan], [1.0], [0.1] * 7, "x", None, [[1.0]], np.zeros(3), [1e300], {"a": 1})
-    )
+_NUMBERS = ([], [math.nan], [1.0], [0.1] * 7, "x", None, [[1.0]], np.zeros(3), [1e300], {"a": 1})
 
 
 def _drawn(
     chance: Random, made_of: Callable[[], Any], draw: Callable[[Random], Calls], often: str = ""
 ) -> Draft:
-    """Return some calls of one object; what is refused is refused, and the next call follows.
-
-    Args:
-        chance: What draws.
-        made_of: Makes the object.
-        draw: Returns calls of it by their names, of which one is taken.
-        often: Part of the names of those that are taken twice as often.
-    """
+    """Return some calls of an object, more of those with a word in their names; refusals end none."""
 
     def one_change() -> Change:
         calls = draw(chance)
@@ -92,12 +86,12 @@ def _drawn(
 def draw_session(chance: Random) -> Draft:
     """Return calls of a session."""
     name = chance.choice(_SCENARIOS)
-    return _drawn(chance, lambda: start(load_scenario(name, overrides=_FEW_STEPS)), _session_call)
+    return _drawn(chance, lambda: start(_loaded(name)), _session_call)
 
 
 def _session_call(chance: Random) -> Calls:
     value, place, read = _value(chance), _name(chance, _PLACES), _name(chance, _READ)
-    q, at, limit = _numbers(chance), chance.random(), _value(chance)
+    q, at, limit = chance.choice(_NUMBERS), chance.random(), _value(chance)
     return {
         f"step({shown(value)})": lambda one: one.step(value),
         f"run_until({shown(value)})": lambda one: one.run_until(value),
@@ -116,19 +110,13 @@ def _session_call(chance: Random) -> Calls:
         f"reset(angles={shown(q)})": lambda one: one.reset(angles=q),
         f"restore({shown(value)})": lambda one: one.restore(value),
         f"restore(state at {at:.3f} {shown(limit)})": lambda one: one.restore(
-            _spoiled(one.save(), at, limit)
+            State.from_json(spoiled(one.save().to_json(), at, limit))
         ),
         "copy": lambda one: one.copy().step(1e-4),
         "trajectory": lambda one: one.trajectory().summary(),
         "close": lambda one: one.close(),
         f"command[{shown(place)}] = {shown(value)}": lambda one: one.command.__setitem__(place, value),
     }
-
-
-def _spoiled(state: Any, at: float, value: Any) -> Any:
-    """Return a state with one of its numbers another, as Python or a file may hold it."""
-    text = json.dumps(replaced(json.loads(state.to_json()), at, value, None), default=str)
-    return type(state).from_json(text)
 
 
 # --- what a page explores ----------------------------------------------------------------------------------
@@ -138,11 +126,7 @@ def draw_explored(chance: Random) -> Draft:
     """Return what a page's sliders and boxes do to a scenario."""
     name, span = chance.choice(_SCENARIOS), chance.choice((1e-3, 1e-3, 5e-4, 0.0, -1.0, math.nan, math.inf))
     joint = chance.choice((None, None, "bore", "x"))
-
-    def explored() -> Explored:
-        return Explored(load_scenario(name, overrides=_FEW_STEPS), joint, span)
-
-    return _drawn(chance, explored, _explored_call, often=" at ")
+    return _drawn(chance, lambda: Explored(_loaded(name), joint, span), _explored_call, often=" at ")
 
 
 def _explored_call(chance: Random) -> Calls:
@@ -186,25 +170,19 @@ def draw_fmu(chance: Random) -> Draft:
     def unit() -> Any:
         from antenna_pin.fmu.slave import Slave
 
-        scenario = load_scenario("swing.toml", overrides=_FEW_STEPS)
-        inputs, outputs, parameters = ("springs.held.stiffness",), _READ[:2], ("springs.held.damping",)
-        Packed(scenario=scenario, inputs=inputs, outputs=outputs, parameters=parameters, token="one").write(
-            Path()
-        )
+        names = {"inputs": _INPUTS[1:2], "outputs": _READ[:2], "parameters": _PARAMETERS[:1]}
+        Packed(scenario=_loaded("swing.toml"), **names, token="one").write(Path())
         if edit is not None:
             (path,) = Path().glob("*.json")
-            path.write_text(json.dumps(replaced(json.loads(path.read_text()), at, edit, None), default=str))
+            path.write_text(spoiled(path.read_text(), at, edit))
         slave = Slave(instance_name="one", resources=str(Path.cwd()))
         slave.setup_experiment(0.0)
         slave.exit_initialization_mode()
         return slave
 
     draft = _drawn(chance, unit, _slave_call)
-    if edit is None:
-        return draft
-    return Draft(
-        (*draft.changes, Change(f"packed at {at:.3f}: {ascii(edit)[:60]}", lambda one: None)), draft.made
-    )
+    packed = Change(f"packed at {at:.3f}: {shown(edit)[:60]}", lambda one: None)
+    return draft if edit is None else replace(draft, changes=(*draft.changes, packed))
 
 
 def _slave_call(chance: Random) -> Calls:
@@ -236,10 +214,11 @@ def _exported(chance: Random) -> Draft:
         "--out": ("a.fmu", "b.fmu", "a", "no/such/a.fmu"),
         "--set": ("springs.held.stiffness=3", "duration=2"),
     }
-    changes = []
-    for _ in range(chance.randrange(1, 4)):
+
+    def change() -> Change:
         option = chance.choice([*sound])
-        word = chance.choice(sound[option]) if chance.random() < 0.6 else chance.choice(ODD_TEXTS)
-        words = [option, word] if chance.random() < 0.8 else [option, word, chance.choice(_INPUTS)]
-        changes.append(more_words(*words))
+        word = chance.choice(sound[option] if chance.random() < 0.6 else ODD_TEXTS)
+        return more_words(option, word, *(() if chance.random() < 0.8 else (chance.choice(_INPUTS),)))
+
+    changes = [change() for _ in range(chance.randrange(1, 4))]
     return draft_of_words(changes, ("export", "fmu", "swing.toml", "--outputs", "bore.angle"), made)

@@ -14,15 +14,19 @@ from __future__ import annotations
 
 import argparse
 import functools
-import tempfile
 from pathlib import Path
 
 from bad_inputs import options, python, results, toml, urdf
 from bad_inputs.case import Case
-from robust.inputs import problem_of
+
+from robust.inputs import problem_apart
 from robust.trials import Report, tried
 
-WHAT = "bad inputs"
+SEED = None  # nothing is drawn
+OPTIONS = {
+    "--only": {"metavar": "NAME", "help": "a kind, or the name of one"},
+    "--wall": {"type": float, "default": 20.0, "help": "seconds that each may take [%(default)s]"},
+}
 
 
 @functools.cache
@@ -32,17 +36,10 @@ def all_cases() -> tuple[Case, ...]:
 
 
 def _problem_of(number: int) -> str | None:
-    with tempfile.TemporaryDirectory(prefix="bad-inputs-") as folder:
-        return problem_of(all_cases()[number].draft, Path(folder))
+    return problem_apart(all_cases()[number].draft)
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.add_argument("--only", metavar="NAME", help="a kind, or the name of one")
-    parser.add_argument("--wall", type=float, default=20.0, help="seconds that each may take [%(default)s]")
-
-
-def run(given: argparse.Namespace, report: Report) -> None:
+def run(given: argparse.Namespace, report: Report, folder: Path) -> None:
     """Try the inputs."""
     cases = all_cases()
     numbers = [k for k, case in enumerate(cases) if given.only in (None, case.room, case.name)]

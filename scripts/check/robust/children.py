@@ -17,6 +17,7 @@ import zipfile
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import h5py
 
@@ -74,7 +75,7 @@ class Child:
         self._pipe, theirs = os.pipe()
         self.pid = os.fork()
         if not self.pid:
-            _become(words, folder, hook, program, theirs)
+            _become(theirs, words, folder, hook, program)
         os.close(theirs)
         self.began = time.monotonic()
 
@@ -116,17 +117,12 @@ class Child:
         return Ended(os.waitstatus_to_exitcode(status), said.decode(errors="replace"), seconds, acted)
 
 
-def _become(
-    words: Sequence[str],
-    folder: Path,
-    hook: Callable[[], None] | None,
-    program: Sequence[str],
-    output: int,
-) -> None:
+def _become(output: int, words: Sequence[str], folder: Path, hook: Any, program: Sequence[str]) -> None:
     """Make this process, which was forked, that of a command, and end it."""
     code = 70
     try:
         os.setpgid(0, 0)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.chdir(folder)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         for stream in (1, 2):
@@ -174,10 +170,8 @@ def judge(
     must(not noise.search(end.said), f"said {end.said[-400:]!r}")
     lines = sum(bool(_LINE.match(line)) for line in end.said.splitlines())
     must(end.code in codes, f"exit code {end.code}: {end.said[-400:]!r}")
-    must(
-        lines == 1 or end.code not in in_one_line,
-        f"exit code {end.code} and {lines} lines: {end.said[-400:]!r}",
-    )
+    brief = lines == 1 or end.code not in in_one_line
+    must(brief, f"exit code {end.code} and {lines} lines: {end.said[-400:]!r}")
 
 
 # --- files and disks ---------------------------------------------------------------------------------------
@@ -199,23 +193,26 @@ def temporary_files(folder: Path) -> list[str]:
 
 def is_whole(path: Path) -> bool:
     """Return whether a file is a whole one of its kind."""
+    content = path.read_bytes()
     try:
-        if path.suffix == ".nc":
-            with h5py.File(path, "r") as file:
-                runs = "trajectory" in str(file.attrs.get("format"))
-            return bool(has_whole_seal(path)) and (not runs or Trajectory.load(path) is not None)
-        if path.suffix == ".urdf":
-            return Urdf.load(path) is not None
+        match path.suffix:
+            case ".nc":
+                with h5py.File(path, "r") as file:
+                    runs = "trajectory" in str(file.attrs.get("format"))
+                return bool(has_whole_seal(path)) and (not runs or Trajectory.load(path) is not None)
+            case ".urdf":
+                return Urdf.load(path) is not None
+            case ".png":
+                return content.startswith(b"\x89PNG") and content.endswith(b"IEND\xaeB`\x82")
+            case ".fmu":
+                return zipfile.is_zipfile(path) and zipfile.ZipFile(path).testzip() is None
+            case ".html":
+                return content.startswith(b"<!") and content.rstrip().endswith(b"</html>")
+            case ".csv":
+                return content.endswith(b"\n")
     except (AntennaPinError, OSError):
         return False
-    content = path.read_bytes()
-    if path.suffix == ".png":
-        return content.startswith(b"\x89PNG") and content.endswith(b"IEND\xaeB`\x82")
-    if path.suffix == ".fmu":
-        return zipfile.is_zipfile(path) and zipfile.ZipFile(path).testzip() is None
-    if path.suffix == ".html":
-        return content.startswith(b"<!") and content.rstrip().endswith(b"</html>")
-    return path.suffix != ".csv" or content.endswith(b"\n")
+    return True
 
 
 @contextlib.contextmanager

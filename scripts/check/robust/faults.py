@@ -29,8 +29,7 @@ import argparse
 import contextlib
 import random
 import signal
-import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -39,10 +38,16 @@ from fuzzing.made import COMMANDS, made
 from antenna_pin import AntennaPinError, Trajectory
 from antenna_pin.base.files import check_writable
 from robust.children import Child, Ended, is_whole, judge, prepared, temporary_files
-from robust.fault_kinds import FAULTS, At, Fault
+from robust.fault_kinds import FAULTS, At, Fault, fault
 from robust.trials import Report, flipped, must, write_files
 
-WHAT = "trials"
+SEED = 1
+OPTIONS = {
+    "--count": {"type": int, "default": 200, "help": "of trials [%(default)s]"},
+    "--bits": {"type": int, "default": 200, "help": "of a result that are flipped [%(default)s]"},
+    "--fault": {"choices": FAULTS, "action": "append", "help": "all if left out"},
+    "--only": {"type": int, "metavar": "NUMBER", "help": "of one trial"},
+}
 
 
 def files_in(place: Path) -> dict[str, bytes]:
@@ -110,14 +115,14 @@ class Bench:
         place, older = prepared(self.folder / "trial", made()), self.older[trial.name]
         out = place / "out"
         size = sum(map(len, older.values()))
-        with FAULTS[trial.fault](At(place, trial.moment, size, size if trial.older else 0)) as fault:
+        with fault(trial.fault, At(place, trial.moment, size, size if trial.older else 0)) as one:
             if trial.older:
                 write_files(out, {n if n == output else f"{output}/{n}": older[n] for n in older})
-            fault.armed()
+            one.armed()
             before = files_in(out / output)
-            end = Child(words, place, fault.hook).ended(trial.moment * self.seconds[trial.name], fault.act)
-            self._check_end(trial, fault, place, before, end)
-            fault.mended()
+            end = Child(words, place, one.hook).ended(trial.moment * self.seconds[trial.name], one.act)
+            self._check_end(trial, one, place, before, end)
+            one.mended()
             if place.is_dir():
                 self._check_again(trial, place)
 
@@ -135,7 +140,8 @@ class Bench:
             done = end.code == 0 and self.older[trial.name]
             must(after or not done, f"nothing written: {end.said!r}")
         if "the result is in " in end.said:
-            whole = any(map(is_whole, self._elsewhere(place)))
+            elsewhere = {*place.glob("*.nc"), *(place / "home").glob("*.nc")}
+            whole = any(is_whole(path) for path in elsewhere if path.name not in made())
             must(whole, f"the result that should be elsewhere is not whole: {end.said!r}")
         left = temporary_files(place)
         must(not left or end.code == -signal.SIGKILL, f"left behind: {left}")
@@ -158,33 +164,18 @@ class Bench:
         left = temporary_files(place)
         must(not left, f"left behind for ever: {left}")
 
-    @staticmethod
-    def _elsewhere(place: Path) -> Iterator[Path]:
-        yield from (path for path in place.glob("*.nc") if path.name not in made())
-        yield from (place / "home").glob("*.nc")
 
-
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.add_argument("--count", type=int, default=200, help="of trials [%(default)s]")
-    parser.add_argument("--bits", type=int, default=200, help="of a result that are flipped [%(default)s]")
-    parser.add_argument("--fault", choices=FAULTS, action="append", help="all if left out")
-    parser.add_argument("--only", type=int, metavar="NUMBER", help="of one trial")
-
-
-def run(given: argparse.Namespace, report: Report) -> None:
+def run(given: argparse.Namespace, report: Report, folder: Path) -> None:
     """Make the trials."""
-    with tempfile.TemporaryDirectory(prefix="faults-") as name:
-        bench = Bench(Path(name))
-        for number in range(given.count) if given.only is None else [given.only]:
-            trial = drawn(given.seed, number, given.fault or tuple(FAULTS))
-            with report.trial(trial.fault, f"--seed {given.seed} --only {number}: {trial}"):
-                bench.check(trial)
-        whole, chance = made()["run.nc"], random.Random(given.seed)
-        for _ in range(given.bits if given.only is None else 0):
-            bit = chance.randrange(8 * len(whole))
-            path = Path(name) / "flipped.nc"
-            path.write_bytes(flipped(whole, bit))
-            with report.trial("bit", f"bit {bit} of {8 * len(whole)}"), contextlib.suppress(AntennaPinError):
-                Trajectory.load(path)
-                must(False, "not noticed")
+    bench = Bench(folder)
+    for number in range(given.count) if given.only is None else [given.only]:
+        trial = drawn(given.seed, number, given.fault or tuple(FAULTS))
+        with report.trial(trial.fault, f"--seed {given.seed} --only {number}: {trial}"):
+            bench.check(trial)
+    whole, chance, path = made()["run.nc"], random.Random(given.seed), folder / "flipped.nc"
+    for _ in range(given.bits if given.only is None else 0):
+        bit = chance.randrange(8 * len(whole))
+        path.write_bytes(flipped(whole, bit))
+        with report.trial("bit", f"bit {bit} of {8 * len(whole)}"), contextlib.suppress(AntennaPinError):
+            Trajectory.load(path)
+            must(False, "not noticed")

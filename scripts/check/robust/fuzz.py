@@ -23,7 +23,6 @@ Of what fails the changes are tried one by one, and the least that fails too is 
 from __future__ import annotations
 
 import argparse
-import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -32,10 +31,18 @@ from random import Random
 
 from fuzzing import FORMATS
 from fuzzing.made import made
-from robust.inputs import Draft, problem_of
+
+from robust.inputs import Draft, problem_apart
 from robust.trials import Report, tried
 
-WHAT = "inputs"
+SEED = 1
+OPTIONS = {
+    "--count": {"type": int, "default": 1000, "help": "of inputs [%(default)s]"},
+    "--format": {"choices": FORMATS, "action": "append", "help": "all if left out"},
+    "--only": {"metavar": "FORMAT:NUMBER", "action": "append", "help": "one again"},
+    "--wall": {"type": float, "default": 30.0, "help": "seconds that each may take [%(default)s]"},
+    "--jobs": {"type": int, "default": 1, "help": "processes at a time [%(default)s]"},
+}
 
 
 def drawn(seed: int, name: str) -> Draft:
@@ -51,19 +58,14 @@ def inputs_of(formats: Sequence[str], count: int, first: int = 0) -> list[str]:
 
 def least_problem(draft: Draft) -> tuple[Draft, str] | None:
     """Return an input that fails, with as few of a draft's changes as do, and how; None if it does not."""
-    problem = _problem_of(draft)
+    problem = problem_apart(draft)
     if problem is None or len(draft.changes) < 2:
         return None if problem is None else (draft, problem)
     for change in draft.changes:
         single = replace(draft, changes=(change,))
-        if (other := _problem_of(single)) is not None:
+        if (other := problem_apart(single)) is not None:
             return single, other
     return draft, problem
-
-
-def _problem_of(draft: Draft) -> str | None:
-    with tempfile.TemporaryDirectory(prefix="fuzz-") as folder:
-        return problem_of(draft, Path(folder))
 
 
 def _description(seed: int, name: str) -> str | None:
@@ -71,16 +73,7 @@ def _description(seed: int, name: str) -> str | None:
     return problem and f"{problem[0].name}: {problem[1]}"
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.add_argument("--count", type=int, default=1000, help="of inputs [%(default)s]")
-    parser.add_argument("--format", choices=FORMATS, action="append", help="all if left out")
-    parser.add_argument("--only", metavar="FORMAT:NUMBER", action="append", help="one again")
-    parser.add_argument("--wall", type=float, default=30.0, help="seconds that each may take [%(default)s]")
-    parser.add_argument("--jobs", type=int, default=1, help="processes at a time [%(default)s]")
-
-
-def run(given: argparse.Namespace, report: Report) -> None:
+def run(given: argparse.Namespace, report: Report, folder: Path) -> None:
     """Try the inputs."""
     names = given.only or inputs_of(given.format or [*FORMATS], given.count)
     act = partial(_description, given.seed)

@@ -6,10 +6,12 @@ import contextlib
 import io
 import itertools
 import re
+import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from random import Random
 from typing import Any
 
 from antenna_pin import AntennaPinError
@@ -77,6 +79,11 @@ class Draft:
         return "; ".join(change.name for change in self.changes) or "nothing changed"
 
 
+def several(chance: Random, draw: Callable[[], Change], *counts: int) -> tuple[Change, ...]:
+    """Return so many drawn changes as one of some counts."""
+    return tuple(draw() for _ in range(chance.choice(counts)))
+
+
 def after(changes: Iterable[Change], content: Any) -> Any:
     """Return a content after changes of which each returns another; None, of a file that is gone, stays."""
     for change in changes:
@@ -128,6 +135,12 @@ def problem_of(draft: Draft, folder: Path) -> str | None:
     return None
 
 
+def problem_apart(draft: Draft) -> str | None:
+    """Return a fault in what comes of an input, in a folder of its own."""
+    with tempfile.TemporaryDirectory(prefix="robust-") as folder:
+        return problem_of(draft, Path(folder))
+
+
 def _refusal(given: Input, folder: Path) -> str | None:
     """Return the line that refuses an input; None if it is done."""
     write_files(folder, given.files)
@@ -156,25 +169,21 @@ def _commanded(words: Sequence[str], folder: Path, strict: bool) -> str | None:
     before = set(folder.rglob("*"))
     code, out, err = _run(words)
     if code == _REFUSED and "--check" in words and not err:  # many files may be refused
-        refused = (out + "".join(_texts(folder, words))).splitlines()
-        err = "\n".join(line for line in refused if "refused: " in line)
+        files = [folder / value for option, value in itertools.pairwise(words) if option == "--out"]
+        reports = [out, *(path.read_text(encoding="utf-8") for path in files if path.is_file())]
+        err = "\n".join(line for line in "".join(reports).splitlines() if "refused: " in line)
     notes, last = err.splitlines() if code != _UNBALANCED else [], ""
     if code == _REFUSED:
         last = notes.pop() if notes else ""
         left = [str(path.relative_to(folder)) for path in set(folder.rglob("*")) - before]
-        must(not left or _may_leave(words), f"refused, and left {', '.join(left)}: {err[:200]!r}")
+        # Runs, or reports of files, from before.
+        kept = words[0] in ("sweep", "figures", "bifurcation") or "--check" in words
+        must(not left or kept, f"refused, and left {', '.join(left)}: {err[:200]!r}")
     elif code not in (_DONE, _EARLY, _UNBALANCED, _DOUBTFUL):
         raise TrialError(f"exit code {code}, said {(err or out)[-300:]!r}")
     for line in notes:
         must(_NOTE.match(line) and not (strict and code == _REFUSED), f"exit code {code}, said {err[:400]!r}")
     return _line(last, strict) if code == _REFUSED else None
-
-
-def _texts(folder: Path, words: Sequence[str]) -> Iterator[str]:
-    """Yield the text of the file behind ``--out``."""
-    for option, value in itertools.pairwise(words):
-        if option == "--out" and (folder / value).is_file():
-            yield (folder / value).read_text(encoding="utf-8")
 
 
 def quietly(words: Sequence[str], folder: Path) -> None:
@@ -183,11 +192,6 @@ def quietly(words: Sequence[str], folder: Path) -> None:
         code, _, err = _run(words)
     if code not in (_DONE, _EARLY):
         raise ValueError(f"{' '.join(words)}: {err}")
-
-
-def _may_leave(words: Sequence[str]) -> bool:
-    """Return whether a command keeps runs, or reports of files, from before it was refused."""
-    return words[0] in ("sweep", "figures", "bifurcation") or "--check" in words
 
 
 @contextlib.contextmanager

@@ -21,8 +21,9 @@ from __future__ import annotations
 import argparse
 import contextlib
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -33,7 +34,13 @@ from antenna_pin import AntennaPinError, System, Urdf, build_mechanism
 from antenna_pin.errors import NotSimulatedWarning
 from robust.trials import Report, write_files
 
-WHAT = "URDFs"
+SEED = 0
+OPTIONS = {
+    "--count": {"type": int, "default": 200, "help": "of URDFs [%(default)s]"},
+    "--slips": {"dest": "kind", "action": "store_const", "const": "slips", "help": "with one slip each"},
+    "--hands": {"dest": "kind", "action": "store_const", "const": "hands", "help": "that are hands"},
+    "--out": {"type": Path, "default": Path("odd_urdfs"), "metavar": "DIR", "help": "[%(default)s]"},
+}
 
 # Of the hands that Pinocchio loads, how many must load here: the others are no mechanisms.
 _GOAL = 0.95
@@ -41,12 +48,7 @@ _GRAVITY = (0.0, 0.0, -9.81)
 
 
 def problem_of(drawn: OddUrdf, path: Path) -> str | None:
-    """Return how a URDF is not its plain twin; None if it is.
-
-    Args:
-        drawn: The URDF.
-        path: The file with its bytes.
-    """
+    """Return how a URDF, in a file, is not its plain twin; None if it is."""
     try:
         model = build_mechanism(Urdf.load(path), "free", _GRAVITY).model
     except AntennaPinError as error:
@@ -82,11 +84,7 @@ def problem_of_hand(drawn: Hand) -> str | None:
 
 
 def problem_of_slip(drawn: SlippedUrdf) -> str | None:
-    """Return how a URDF with a slip is not refused as it should be; None if it is.
-
-    Args:
-        drawn: The URDF.
-    """
+    """Return how a URDF with a slip is not refused as it should be; None if it is."""
     try:
         Urdf.from_text(drawn.text, f"{drawn.name}.urdf")
     except AntennaPinError as error:
@@ -97,40 +95,27 @@ def problem_of_slip(drawn: SlippedUrdf) -> str | None:
     return "is not refused"
 
 
-def trials(seed: int, count: int, kind: str, folder: Path) -> Iterator[tuple[Path, str | None, str]]:
-    """Write so many URDFs of a kind; yield of each the file, what is wrong with it, and what it is."""
-    for number in range(count):
-        if kind == "slips":
-            slip = draw_slip(seed, number)
-            name, text, what = slip.name, slip.text, f"{slip.written} for {slip.meant}"
-        elif kind == "hands":
-            hand = draw_hand(seed, number)
-            name, text, what = hand.name, hand.text, "it should load" if hand.moves else "as it should"
-        else:
-            drawn = draw_urdf(seed, number)
-            name, text, what = drawn.name, drawn.odd, ", ".join(drawn.oddities)
-        path = folder / f"{name}.urdf"
-        write_files(folder, {path.name: text})
-        if kind == "slips":
-            yield path, problem_of_slip(slip), what
-        else:
-            yield path, problem_of_hand(hand) if kind == "hands" else problem_of(drawn, path), what
+def drawn(seed: int, number: int, kind: str | None) -> tuple[Any, bytes | str, str, Callable[[Path], Any]]:
+    """Return a URDF of a kind, its text, what is odd about it, and what returns its fault."""
+    if kind == "slips":
+        slip = draw_slip(seed, number)
+        return slip, slip.text, f"{slip.written} for {slip.meant}", lambda path: problem_of_slip(slip)
+    if kind == "hands":
+        hand = draw_hand(seed, number)
+        what = "it should load" if hand.moves else "as it should"
+        return hand, hand.text, what, lambda path: problem_of_hand(hand)
+    odd = draw_urdf(seed, number)
+    return odd, odd.odd, ", ".join(odd.oddities), lambda path: problem_of(odd, path)
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.set_defaults(seed=0, kind="odd")
-    parser.add_argument("--count", type=int, default=200, help="of URDFs [%(default)s]")
-    for kind in ("slips", "hands"):
-        parser.add_argument(f"--{kind}", dest="kind", action="store_const", const=kind)
-    parser.add_argument("--out", type=Path, default=Path("odd_urdfs"), metavar="DIR")
-
-
-def run(given: argparse.Namespace, report: Report) -> int:
+def run(given: argparse.Namespace, report: Report, folder: Path) -> int:
     """Draw, write, load and compare; return the exit code."""
     alone = failed = 0
-    for path, problem, what in trials(given.seed, given.count, given.kind, given.out):
-        if problem:
+    for number in range(given.count):
+        urdf, text, what, check = drawn(given.seed, number, given.kind)
+        path = given.out / f"{urdf.name}.urdf"
+        write_files(given.out, {path.name: text})
+        if problem := check(path):
             failed += 1
             print(f"{path}: {problem} ({what})")
         with contextlib.suppress(ValueError):

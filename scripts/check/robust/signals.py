@@ -19,14 +19,12 @@ import shlex
 import shutil
 import signal
 import sys
-import tempfile
 import time
 from pathlib import Path
 
 from robust.children import ANEW, ROOT, Child, is_whole, judge, temporary_files
 from robust.trials import Report, TrialError, must
 
-WHAT = "signals"
 _STUDY = """scenario = "pendulum"
 [parameters.span]
 key = "duration"
@@ -64,16 +62,15 @@ COMMANDS = {
     "explore": "explore bai2020 --no-browser",
     "docs": "",
 }
+SEED = 0
+OPTIONS = {
+    "--count": {"type": int, "default": 40, "help": "of signals over all commands [%(default)s]"},
+    "--only": {"choices": COMMANDS, "action": "append", "help": "all if left out"},
+}
 _LONGEST = 20.0  # [s] of a command's life within which a signal is sent
 _AFTERWARDS = 10.0  # [s] that its processes have to follow it
 _PATIENCE = 60.0  # [s] that a command has to end
 _NOISE = re.compile(r"Traceback|Error\b|Exception|Warning|distributed|leaked|resource_tracker|unraisable")
-
-
-def started(name: str, folder: Path) -> Child:
-    """Start a command in a folder."""
-    site = (sys.executable, str(ROOT / "scripts" / "pages" / "build_site.py"))
-    return Child(shlex.split(COMMANDS[name]), folder, program=site if name == "docs" else ANEW)
 
 
 def prepare(folder: Path) -> None:
@@ -98,7 +95,8 @@ def is_there(group: int) -> bool:
 def check(name: str, number: signal.Signals, after: float, folder: Path) -> bool:
     """Send a signal to a command after a time [s]; return whether it was sent, raise what went wrong."""
     inputs = set(folder.iterdir())
-    child = started(name, folder)
+    program = (sys.executable, str(ROOT / "scripts" / "pages" / "build_site.py")) if name == "docs" else ANEW
+    child = Child(shlex.split(COMMANDS[name]), folder, program=program)
     end = child.ended(after, lambda process: os.kill(process, number), after + _PATIENCE)
     if not end.acted:
         must(end.code == 0, f"ended by itself with {end.code}: {end.said[-300:]}")
@@ -118,31 +116,23 @@ def check(name: str, number: signal.Signals, after: float, folder: Path) -> bool
     return True
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    parser.set_defaults(seed=0, verbose=True)
-    parser.add_argument("--count", type=int, default=40, help="of signals over all commands [%(default)s]")
-    parser.add_argument("--only", choices=COMMANDS, action="append", help="all if left out")
-
-
-def run(given: argparse.Namespace, report: Report) -> None:
+def run(given: argparse.Namespace, report: Report, folder: Path) -> None:
     """Send the signals."""
+    report.verbose = True
     life = dict.fromkeys(COMMANDS, _LONGEST)  # [s], at most
-    with tempfile.TemporaryDirectory(prefix="antenna-pin-signals-") as place:
-        inputs = Path(place) / "inputs"
-        prepare(inputs)
-        for trial, name in zip(range(given.count), itertools.cycle(given.only or COMMANDS), strict=False):
-            chance = random.Random(f"{given.seed} {name} {trial}")
-            number, sent = chance.choice([signal.SIGINT, signal.SIGTERM]), False
-            while not sent:
-                after = chance.uniform(0.05, life[name])
-                folder = Path(place) / f"{trial} {after}"
-                shutil.copytree(inputs, folder)
-                problem = None
-                try:
-                    sent = check(name, number, after, folder)
-                except TrialError as error:
-                    sent, problem = True, str(error)
-                shutil.rmtree(folder, ignore_errors=True)
-                life[name] = life[name] if sent else after
-            report.add(name, f"{name}, {number.name} after {after:.2f} s", problem)
+    prepare(folder / "inputs")
+    for trial, name in zip(range(given.count), itertools.cycle(given.only or COMMANDS), strict=False):
+        chance = random.Random(f"{given.seed} {name} {trial}")
+        number, sent = chance.choice([signal.SIGINT, signal.SIGTERM]), False
+        while not sent:
+            after = chance.uniform(0.05, life[name])
+            place = folder / f"{trial} {after}"
+            shutil.copytree(folder / "inputs", place)
+            problem = None
+            try:
+                sent = check(name, number, after, place)
+            except TrialError as error:
+                sent, problem = True, str(error)
+            shutil.rmtree(place, ignore_errors=True)
+            life[name] = life[name] if sent else after
+        report.add(name, f"{name}, {number.name} after {after:.2f} s", problem, after)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import multiprocessing
 import os
 import resource
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
@@ -32,16 +33,12 @@ def must(holds: object, problem: str) -> None:
 
 
 class Report:
-    """Trials by kind: how many, how many failed, and the slowest.
+    """Trials by kind: how many, how many failed, and the slowest."""
 
-    Args:
-        what: Name of the trials, in the plural.
-        verbose: Whether trials without a fault are printed too.
-    """
+    verbose = False  # whether trials without a fault are printed too
 
-    def __init__(self, what: str, verbose: bool = False) -> None:
+    def __init__(self) -> None:
         """Begin with no trials."""
-        self.what, self.verbose = what, verbose
         self.tried: Counter[str] = Counter()
         self.failed: Counter[str] = Counter()
         self.slowest: dict[str, tuple[float, str]] = {}
@@ -64,13 +61,18 @@ class Report:
             problem = str(error)
         self.add(kind, label, problem, time.monotonic() - began)
 
+    def each(self, kinds: Iterable[str], count: int, check: Callable[[str], object]) -> None:
+        """Make so many trials of each kind, in turn."""
+        for number, kind in itertools.product(range(count), kinds):
+            with self.trial(kind, f"{kind} {number}"):
+                check(kind)
+
     def close(self) -> int:
         """Print the counts; return 1 if any trial failed, else 0."""
         for kind, count in self.tried.items():
             seconds, label = self.slowest[kind]
-            slowest = f"; the slowest, {label}, took {seconds:.1f} s" if seconds else ""
-            print(f"{kind}: {count} {self.what}, {self.failed[kind]} failed{slowest}")
-        print(f"{self.tried.total()} {self.what}, {self.failed.total()} failed")
+            print(f"{kind}: {count} tried, {self.failed[kind]} failed; at most {seconds:.1f} s ({label})")
+        print(f"{self.tried.total()} tried, {self.failed.total()} failed")
         return int(self.failed.total() > 0)
 
 
@@ -85,14 +87,13 @@ def write_files(folder: Path, files: Mapping[str, Content]) -> None:
         if callable(content):
             content(path)
         else:
-            path.write_bytes(
-                content.encode("utf-8", "surrogatepass") if isinstance(content, str) else content
-            )
+            is_text = isinstance(content, str)
+            path.write_bytes(content.encode("utf-8", "surrogatepass") if is_text else content)
 
 
-def read_files(folder: Path, pattern: str = "*") -> dict[str, bytes]:
+def read_files(folder: Path) -> dict[str, bytes]:
     """Return the contents of a folder's files, by their names in it."""
-    files = (path for path in sorted(folder.rglob(pattern)) if path.is_file())
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
 
 
@@ -105,9 +106,7 @@ def flipped(content: bytes, bit: int) -> bytes:
 # --- processes of their own --------------------------------------------------------------------------------
 
 
-def _work(
-    pipe: Connection, act: Callable[[Any], Any], items: Sequence[Any], setup: Callable[[], Any] | None
-) -> None:
+def _work(pipe: Connection, items: Sequence[Any], act: Callable[[Any], Any], setup: Any) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
     if setup is not None:
         setup()
@@ -126,8 +125,7 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.items = list(items)
         self.pipe, theirs = context.Pipe()
-        act, setup = work
-        self.process = context.Process(target=_work, args=(theirs, act, self.items, setup), daemon=True)
+        self.process = context.Process(target=_work, args=(theirs, self.items, *work), daemon=True)
         self.process.start()
         theirs.close()
         self.until = time.monotonic() + _START + wall
