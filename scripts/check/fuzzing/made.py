@@ -81,23 +81,16 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], str]] = {
 }
 
 _STUDY = """scenario = "play.toml"
-[set]
-integrator.max_steps = 200
-[parameters.play]
-key = "clearance.bore.radial_clearance"
-values = ["0.1 mm", "0.2 mm"]
-[responses]
-impacts = { measure = "impacts" }
+set.integrator.max_steps = 200
+parameters.play = {key="clearance.bore.radial_clearance", values=["0.1 mm", "0.2 mm"]}
+responses.impacts = {measure="impacts"}
 """
 
 _FIT = """scenario = "swing.toml"
-[parameters.stiffness]
-key = "springs.held.stiffness"
-start = "90 N*m/rad"
-between = ["10 N*m/rad", "1000 N*m/rad"]
-[records.test]
-file = "test.csv"
-columns.rate = { of = "motion_rate[bore]", sd = "1e-3 rad/s" }
+[parameters]
+stiffness = {key="springs.held.stiffness", start="90 N*m/rad", between=["10 N*m/rad", "1000 N*m/rad"]}
+[records]
+test = {file="test.csv", columns.rate={of="motion_rate[bore]", sd="1e-3 rad/s"}}
 """
 
 

@@ -24,7 +24,7 @@ import h5py
 from antenna_pin import AntennaPinError, Trajectory, Urdf
 from antenna_pin._entry import main as command
 from antenna_pin.base.files import has_whole_seal
-from robust.trials import TrialError, must, write_files
+from robust.trials import must, write_files
 
 ROOT = Path(__file__).parents[3]
 TEMPORARY = ".antenna-pin-"  # how names of files begin that are being written
@@ -96,22 +96,21 @@ class Child:
             TrialError: It takes longer.
         """
         said, acted = b"", False
-        with open(self._pipe, "rb", buffering=0) as stream:
+        with contextlib.ExitStack() as unfinished, open(self._pipe, "rb", buffering=0) as stream:
+            unfinished.callback(lambda: (os.killpg(self.pid, signal.SIGKILL), os.waitpid(self.pid, 0)))
             while True:
                 seconds = time.monotonic() - self.began
                 if act is not None and not acted and (due() if callable(due) else seconds >= due):
                     with contextlib.suppress(ProcessLookupError):
                         act(self.pid)
                     acted = True
-                if seconds > patience:
-                    os.killpg(self.pid, signal.SIGKILL)
-                    os.waitpid(self.pid, 0)
-                    raise TrialError(f"did not end within {patience:g} s: {said[-400:]!r}")
+                must(seconds <= patience, f"did not end within {patience:g} s: {said[-400:]!r}")
                 if select.select([stream], [], [], 0.1 if acted or act is None else 0.005)[0]:
                     block = stream.read(65536)
                     if not block:
                         break
                     said += block
+            unfinished.pop_all()
         _, status = os.waitpid(self.pid, 0)
         seconds = time.monotonic() - self.began
         return Ended(os.waitstatus_to_exitcode(status), said.decode(errors="replace"), seconds, acted)

@@ -26,6 +26,7 @@ import json
 import os
 import random
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -47,18 +48,13 @@ RESUME, HOW = ("run", "--resume", "out/run.nc"), ("--checkpoint", "0.2 s", "--no
 SWEEP = ("sweep", "trial.study.toml", "--out", "out/trial.study", "--no-progress", "--quiet")
 STUDY = b"""
 scenario = "impact_pair"
-set.integrator.engine = "compiled"
-set.clearance.bore.geometry = "closed-form"
-[sampling]
-method = "random"
-count = 250
-[parameters.restitution]
-key = "clearance.bore.normal.restitution"
-between = [0.3, 0.9]
+set = {integrator.engine="compiled", clearance.bore.geometry="closed-form"}
+sampling = {method="random", count=250}
+parameters.restitution = {key="clearance.bore.normal.restitution", between=[0.3, 0.9]}
 [responses]
-impacts = { measure = "impacts" }
-impulse = { measure = "impulse" }
-dissipated = { measure = "dissipated" }
+impacts = {measure="impacts"}
+impulse = {measure="impulse"}
+dissipated = {measure="dissipated"}
 """
 
 
@@ -172,8 +168,7 @@ class Run(Work):
             room = self.chance.uniform(0.0, 2.2) * (self.whole / "out" / "run.nc").stat().st_size
             self.fill(place, 4096 + int(room))
         elif kind == "damage":
-            while not self.stored(place).is_file():
-                self._stop(place, signal.SIGTERM, 0.5)
+            shutil.copytree(self.stopped, place, dirs_exist_ok=True)
             content = self.spoiled(self.stored(place).read_bytes())
             self.stored(place).write_bytes(content)
             self.give(place, codes={2})
@@ -185,6 +180,14 @@ class Run(Work):
             else:
                 self.continue_(place)
             self.check_end(place)
+
+    @functools.cached_property
+    def stopped(self) -> Path:
+        """Folder of a run that was stopped behind its first checkpoint."""
+        place = self.prepared("stopped")
+        while not self.stored(place).is_file():
+            self._stop(place, signal.SIGTERM, self.chance.uniform(0.3, 1.0))
+        return place
 
     def _stop(self, place: Path, number: signal.Signals, moment: float) -> Ended:
         codes, due = {0, -number, 128 + number}, moment * self.seconds
