@@ -54,7 +54,8 @@ def make(job: Job, derivatives: bool = False) -> None:
     """Make the run of a job, and what it does not need yet; or derivatives along a moment of it."""
     import numpy as np
 
-    from antenna_pin import build_system, initial_state, load_scenario, simulate
+    from antenna_pin import build_system, load_scenario, simulate
+    from antenna_pin.assemble import initial_state
     from antenna_pin.compiled.kernel_cache import told_of_compiling
     from antenna_pin.dynamics import Workspace
     from antenna_pin.mechanism import TreeDynamics

@@ -24,7 +24,7 @@ MADE = {
 
 
 def site_module(monkeypatch, name):
-    monkeypatch.syspath_prepend(str(ROOT / "scripts" / "docs_site"))
+    monkeypatch.syspath_prepend(str(ROOT / "scripts" / "pages"))
     return importlib.import_module(name)
 
 
@@ -157,11 +157,11 @@ def test_the_first_page_plays_a_recording(monkeypatch, tmp_path):
 
 @pytest.fixture(scope="module")
 def site():
-    sys.path.insert(0, str(ROOT / "scripts" / "docs_site"))
+    sys.path.insert(0, str(ROOT / "scripts" / "pages"))
     try:
         return importlib.import_module("build_site").build()
     finally:
-        sys.path.remove(str(ROOT / "scripts" / "docs_site"))
+        sys.path.remove(str(ROOT / "scripts" / "pages"))
 
 
 @pytest.mark.slow

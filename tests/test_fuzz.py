@@ -1,4 +1,4 @@
-"""Inputs with something changed, some of every format: ``scripts/fuzz.py`` has them by the thousand."""
+"""Inputs with something changed, some of every format: ``robustness.py fuzz`` has them by the thousand."""
 
 import importlib
 import sys
@@ -11,14 +11,11 @@ import pytest
 
 from antenna_pin.scenario.spec import Count, Quantity, Spec
 
-SCRIPTS = str(Path(__file__).parents[1] / "scripts")
+SCRIPTS = str(Path(__file__).parents[1] / "scripts" / "check")
 SEED, FEW = 1, 12
 
 sys.path.insert(0, SCRIPTS)
-fuzz = importlib.import_module("fuzz")
-inputs, declared, values = (
-    importlib.import_module(f"fuzzing.{name}") for name in ("inputs", "declared", "values")
-)
+fuzz, inputs, declared = map(importlib.import_module, ("robust.fuzz", "robust.inputs", "fuzzing.declared"))
 sys.path.remove(SCRIPTS)
 
 
@@ -82,5 +79,5 @@ def test_what_is_declared_is_tried_without_a_word_more():
         (places["laps",].what, (3, 2.5, 10, True, "2 s", float("nan"))),
         (places["inner", "a", "speed"].what, (0.0, -1.0, "1 m", "x", [1.0], float("inf"))),
     ):
-        assert not any(values.admits(what, value) for value in wrong)
-        assert all(values.admits(what, values.sound_value(chance, what, names)) for _ in range(50))
+        assert not any(what.admits(value) for value in wrong)
+        assert all(what.admits(what.sound(chance, names)) for _ in range(50))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "scripts"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "scripts" / "check"))
 golden = importlib.import_module("golden")
 sys.path.pop(0)
 _array, _clean, compared = golden._array, golden._clean, golden.compared

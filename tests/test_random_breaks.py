@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 def scripts():
     """The module of sites."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(ROOT / "scripts"))
+        patch.syspath_prepend(str(ROOT / "scripts" / "check"))
         yield importlib.import_module("break_sites")
 
 
@@ -158,7 +158,7 @@ def test_a_break_lives_if_all_tests_pass_and_the_tree_is_put_right(tmp_path, tmp
         path.write_text(content, encoding="utf-8")
     # In a process that has not imported the package.
     command = [sys.executable, "-c", PROGRAM, str(tmp_path), str(tmp_path_factory.mktemp("hits"))]
-    env = {**os.environ, "PYTHONPATH": str(ROOT / "scripts")}
+    env = {**os.environ, "PYTHONPATH": str(ROOT / "scripts" / "check")}
     done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
     lines = done.stdout.splitlines()
     assert lines[:3] == ["killed", "lived", "equivalent"]

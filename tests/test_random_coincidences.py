@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-SCRIPTS = Path(__file__).parents[1] / "scripts"
+SCRIPTS = Path(__file__).parents[1] / "scripts" / "check"
 # With friction at stops, static above Coulomb's; plastic stops on a free base; latches at stops and events.
 FEW = (1, 5, 99, pytest.param(258, marks=pytest.mark.slow))
 

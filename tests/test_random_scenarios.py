@@ -11,7 +11,7 @@ import pytest
 from antenna_pin import Scenario
 from antenna_pin.errors import InvalidParameterError
 
-SCRIPTS = Path(__file__).parents[1] / "scripts"
+SCRIPTS = Path(__file__).parents[1] / "scripts" / "check"
 SEED = 2024
 FEW = range(5, 13)  # among them free and fixed bases, all kinds of joint, both loads and backends
 

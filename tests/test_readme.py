@@ -9,7 +9,7 @@ folder. To bring blocks up to date::
 
     python tests/test_readme.py --write [--slow] [PAGE.md ...]
 
-Reference tables are made by ``scripts/reference.py``, see ``tests/test_reference.py``.
+Reference tables are made by ``scripts/pages/reference.py``, see ``tests/test_reference.py``.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, law_pa
 from antenna_pin.scenario import FAMILY_SPECS, ClearanceSpec, Scenario
 from antenna_pin.scenario.laws import law_spec, laws, missing_parameters
 
-SCRIPTS = Path(__file__).parents[1] / "scripts"
+SCRIPTS = Path(__file__).parents[1] / "scripts" / "pages"
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def reference(monkeypatch):
 def test_every_table_is_up_to_date(reference):
     for path in reference.documents():
         text = path.read_text()
-        assert reference.filled(text) == text, f"{path.name}: run python scripts/reference.py --write"
+        assert reference.filled(text) == text, f"{path.name}: run python scripts/pages/reference.py --write"
 
 
 def test_every_table_stands_in_one_place(reference):

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture
 def release(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    monkeypatch.syspath_prepend(str(ROOT / "scripts" / "check"))
     return importlib.import_module("release_check")
 
 
@@ -120,7 +120,8 @@ def test_versions_are_ordered_by_number_not_by_letters(release):
 
 
 def test_a_tag_of_another_version_is_refused():
-    command = [sys.executable, str(ROOT / "scripts" / "release_check.py"), "--no-install", "--tag", "v9.9.9"]
+    script = str(ROOT / "scripts" / "check" / "release_check.py")
+    command = [sys.executable, script, "--no-install", "--tag", "v9.9.9"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stdout.startswith("the tag is v9.9.9, of version ")

@@ -1,6 +1,6 @@
 """Figures of runs by their names, so that editors complete them: ``run.plot("contact_forces")``.
 
-What stands between the marks is written by ``python scripts/reference.py --write``, of the catalogue of
+What stands between the marks is written by ``python scripts/pages/reference.py --write``, of the catalogue of
 figures (:mod:`antenna_pin.plot.catalogue`).
 """
 

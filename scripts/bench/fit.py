@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A fit in pieces over one run of its record: play, stiffness, restitution, friction, 54 states of a hinge.
 
-The record is that of scripts/fit_coverage.py, 60 ms, made by equations and an integrator that are none of the
+The record is that of fit_coverage.py, 60 ms, made by equations and an integrator that are none of the
 package's; 10 pieces of 6 ms. Beside it what one Jacobian takes, by differences; and one evaluation of a
 record behind a filter, that of the deployment, over its run.
 """
@@ -18,14 +18,12 @@ from pathlib import Path
 
 import numpy as np
 from bench_tools import Report
+from fit_coverage import FIT, TIMES, TRUTH, record, write_record
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from fit_coverage import FIT, TIMES, TRUTH, record, write_record  # noqa: E402
-
-from antenna_pin import Scenario, simulate  # noqa: E402
-from antenna_pin.fit import Problem, load_fit, run_fit  # noqa: E402
-from antenna_pin.fit.sensors import instants  # noqa: E402
-from antenna_pin.simulation.inputs import settings_of  # noqa: E402
+from antenna_pin import Scenario, simulate
+from antenna_pin.fit import Problem, load_fit, run_fit
+from antenna_pin.fit.sensors import instants
+from antenna_pin.simulation.inputs import settings_of
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 

@@ -21,7 +21,7 @@ from antenna_pin import System, Urdf, build_mechanism, list_scenarios, load_scen
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.elements import JointSpring
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "check"))
 from random_trees import drawn  # noqa: E402
 from scenario_generator import draw_scenario  # noqa: E402
 

@@ -18,7 +18,8 @@ import numpy as np
 import pinocchio as pin
 from bench_tools import CLOSED_FORM, Array, Report, interleaved, scenario
 
-from antenna_pin import System, Trajectory, build_system, initial_state, load_scenario, simulate
+from antenna_pin import System, Trajectory, build_system, load_scenario, simulate
+from antenna_pin.assemble import initial_state
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.dynamics import Workspace
 

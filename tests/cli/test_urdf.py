@@ -12,7 +12,7 @@ from antenna_pin import load_scenario, simulate
 from antenna_pin.cli import app
 from antenna_pin.errors import NotSimulatedWarning
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "check"))
 import urdf_generator
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'

@@ -54,7 +54,7 @@ def judge(system, seed, tilt=1.0):
 @pytest.mark.parametrize("number", range(8))
 def test_joints_with_play_change_as_the_whole_does(number, monkeypatch):
     """Revolute, planar and spherical ones in random trees, of all laws, with drives and springs."""
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    monkeypatch.syspath_prepend(str(ROOT / "scripts" / "check"))
     scenario = importlib.import_module("scenario_generator").draw_scenario(3, number)
     plain = {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}
     plain |= {f"clearance.{n}.load": "point" for n, one in scenario.clearance.items() if hasattr(one, "load")}
@@ -64,7 +64,7 @@ def test_joints_with_play_change_as_the_whole_does(number, monkeypatch):
 @pytest.mark.parametrize("number", [0, 1, 9, 11, 27, 28, 33, 41, 45])
 def test_elements_change_as_the_whole_does(number, monkeypatch):
     """Those of trees without rows: springs, stops, latches, bearings, bristles, gears, motors."""
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    monkeypatch.syspath_prepend(str(ROOT / "scripts" / "check"))
     system = importlib.import_module("random_trees").drawn(0, number).system
     assert judge(system, number) < 1.0
 

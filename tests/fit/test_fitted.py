@@ -111,7 +111,7 @@ def test_many_starts_find_the_lowest_of_many_valleys(write):
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_play_stiffness_restitution_friction_of_another_codes_joint(tmp_path, seed):
-    """scripts/fit_coverage.py has a hundred of them."""
+    """scripts/bench/fit_coverage.py has a hundred of them."""
     write_record(tmp_path / "test.csv", record(*TRUTH.values(), TIMES), seed)
     (tmp_path / "joint.fit.toml").write_text(FIT)
     found = run_fit(load_fit(tmp_path / "joint.fit.toml"))

@@ -9,9 +9,9 @@ import pytest
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import Urdf, WrittenUrdf
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
-import odd_urdfs
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "check"))
 import urdf_generator
+from robust import odd_urdfs
 
 MOMENTS = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
 URDF = f"""<robot name="pair">

@@ -10,10 +10,10 @@ import pytest
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import JointChange, LinkChange, Urdf, WrittenUrdf, build_mechanism
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "check"))
 import hand_generator
-import odd_urdfs
 import urdf_generator
+from robust import odd_urdfs
 
 BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 

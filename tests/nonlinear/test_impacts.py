@@ -58,7 +58,7 @@ def judge(system, y, numbers=None):
 @pytest.mark.parametrize("number", range(8))
 def test_impacts_in_random_trees_change_as_differences_say(number, monkeypatch):
     """At revolute, planar and spherical joints, with the bearing on either side."""
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    monkeypatch.syspath_prepend(str(ROOT / "scripts" / "check"))
     scenario = importlib.import_module("scenario_generator").draw_scenario(3, number)
     plain = {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}
     plain |= {f"clearance.{n}.load": "point" for n, one in scenario.clearance.items() if hasattr(one, "load")}
@@ -68,7 +68,7 @@ def test_impacts_in_random_trees_change_as_differences_say(number, monkeypatch):
 
 def test_impacts_of_point_loads_are_known_beside_a_distributed_one(monkeypatch):
     """The closed form is taken for a contact of a point load, whatever other joints carry."""
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    monkeypatch.syspath_prepend(str(ROOT / "scripts" / "check"))
     scenario = importlib.import_module("scenario_generator").draw_scenario(1, 70)
     scenario = scenario.with_overrides(
         {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}

@@ -120,7 +120,7 @@ def test_random_mechanisms_that_the_equation_was_off_in(number, monkeypatch):
     Kono's law under Gonthier's bristles, the others two and three joints of nine laws. In 16 a flange touches
     that is hardly tilted, in 68 velocities change 300 times as much in a distributed contact as behind it.
     """
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    monkeypatch.syspath_prepend(str(ROOT / "scripts" / "check"))
     campaign = importlib.import_module("random_sensitivities")
     scenario, keys, _ = campaign.drawn(1, number)
     found = campaign.compared(scenario, keys, contacts=3, limit=1e-7)

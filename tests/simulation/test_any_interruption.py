@@ -42,7 +42,7 @@ SHIPPED = (
 
 @pytest.fixture
 def draw_scenario(monkeypatch):
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "scripts"))
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "scripts" / "check"))
     return importlib.import_module("scenario_generator").draw_scenario
 
 

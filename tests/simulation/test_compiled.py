@@ -14,7 +14,7 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.simulation import Event
 from antenna_pin.simulation.events import Angle, Mark
 
-SCRIPTS = Path(__file__).parents[2] / "scripts"
+SCRIPTS = Path(__file__).parents[2] / "scripts" / "check"
 
 
 def run(model, case, duration, engine="compiled", joints=(), **settings):

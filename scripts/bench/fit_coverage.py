@@ -1,0 +1,153 @@
+"""How often are the numbers of a joint within the bands that a fit states? Of records of a known joint.
+
+    python scripts/bench/fit_coverage.py [--count 100] [--seed 0]
+
+A bar hangs from a hinge with play. What its sensors read is made by equations and an integrator that are none
+of the package's (tests/reference/planar_joint.py), noise is added, play, stiffness, restitution, friction are
+fitted, each time from another noise. Of bands of 95 % some 95 of 100 hold the number that the record was
+made with; of so many draws between 90 and 99 are what chance leaves (binomial, 98 %).
+
+Whether a count that is off is chance or a wrong band is told by a second answer to the same noise, that of
+the model's tangent at the true numbers, for which the bands are right by construction: it is held by as many
+bands, if the fit's are right and it is at its least. The mean square of the errors over the
+stated standard errors is 1, give or take the root of 2 over the number of records.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "reference"))
+
+from planar_joint import record  # noqa: E402
+
+from antenna_pin.fit import Fit, Problem, load_fit, run_fit  # noqa: E402
+
+TRUTH = {"play": 1.0e-4, "stiffness": 1.0e10, "restitution": 0.8, "friction": 0.1}
+TIMES = np.arange(1, 301) * 2e-4  # [s]
+PLACE_NOISE, FORCE_NOISE = 0.5e-6, 5.0  # [m], [N]
+QUANTILE = 1.959964  # of the normal distribution, 95 % [-]
+
+FIT = """
+title = "A hinge with play from two probes and a force cell"
+scenario = "pendulum"
+case = "planar"
+[set]
+duration = "0.061 s"
+integrator.engine = "compiled"
+clearance.hinge.geometry = "closed-form"
+initial.joints.hinge.journal_velocity = ["150 mm/s", "0 m/s", "0 m/s"]
+clearance.hinge.normal = { replace = true, law = "lankarani-nikravesh", stiffness = 1e10, restitution = 0.7 }
+[set.clearance.hinge.friction]
+replace = true
+law = "tanh"
+coefficient_of_friction = 0.1
+transition_speed = "10 mm/s"
+[parameters.play]
+key = "clearance.hinge.radial_clearance"
+start = "0.101 mm"
+between = ["0.05 mm", "0.2 mm"]
+[parameters.stiffness]
+key = "clearance.hinge.normal.stiffness"
+start = "1.05e10 N/m**1.5"
+between = ["1e9 N/m**1.5", "1e11 N/m**1.5"]
+scale = "log"
+[parameters.restitution]
+key = "clearance.hinge.normal.restitution"
+start = 0.79
+between = [0.3, 1.0]
+[parameters.friction]
+key = "clearance.hinge.friction.coefficient_of_friction"
+start = 0.11
+between = [0.0, 0.5]
+[records.test]
+file = "test.csv"
+[records.test.columns.x]
+of = "journal_position[hinge].x"
+unit = "um"
+sd = "0.5 um"
+[records.test.columns.y]
+of = "journal_position[hinge].y"
+unit = "um"
+sd = "0.5 um"
+[records.test.columns.force]
+of = "joint_force[hinge].x"
+unit = "N"
+sd = "5 N"
+"""
+
+
+def noise_of(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return a record's noise in units of its standard deviation: of places (n, 2), of the force (n,)."""
+    noise = np.random.default_rng(seed)
+    return noise.standard_normal((len(TIMES), 2)), noise.standard_normal(len(TIMES))
+
+
+def write_record(path: Path, clean: tuple[np.ndarray, np.ndarray, np.ndarray], seed: int) -> None:
+    """Write a record with its noise."""
+    of_places, of_force = noise_of(seed)
+    places = clean[0] + PLACE_NOISE * of_places
+    force = clean[1][:, 0] + FORCE_NOISE * of_force
+    rows = np.column_stack([TIMES, 1e6 * places, force])
+    np.savetxt(path, rows, delimiter=",", header="time,x,y,force", comments="", fmt="%.9g")
+
+
+def fitted(folder: Path, clean: tuple[np.ndarray, np.ndarray, np.ndarray], seed: int) -> Fit:
+    """Return the fit to a record with a noise of its own."""
+    write_record(folder / "test.csv", clean, seed)
+    (folder / "joint.fit.toml").write_text(FIT)
+    return run_fit(load_fit(folder / "joint.fit.toml"))
+
+
+def tangent(folder: Path, clean: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
+    """Return what takes noise, (m,), to the error of the tangent's answer in standard errors, (p, m)."""
+    write_record(folder / "test.csv", clean, 0)
+    (folder / "joint.fit.toml").write_text(FIT)
+    slopes = Problem(load_fit(folder / "joint.fit.toml")).jacobian(np.array([*TRUTH.values()]))
+    covariance = np.linalg.inv(slopes.T @ slopes)
+    return covariance @ slopes.T / np.sqrt(np.diag(covariance))[:, None]
+
+
+def main() -> None:
+    """Print how many bands hold."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=0)
+    asked = parser.parse_args()
+    clean = record(*TRUTH.values(), TIMES)
+    truth, held, ratios = np.array([*TRUTH.values()]), np.zeros(len(TRUTH), int), []
+    errors, of_tangent = [], []
+    with tempfile.TemporaryDirectory() as name:
+        along = tangent(Path(name), clean)
+        for k in range(asked.count):
+            fit = fitted(Path(name), clean, asked.seed + k)
+            held += (fit.bands.low <= truth) & (truth <= fit.bands.high)
+            ratios.append(fit.bands.chi2 / fit.bands.freedoms)
+            errors.append((fit.values - truth) / fit.bands.sd)
+            places, force = noise_of(asked.seed + k)
+            of_tangent.append(along @ np.concatenate([places[:, 0], places[:, 1], force]))
+            print(
+                f"{k + 1}: {fit.runs} runs, chi2 / freedoms {ratios[-1]:.3f}, held so far {held.tolist()}",
+                flush=True,
+            )
+    straight = np.count_nonzero(np.abs(of_tangent) <= QUANTILE, axis=0)
+    squares = np.mean(np.square(errors), axis=0)
+    apart = np.max(np.abs(np.subtract(errors, of_tangent)), axis=0)
+    for k, name in enumerate(TRUTH):
+        print(
+            f"{name}: {held[k]} of {asked.count} bands of 95 % hold the number, {straight[k]} of the "
+            f"tangent's; mean square error {squares[k]:.3f} of what is stated; from the tangent's answer by "
+            f"at most {apart[k]:.3f} standard errors"
+        )
+    print(f"chi2 over degrees of freedom: {np.mean(ratios):.4f} on average")
+
+
+if __name__ == "__main__":
+    main()

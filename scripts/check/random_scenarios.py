@@ -1,0 +1,510 @@
+#!/usr/bin/env python3
+"""Random scenarios at default settings: do they keep their ledgers, and do they end with a word?
+
+``scenario_generator.py`` says what is random. Every scenario is known by the seed and its number, and is run
+in a process apart, so that one that hangs or dies is listed like any other failure::
+
+    scripts/check/random_scenarios.py --count 200             # all
+    scripts/check/random_scenarios.py --seed 1 --only 37      # one again
+    scripts/check/random_scenarios.py --count 500 --engines   # with both engines, which must agree
+    scripts/check/random_scenarios.py --count 200 --elements  # with stops, latches, gears, ... as well
+
+What must hold, of runs that end early as well:
+
+- Momentum, where it is conserved (free base, no gravity): linear and angular drift at most 1e-9 of the run's
+  own scale, the largest sum of the magnitudes of the momenta of the bodies other than the base. Both are the
+  result's (``Trajectory.summary()["conservation"]``).
+- Energy: the ledger's error at most 1e-5 of what the run had to spend. That is the gross work of the drives,
+  plus what was stored in springs and contacts at the start, plus the kinetic energy at the start without that
+  of the mass centre of a free base, plus what gravity gave or took (the span of its potential). Gross work
+  alone would do for an antenna that starts at rest, but many of these scenarios have hardly any drive: they
+  live from their initial motion, their springs or their weight, and a share of next to nothing says nothing.
+- It ends ``COMPLETED``, or early with an outcome whose message says why and where, or is refused with an
+  error of the package. An exception of another kind, a warning, a number in the result that is not finite
+  (but for the release of contacts that still touch), a process that dies, or a run that takes longer than
+  ``--wall`` seconds counts as a failure.
+- Of all runs together at least 90 % are completed and had contacts.
+- With ``--engines`` the compiled engine makes the run, and the other one makes it again: both end alike, keep
+  their ledgers, and are in the same place after a tenth of the time, to 1e-6; what impacts make of round-off
+  is more, later.
+
+Exit code 1 on any failure.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import csv
+import dataclasses
+import itertools
+import math
+import multiprocessing
+import sys
+import time
+import traceback
+import warnings
+from collections import Counter, defaultdict, deque
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from scenario_elements import with_elements
+from scenario_generator import draw_scenario
+
+from antenna_pin import AntennaPinError, Scenario, Trajectory, simulate
+from antenna_pin.errors import LongRunWarning, StiffRunWarning
+from antenna_pin.simulation import Progress
+
+MOMENTUM = 1e-9
+ENERGY = 1e-5
+COMPLETED = 0.9  # least share of runs completed with contacts
+WALL = 120.0  # [s]; coal under distributed load takes most, about half a millisecond an evaluation
+
+AGREE, PART = 1e-6, 0.1  # how near engines come, after which part of a run
+
+_REPORT_INTERVAL = 0.5  # [s]
+# Of a contact that still touches; of a change of what is no latch; of what a controller does not have yet.
+_MAY_BE_NAN = ("release_time", "change_energy", "tick_signal")
+
+
+@dataclass(slots=True)
+class Row:
+    """What became of one scenario.
+
+    Attributes:
+        number: Its number.
+        outcome: Name of the outcome; REFUSED where the package raised an error, FAILED where there is none.
+        message: What it says.
+        linear: Drift of linear momentum over its scale; NaN where it is not conserved [-].
+        angular: The same of angular momentum [-].
+        energy: Error of the energy's ledger over what there was to spend [-].
+        energy_error: The same [J].
+        gross_work: Of the drives [J].
+        to_spend: Gross work and what was stored at the start or given by gravity [J].
+        episodes: Of contact.
+        steps: Accepted.
+        evaluations: Of the equations of motion.
+        gap_difference: Coal's gaps less those in closed form, the largest [m].
+        engines: How far apart the engines are after a part of the run, over what has moved [-].
+        wall: Time of the run [s].
+        classes: What it is an example of: names by kind, such as ``law`` or ``load``.
+        failures: What is wrong.
+    """
+
+    number: int
+    outcome: str = "FAILED"
+    message: str = ""
+    linear: float = math.nan
+    angular: float = math.nan
+    energy: float = math.nan
+    energy_error: float = math.nan
+    gross_work: float = math.nan
+    to_spend: float = math.nan
+    episodes: int = 0
+    steps: int = 0
+    evaluations: int = 0
+    gap_difference: float = math.nan
+    engines: float = math.nan
+    wall: float = math.nan
+    classes: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    failures: list[str] = field(default_factory=list)
+
+    @property
+    def momentum(self) -> float:
+        """The larger drift of momentum; NaN where it is not conserved [-]."""
+        return self.linear if math.isnan(self.angular) else float(np.fmax(self.linear, self.angular))
+
+
+# --- one scenario ------------------------------------------------------------------------------------------
+
+
+def run_number(
+    seed: int, number: int, progress: Any = None, engines: bool = False, elements: bool = False
+) -> Row:
+    """Make and run one scenario; return what became of it, whatever that is.
+
+    Args:
+        seed: Of all scenarios.
+        number: Of this one.
+        progress: Called as the run goes on.
+        engines: Whether both engines make the run.
+        elements: Whether its joints have more than play.
+    """
+    row = Row(number)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            scenario = draw_scenario(seed, number)
+            if elements:
+                scenario = with_elements(scenario, seed, number)
+            row.classes = classes_of(scenario)
+            if engines:
+                _run_with_both(row, scenario, progress)
+            else:
+                _run(row, scenario, progress)
+        except Exception as error:  # whatever it is, it is what is looked for
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
+            row.failures.append(text)
+    # That a run is stiff, or long, is said to be helpful; it goes on.
+    found = [one for one in said if not issubclass(one.category, StiffRunWarning | LongRunWarning)]
+    texts = {f"warning {one.category.__name__}: {one.message}" for one in found}
+    row.failures += sorted(texts)
+    return row
+
+
+def _run(row: Row, scenario: Scenario, progress: Any) -> Trajectory | None:
+    """Run a scenario and write what became of it into its row; return the run, or None if it was refused."""
+    began = time.perf_counter()
+    try:
+        run = simulate(scenario, progress=progress)
+    except AntennaPinError as error:
+        row.outcome, row.message = "REFUSED", str(error)
+        return None
+    row.wall = time.perf_counter() - began
+    _judge(row, scenario, run)
+    return run
+
+
+def _run_with_both(row: Row, scenario: Scenario, progress: Any) -> None:
+    """Run a scenario with both engines, and write into its row where they do not agree."""
+    closed = {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}
+    other = Row(row.number)
+    runs = [
+        _run(each, scenario.with_overrides({**closed, "integrator.engine": engine}), progress)
+        for each, engine in ((row, "compiled"), (other, "pinocchio"))
+    ]
+    row.failures += [f"by pinocchio: {text}" for text in other.failures]
+    if row.outcome != other.outcome:
+        row.failures.append(f"compiled ended {row.outcome}, pinocchio {other.outcome}: {other.message}")
+    if None in runs:
+        return
+    ours, theirs = (run.data.q.interp(time=PART * scenario.duration).values for run in runs if run)
+    row.engines = float(np.abs(ours - theirs).max() / max(1.0, np.abs(theirs).max()))
+    if not row.engines <= AGREE:
+        row.failures.append(f"engines are {row.engines:.3g} apart after {PART:g} of the run, limit {AGREE:g}")
+
+
+def _judge(row: Row, scenario: Scenario, run: Trajectory) -> None:
+    """Write a run's numbers into its row, and what is wrong with them."""
+    summary = run.summary()
+    kept = summary["conservation"]
+    row.outcome, row.message = run.outcome.name, run.message
+    row.episodes = int(run.data.sizes["episode"])
+    row.steps, row.evaluations = run.counts.accepted, run.counts.evaluations
+    row.gap_difference = summary["gap_difference"]
+    row.energy_error, row.gross_work = kept["energy_error"], kept["gross_work"]
+    row.to_spend = energy_to_spend(scenario, run)
+    row.energy = row.energy_error / row.to_spend if row.to_spend > 0.0 else math.inf
+    for name in ("linear", "angular"):
+        drift = kept[f"{name}_momentum_drift_relative"]
+        setattr(row, name, math.nan if drift is None else drift)
+        if drift is not None and not drift <= MOMENTUM:
+            row.failures.append(f"{name} momentum drifts by {drift:.3g} of its scale, limit {MOMENTUM:g}")
+    if not row.energy <= ENERGY:
+        share = f"{row.energy:.3g} of {row.to_spend:.3g} J"
+        row.failures.append(f"energy error {row.energy_error:.3g} J is {share}, limit {ENERGY:g}")
+    if names := not_finite(run):
+        row.failures.append(f"not finite: {', '.join(names)}")
+    if row.outcome == "INTERRUPTED" or not row.message:
+        row.failures.append(f"ended with {row.outcome} and message {row.message!r}")
+
+
+def energy_to_spend(scenario: Scenario, run: Trajectory) -> float:
+    """Return the gross work of the drives and the energy at the start or given by gravity [J].
+
+    Of the kinetic energy of a free base the mass centre's is left out: it is spent on nothing, and depends on
+    who looks.
+    """
+    data = run.data
+    stored = sum(float(data[f"{name}_energy"][0]) for name in ("kinetic", "contact", "spring"))
+    if "element_energy" in data:
+        stored += float(data["element_energy"][0].sum())
+    if scenario.mechanism.base == "free":
+        masses = ElementTree.fromstring(scenario.urdf_text).iter("mass")
+        momentum = data["linear_momentum"].values[0]
+        stored -= 0.5 * float(momentum @ momentum) / sum(float(mass.get("value", "nan")) for mass in masses)
+    fallen = float(np.ptp(data["gravity_energy"].values))
+    return float(run.summary()["conservation"]["gross_work"]) + max(stored, 0.0) + fallen
+
+
+def not_finite(run: Trajectory) -> list[str]:
+    """Return the names of a result's variables that hold a number that is not finite but must be."""
+    return [
+        str(name)
+        for name, variable in run.data.variables.items()
+        if variable.dtype.kind == "f" and name not in _MAY_BE_NAN and not np.isfinite(variable.values).all()
+    ]
+
+
+def classes_of(scenario: Scenario) -> dict[str, tuple[str, ...]]:
+    """Return what a scenario is an example of: names by kind."""
+    joints = [one for one in scenario.clearance.values() if one.model != "ideal"]
+    found: dict[str, Iterable[str]] = {
+        "base": [scenario.mechanism.base],
+        "gravity": ["yes" if any(scenario.mechanism.gravity) else "no"],
+        "links": [str(scenario.urdf_text.count("<link "))],
+        "joints with play": [str(len(joints))],
+        "joint": [one.model for one in joints],
+        "load": [f"{one.model} {one.load}" for one in joints if one.model == "contact"],
+        "backend": [one.geometry for one in joints],
+        "flanges": ["play" if one.axial_clearance else "no play" for one in joints if one.model == "contact"],
+        "drives": [drive.kind for drive in scenario.drives.values()] or ["none"],
+        "springs": ["yes" if scenario.springs else "no"],
+        "law": [one.normal.law for one in joints if one.normal is not None],
+        "dissipation": [one.normal.dissipation or "-" for one in joints if one.normal is not None],
+        "friction": [one.friction.law for one in joints],
+        "element": [
+            f"{table} {one.kind}"
+            for table in ("stops", "latches", "frictions", "gears", "couplings", "forces", "shake")
+            for one in getattr(scenario, table).values()
+        ],
+    }
+    return {kind: tuple(sorted(set(names))) for kind, names in found.items()}
+
+
+# --- many, in processes of their own -----------------------------------------------------------------------
+
+
+def _work(pipe: Connection, seed: int, how: Mapping[str, bool]) -> None:
+    """Run the numbers that come through a pipe, and send back where they are and what became of them."""
+    last = time.perf_counter()
+
+    def report(seen: Progress) -> None:
+        nonlocal last
+        if time.perf_counter() - last > _REPORT_INTERVAL:
+            last = time.perf_counter()
+            pipe.send(seen)
+
+    with contextlib.suppress(EOFError, OSError):  # nobody listens any more
+        pipe.send("ready")
+        while True:
+            pipe.send(run_number(seed, pipe.recv(), report, **how))
+
+
+class _Worker:
+    """A process that runs one number after another, and is ended if one takes too long."""
+
+    def __init__(self, seed: int, how: Mapping[str, bool]) -> None:
+        """Start the process; it says when it is ready."""
+        context = multiprocessing.get_context("spawn")
+        self.pipe, other = context.Pipe()
+        self.process = context.Process(target=_work, args=(other, seed, how), daemon=True)
+        self.process.start()
+        other.close()
+        self.number: int | None = None
+        self.ready = False
+        self.began = math.inf
+        self.seen: Progress | None = None
+
+    def begin(self, number: int) -> None:
+        """Give it a number."""
+        self.number, self.began, self.seen = number, time.monotonic(), None
+        self.pipe.send(number)
+
+    def take(self) -> Row | None:
+        """Take what it has sent: a result, or None where it only says how far it is."""
+        try:
+            sent = self.pipe.recv()
+        except (EOFError, OSError):
+            self.process.join()
+            return self.failed(f"the process died with exit code {self.process.exitcode}")
+        if isinstance(sent, Row):
+            return sent
+        if isinstance(sent, Progress):
+            self.seen = sent
+        else:
+            self.ready = True
+        return None
+
+    def failed(self, text: str) -> Row:
+        """Return the row of a number that came to no end."""
+        if self.number is None:
+            raise RuntimeError(f"a process for scenarios does not start: {text}")
+        if self.seen is not None:
+            at = self.seen
+            text += f"; at t = {at.time:.6g} of {at.end:.6g} s"
+            text += f" after {at.steps} steps, the last of {at.step:.3g} s"
+        return Row(self.number, wall=time.monotonic() - self.began, failures=[text])
+
+    def end(self) -> None:
+        """End the process, busy or not."""
+        self.process.terminate()
+        self.process.join()
+        self.pipe.close()
+
+
+def run_numbers(seed: int, numbers: Iterable[int], jobs: int, wall: float, **how: bool) -> Iterator[Row]:
+    """Run numbers in several processes, each at most some seconds; yield rows as they come."""
+    waiting = deque(numbers)
+    workers: list[_Worker] = []
+    try:
+        while waiting or any(worker.number is not None for worker in workers):
+            while len(workers) < min(jobs, len(waiting)):
+                workers.append(_Worker(seed, how))
+            for worker in workers:
+                if waiting and worker.ready and worker.number is None:
+                    worker.begin(waiting.popleft())
+            heard = wait([worker.pipe for worker in workers], timeout=0.5)
+            for worker in list(workers):
+                row = worker.take() if worker.pipe in heard else None
+                late = f"over {wall:g} s of wall time" if time.monotonic() - worker.began > wall else ""
+                if row is None and late:
+                    row = worker.failed(late)
+                    worker.end()
+                elif row is None:
+                    continue
+                elif late:
+                    row.failures.append(late)
+                if not worker.process.is_alive():
+                    workers.remove(worker)
+                worker.number, worker.began = None, math.inf
+                row.classes = row.classes or _classes_without_running(seed, row.number)
+                yield row
+    finally:
+        for worker in workers:
+            worker.end()
+
+
+def _classes_without_running(seed: int, number: int) -> dict[str, tuple[str, ...]]:
+    """Return what a scenario is an example of whose process came to no end."""
+    try:
+        return classes_of(draw_scenario(seed, number))
+    except Exception:  # then it could not be drawn, which its row says
+        return {}
+
+
+# --- the report --------------------------------------------------------------------------------------------
+
+
+def failure_lines(rows: Iterable[Row], seed: int) -> list[str]:
+    """Return a line for each thing that is wrong, with what is needed to repeat it."""
+    return [
+        f"--seed {seed} --only {row.number}: {text}"
+        + (f" [{row.message}]" if row.message and row.outcome != "COMPLETED" else "")
+        for row in sorted(rows, key=lambda row: row.number)
+        for text in row.failures
+    ]
+
+
+def class_table(rows: Iterable[Row]) -> list[str]:
+    """Return a line for each class: runs, episodes, largest drift and energy error with their numbers."""
+    groups: dict[tuple[str, str], list[Row]] = defaultdict(list)
+    for row in rows:
+        for kind, names in row.classes.items():
+            for name in names:
+                groups[kind, name].append(row)
+    head = f"{'':<40} {'runs':>5} {'early':>5} {'episodes':>8}  {'momentum':>9} {'number':>6}"
+    lines = [head + f"  {'energy':>9} {'number':>6}  {'wall [s]':>8} {'number':>6}"]
+    kinds = list(dict.fromkeys(kind for kind, _ in groups))
+    for kind in kinds:
+        for name in sorted((name for one, name in groups if one == kind)):
+            mine = groups[kind, name]
+            early = sum(row.outcome != "COMPLETED" for row in mine)
+            line = f"{f'{kind}: {name}':<40} {len(mine):>5} {early:>5} {sum(r.episodes for r in mine):>8}"
+            for quantity in ("momentum", "energy", "wall"):
+                known = [row for row in mine if not math.isnan(getattr(row, quantity))]
+                if known:
+                    worst = max(known, key=lambda row: getattr(row, quantity))
+                    value, wide = getattr(worst, quantity), 8 if quantity == "wall" else 9
+                    line += f"  {value:>{wide}.2g} {worst.number:>6}"
+                else:
+                    line += f"  {'-':>{8 if quantity == 'wall' else 9}} {'':>6}"
+            lines.append(line)
+    return lines
+
+
+def summary_lines(rows: list[Row]) -> list[str]:
+    """Return how the runs ended, how the ledgers lie, and where time went."""
+    lines = [f"{name}: {count}" for name, count in Counter(row.outcome for row in rows).most_common()]
+    for row in rows:
+        if row.outcome not in ("COMPLETED", "FAILED"):
+            lines.append(f"  {row.number}: {row.message}")
+    met = sum(completed_with_contacts(row) for row in rows)
+    lines.append(f"completed with contacts: {met} of {len(rows)}")
+    limits = {"momentum": MOMENTUM, "energy": ENERGY, "engines": AGREE}
+    limits |= dict.fromkeys(("gap_difference", "wall", "episodes"))
+    for quantity, limit in limits.items():
+        values = np.array([getattr(row, quantity) for row in rows], dtype=float)
+        values = values[np.isfinite(values)]
+        if values.size:
+            quartiles = np.quantile(values, [0.5, 0.9, 1.0])
+            text = f"{quantity}: median {quartiles[0]:.2g}, nine in ten below {quartiles[1]:.2g}, "
+            lines.append(text + f"largest {quartiles[2]:.2g}" + (f" (limit {limit:g})" if limit else ""))
+    return lines
+
+
+def completed_with_contacts(row: Row) -> bool:
+    """Whether a run came to its end and had contacts."""
+    return row.outcome == "COMPLETED" and row.episodes > 0
+
+
+def save(rows: Iterable[Row], seed: int, path: Path) -> None:
+    """Write a row for each scenario."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        names = [item.name for item in dataclasses.fields(Row) if item.name not in ("classes", "failures")]
+        kinds = list(dict.fromkeys(itertools.chain.from_iterable(row.classes for row in rows)))
+        writer.writerow(["seed", *names, *kinds, "failures"])
+        for row in rows:
+            classes = [" ".join(row.classes.get(kind, ())) for kind in kinds]
+            numbers = [getattr(row, name) for name in names]
+            writer.writerow([seed, *numbers, *classes, "; ".join(row.failures)])
+
+
+def main() -> int:
+    """Run the scenarios and report."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("--seed", type=int, default=2024, help="of all that is random (%(default)s)")
+    add("--count", type=int, default=200, help="how many scenarios (%(default)s)")
+    add("--first", type=int, default=0, metavar="K", help="number of the first (%(default)s)")
+    add("--only", type=int, metavar="K", help="run this number alone")
+    add("--jobs", type=int, default=2, help="processes (%(default)s)")
+    add(
+        "--wall", type=float, default=WALL, metavar="S", help="longest time of a run in seconds (%(default)s)"
+    )
+    add("--engines", action="store_true", help="have both engines make each run")
+    add("--elements", action="store_true", help="give joints what they may have besides play")
+    add("--brief", action="store_true", help="without the table of classes")
+    add("--save", type=Path, metavar="FILE.csv", help="write a row for each scenario")
+    given = parser.parse_args()
+    if given.count < 1 or given.jobs < 1 or given.first < 0:
+        parser.error("--count and --jobs must be 1 or more, --first 0 or more")
+    numbers = range(given.first, given.first + given.count) if given.only is None else [given.only]
+    _compile()
+    rows = []
+    how = {"engines": given.engines, "elements": given.elements}
+    for row in run_numbers(given.seed, numbers, min(given.jobs, len(numbers)), given.wall, **how):
+        rows.append(row)
+        for line in failure_lines([row], given.seed):
+            print(f"FAILED {line}", flush=True)
+    rows.sort(key=lambda row: row.number)
+    if given.save is not None:
+        save(rows, given.seed, given.save)
+    failures = failure_lines(rows, given.seed)
+    table = [] if given.brief else ["", *class_table(rows), ""]
+    print("\n".join([*table, *summary_lines(rows), ""]))
+    share = sum(completed_with_contacts(row) for row in rows) / len(rows)
+    if given.only is None and share < COMPLETED:
+        failures.append(f"only {100 * share:.3g} % were completed with contacts, least {100 * COMPLETED:g} %")
+    print("\n".join([f"{len(failures)} failures", *failures]) if failures else "no failures")
+    return 1 if failures else 0
+
+
+def _compile() -> None:
+    """Have the kernels compiled and cached, so that no scenario's time is taken by that."""
+    from antenna_pin import load_scenario
+
+    simulate(load_scenario("bai2020"), duration=0.005)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

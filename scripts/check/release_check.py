@@ -1,0 +1,294 @@
+#!/usr/bin/env python3
+"""Whether this checkout can be released: one version everywhere, and packages that install and run.
+
+The source archive is built, and of it the wheel; both must hold what they should and nothing else. Each
+Python that is there gets an empty environment, in which the wheel is installed by pip with
+``constraints.txt``, and a shipped scenario is run and read away from the checkout::
+
+    python scripts/check/release_check.py                        # all Pythons from 3.11 on that are there
+    python scripts/check/release_check.py --python python3.12    # one of them; may be given several times
+    python scripts/check/release_check.py --tools                # also by pipx and by uv, as users install it
+    python scripts/check/release_check.py --no-install           # what the files say only
+    python scripts/check/release_check.py --tag v0.2.0           # the tag must be the version's, too
+
+It needs nothing but the standard library; packages, pipx and uv come from the index that pip is set to.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tempfile
+import time
+import tomllib
+import zipfile
+from pathlib import Path
+
+__all__ = ["changelog_faults", "contents_faults", "metadata_faults", "pythons"]
+
+ROOT = Path(__file__).parents[2]
+NEWEST = 14
+KINDS = ("Added", "Changed", "Changed results", "Deprecated", "Removed", "Fixed", "Security")
+_TITLE = re.compile(r"\[(Unreleased)\]|\[(\d+\.\d+\.\d+)\] - (\d{4}-\d{2}-\d{2})")
+
+
+def project_version(root: Path = ROOT) -> str:
+    """Return the version, which stands in pyproject.toml."""
+    return str(tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"])
+
+
+def metadata_faults(root: Path = ROOT) -> list[str]:
+    """Return in which files another version or licence stands than in pyproject.toml, or another day."""
+    project = tomllib.loads((root / "pyproject.toml").read_text())["project"]
+    found = re.findall(
+        r"^(version|license|date-released): *(\S+)$", (root / "CITATION.cff").read_text(), re.MULTILINE
+    )
+    cff, zenodo = dict(found), json.loads((root / ".zenodo.json").read_text())
+    faults = []
+    for name, said in (("CITATION.cff", cff), (".zenodo.json", zenodo)):
+        for key in ("version", "license"):
+            if said.get(key) != project[key]:
+                faults.append(f"{name}: {key} is {said.get(key)!r}, in pyproject.toml {project[key]!r}")
+    newest = re.search(rf"^## {_TITLE.pattern}$", (root / "CHANGELOG.md").read_text(), re.MULTILINE)
+    if newest is None or newest[1]:  # on the way to a version that has no day yet
+        return faults
+    if newest[2] != project["version"]:
+        faults.append(f"CHANGELOG.md: the newest is {newest[2]!r}, in pyproject.toml {project['version']!r}")
+    for name, key, day in (
+        ("CITATION.cff", "date-released", cff.get("date-released")),
+        (".zenodo.json", "publication_date", zenodo.get("publication_date")),
+    ):
+        if day != newest[3]:
+            faults.append(f"{name}: {key} is {day!r}, in CHANGELOG.md {newest[3]!r}")
+    return faults
+
+
+def changelog_faults(text: str) -> list[str]:
+    """Return where a changelog is not in the form of Keep a Changelog, with *Changed results* besides."""
+    faults, versions = [], []
+    if not text.startswith("# Changelog\n"):
+        faults.append("CHANGELOG.md: the first line must be '# Changelog'")
+    sections: list[str] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        place = f"CHANGELOG.md:{number}"
+        if line.startswith("## "):
+            match = _TITLE.fullmatch(line[3:])
+            if match is None:
+                faults.append(f"{place}: '{line}' must be '## [Unreleased]' or '## [1.2.3] - 2026-01-31'")
+            else:
+                if match[1] and versions:
+                    faults.append(f"{place}: what is unreleased must come first")
+                versions.append(match[2] or "")
+            sections = []
+        elif line.startswith("### "):
+            if line[4:] not in KINDS:
+                faults.append(f"{place}: '{line[4:]}' must be one of {', '.join(KINDS)}")
+            if line[4:] in sections:
+                faults.append(f"{place}: '{line[4:]}' stands there twice")
+            sections.append(line[4:])
+    numbers = [tuple(map(int, one.split("."))) for one in versions if one]
+    if numbers != sorted(set(numbers), reverse=True):
+        faults.append("CHANGELOG.md: versions must fall from top to bottom, each once")
+    return faults
+
+
+def contents_faults(names: list[str], kind: str) -> list[str]:
+    """Return what an archive lacks, and what it holds that nobody needs who installs it.
+
+    Args:
+        names: Files, from the folder of the package or of the checkout on.
+        kind: "wheel" or "source".
+    """
+    wanted = {
+        "wheel": [
+            "antenna_pin/__init__.py",
+            "antenna_pin/py.typed",
+            "antenna_pin/_models/bai2020/scenario.toml",
+        ],
+        "source": ["pyproject.toml", "LICENSE", "README.md", "CHANGELOG.md", "models/bai2020/scenario.toml"],
+    }[kind]
+    faults = [f"{kind}: lacks {name}" for name in wanted if name not in names]
+    allowed = (
+        r"antenna_pin/|antenna_pin-[^/]+\.dist-info/" if kind == "wheel" else r"(?!build/|\.venv/|\.ci/)"
+    )
+    left = r"(^|/)(__pycache__|\.\w+_cache|\.hypothesis)/|\.(pyc|nbi|nbc|nc)$"
+    return faults + [
+        f"{kind}: holds {name}" for name in names if not re.match(allowed, name) or re.search(left, name)
+    ]
+
+
+def pythons() -> list[str]:
+    """Return the Pythons that are there and run, from 3.11 on: on the path, or made by pyenv or uv."""
+    home = Path.home()
+    makers = [
+        Path(os.environ.get("PYENV_ROOT", home / ".pyenv")) / "versions",
+        Path(os.environ.get("UV_PYTHON_INSTALL_DIR", home / ".local" / "share" / "uv" / "python")),
+    ]
+    found = []
+    for minor in range(11, NEWEST + 1):
+        name = f"python3.{minor}"
+        made = [str(one) for maker in makers for one in sorted(maker.glob(f"*/bin/{name}"), reverse=True)]
+        for candidate in [name, *made]:
+            if (
+                shutil.which(candidate)
+                and not subprocess.run(
+                    [candidate, "-c", "import ensurepip, venv"], capture_output=True, check=False
+                ).returncode
+            ):
+                found.append(candidate)
+                break
+    return found
+
+
+def told(*command: str | Path, cwd: Path | None = None, **variables: str | Path) -> str:
+    """Run a command and return what it prints; it ends this program where it fails."""
+    done = subprocess.run(
+        [str(word) for word in command],
+        cwd=cwd,
+        env=os.environ | {name: str(value) for name, value in variables.items()},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        said = (done.stderr or done.stdout).strip().splitlines()[-12:]
+        raise SystemExit("\n".join([f"failed: {' '.join(map(str, command))}", *said]))
+    return done.stdout
+
+
+def packages(folder: Path) -> Path:
+    """Build source archive and, of that, the wheel, into a folder; return the wheel."""
+    python = ROOT / ".venv" / "bin" / "python"
+    told(python if python.is_file() else sys.executable, "-m", "build", "--outdir", folder, ROOT)
+    return wheel_in(folder)
+
+
+def wheel_in(folder: Path) -> Path:
+    """Return the only wheel of a folder that has its source archive beside it."""
+    wheels, archives = sorted(folder.glob("*.whl")), sorted(folder.glob("*.tar.gz"))
+    if len(wheels) != 1 or len(archives) != 1:
+        raise SystemExit(
+            f"{folder}: must hold one wheel and one source archive, has {len(wheels) + len(archives)} files"
+        )
+    return wheels[0]
+
+
+def looked_into(wheel: Path) -> list[str]:
+    """Return what is wrong with what a wheel, and the source archive beside it, hold."""
+    (archive,) = wheel.parent.glob("*.tar.gz")
+    with zipfile.ZipFile(wheel) as opened:
+        inside = opened.namelist()
+    with tarfile.open(archive) as source:
+        files = [one.name.partition("/")[2] for one in source if one.isfile()]
+    print(f"{wheel.name}: {wheel.stat().st_size / 1e6:.1f} MB, {len(inside)} files")
+    print(f"{archive.name}: {archive.stat().st_size / 1e6:.1f} MB, {len(files)} files")
+    return contents_faults(inside, "wheel") + contents_faults(files, "source")
+
+
+def run_by(command: Path, folder: Path) -> str:
+    """Run a shipped scenario by an installed command, away from the checkout; return its version."""
+    words = ("run", "impact_pair", "--out", "run.nc", "--no-progress", "--no-summary")
+    told(command, *words, cwd=folder)
+    return told(command, "--version", cwd=folder).strip()
+
+
+def tried(python: str, wheel: Path, folder: Path) -> str:
+    """Install a wheel into an empty environment of a Python, run a scenario; return what came of it."""
+    told(python, "-m", "venv", folder / "env")
+    there = folder / "env" / "bin"
+    told(there / "python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel)
+    version = run_by(there / "antenna-pin", folder)
+    read = "from antenna_pin import Trajectory; print(Trajectory.load('run.nc').outcome.name)"
+    return f"{version}, run {told(there / 'python', '-c', read, cwd=folder).strip()}"
+
+
+def tried_as_tool(tool: str, python: str, wheel: Path, folder: Path) -> str:
+    """Install a wheel as a command for a user by pipx or uv, run a scenario and take it away again.
+
+    Args:
+        tool: "pipx" or "uv".
+        python: The Python to make the command's environment of.
+        wheel: What is installed.
+        folder: An empty folder, for the tool itself where it is not there, its environments and commands.
+    """
+    command = shutil.which(tool)
+    if command is None:
+        told(python, "-m", "venv", folder / "maker")
+        told(folder / "maker" / "bin" / "python", "-m", "pip", "install", "-q", tool)
+        command = str(folder / "maker" / "bin" / tool)
+    python = shutil.which(python) or python
+    if tool == "pipx":
+        places = {
+            "PIPX_HOME": folder / "home",
+            "PIPX_BIN_DIR": folder / "bin",
+            "PIPX_MAN_DIR": folder / "man",
+        }
+        told(command, "install", "--python", python, wheel, **places)
+        away = (command, "uninstall", "antenna-pin")
+    else:
+        places = {"UV_TOOL_DIR": folder / "home", "UV_TOOL_BIN_DIR": folder / "bin", **index_of_pip(python)}
+        told(command, "tool", "install", "--python", python, wheel, **places)
+        away = (command, "tool", "uninstall", "antenna-pin")
+    version = run_by(folder / "bin" / "antenna-pin", folder)
+    told(*away, **places)
+    if (folder / "bin" / "antenna-pin").exists():
+        raise SystemExit(f"{tool}: the command is still there after it was taken away")
+    return f"{version}, installed, run and taken away"
+
+
+def index_of_pip(python: str) -> dict[str, str]:
+    """Return where pip takes packages from, as uv is told of it."""
+    given = {}
+    for setting, variable in (("global.index-url", "UV_DEFAULT_INDEX"), ("global.cert", "SSL_CERT_FILE")):
+        asked = (python, "-m", "pip", "config", "get", setting)
+        done = subprocess.run(asked, capture_output=True, text=True, check=False)
+        if not done.returncode and variable not in os.environ:
+            given[variable] = done.stdout.strip()
+    return given
+
+
+def main() -> int:
+    """Check, and try on each Python."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--python", action="append", help="a Python to try, instead of all that are there")
+    parser.add_argument("--tools", action="store_true", help="also install by pipx and by uv")
+    parser.add_argument("--dist", type=Path, help="folder of packages that are built already")
+    parser.add_argument("--no-install", action="store_true", help="look at the files only")
+    parser.add_argument("--tag", help="the tag that is released")
+    asked = parser.parse_args()
+    faults = metadata_faults() + changelog_faults((ROOT / "CHANGELOG.md").read_text())
+    version = project_version()
+    if asked.tag is not None and asked.tag != f"v{version}":
+        faults.append(f"the tag is {asked.tag}, of version {version} it must be v{version}")
+    if faults:
+        print("\n".join(faults))
+        return 1
+    print(f"version {version} stands in every file")
+    if asked.no_install:
+        return 0
+    with tempfile.TemporaryDirectory() as made:
+        wheel = wheel_in(asked.dist) if asked.dist else packages(Path(made) / "dist")
+        faults = looked_into(wheel)
+        if faults:
+            print("\n".join(faults))
+            return 1
+        there = asked.python or pythons()
+        trials = [(python, tried, (python, wheel)) for python in there]
+        if asked.tools:
+            trials += [(tool, tried_as_tool, (tool, there[-1], wheel)) for tool in ("pipx", "uv")]
+        for number, (name, trial, given) in enumerate(trials):
+            folder, begun = Path(made) / str(number), time.monotonic()
+            folder.mkdir()
+            print(f"{name}: {trial(*given, folder)} ({time.monotonic() - begun:.0f} s)", flush=True)
+            shutil.rmtree(folder)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Checks of robustness, each a subcommand of ``robustness.py``, and what they share."""

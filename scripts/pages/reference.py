@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Reference tables of README.md and docs/, made from the code.
+
+A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``::
+
+    python scripts/pages/reference.py             # are all of them up to date? (--check)
+    python scripts/pages/reference.py --write     # bring them up to date
+
+There are ``scenario``, the tables of a scenario file, and ``scenario_GROUP``, their keys (by
+``scenario_tables.py``); ``formulas``, ``element_formulas`` and ``sources``, what the classes of laws and
+elements say of themselves (by ``formulas.py``); ``dimensions`` and ``trajectory``, what a result holds;
+``figures``, what can be drawn of runs; ``layers``, who may import whom; and in the package, for editors,
+``figure_names``, the names of the figures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+import tomllib
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from formulas import element_formulas, formulas_table, sources_table
+from scenario_tables import GROUPS, overview, page_of
+
+from antenna_pin.plot import CATALOGUE, PAPERS
+from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, VARIABLES
+
+__all__ = ["TABLES", "documents", "filled", "names_of_tables"]
+
+ROOT = Path(__file__).parents[2]
+PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
+
+
+# --- the variables of a result, the figures of runs, and the layers of the package ---
+
+
+def _beside_finite(rule: str) -> str:
+    """Return a rule of numbers without the word that all of them share, which stands above the table."""
+    return rule.removeprefix("finite").removeprefix(", ")
+
+
+def trajectory_table() -> str:
+    """Return the variables and labels of a result, of its schema."""
+    lines = ["| variable | dimensions | unit | meaning | besides |", "|---|---|---|---|---|"]
+    lines.append(f"| `time` | time | s | time | {_beside_finite(TIME.words)} |")
+    lines += [f"| `{one.name}` | {one.dim} |  | {one.meaning} |  |" for one in COORDINATES]
+    for one in VARIABLES.values():
+        meaning = one.meaning
+        if one.flags:
+            meaning += ": " + ", ".join(f"{value} {word}" for value, word in one.flags)
+        rule = _beside_finite(one.rule.words)
+        lines.append(f"| `{one.name}` | {', '.join(one.dims)} | {one.units} | {meaning} | {rule} |")
+    return "\n".join(lines).replace("|power|", "\\|power\\|") + "\n"
+
+
+def dimensions_table() -> str:
+    """Return the dimensions of a result, of its schema."""
+    lines = ["| dimension | what runs along it |", "|---|---|"]
+    return "\n".join([*lines, *(f"| `{name}` | {meaning} |" for name, meaning in DIMENSIONS.items())]) + "\n"
+
+
+def figures_table() -> str:
+    """Return the catalogue of figures, with the papers' figures that show the same."""
+    lines = []
+    for figure in CATALOGUE.values():
+        papers = [
+            f"`{model}` {', '.join(numbers)}"
+            for model, each in PAPERS.items()
+            if (numbers := [str(one.number) for one in each if one.figure == figure.name])
+        ]
+        drawn = [place for place, mark in (("plot", figure.standard), ("report", figure.reported)) if mark]
+        shows = figure.title.format(joint="a joint")
+        needed = [f"needs {figure.needed}"] if figure.needed else []
+        said = [", ".join(drawn) or "by name", *papers]
+        lines.append(f"- `{figure.name}`: {'; '.join([shows, *needed])} ({'; '.join(said)})")
+    return "\n".join([*lines, ""])
+
+
+def figure_names() -> str:
+    """Return the names of the catalogue's figures as Python, for type checkers."""
+    names = "".join(f"    {name!r},\n".replace("'", '"') for name in CATALOGUE)
+    drawn = "".join(
+        f'    {name}: Drawing\n    """{figure.title.format(joint="a joint")}."""\n'
+        for name, figure in CATALOGUE.items()
+    )
+    return (
+        f"FigureName = Literal[\n{names}]\n\n\nclass NamedFigures(Protocol):\n"
+        f'    """Figures of runs, each ready to be drawn."""\n\n{drawn}\n\n# '
+    )
+
+
+def layers_table() -> str:
+    """Return the layers that the import contract in pyproject.toml names."""
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    (layers,) = (contract["layers"] for contract in contracts if contract["id"] == "layers")
+    return "\n".join(["```text", *(layer.replace("(", "").replace(")", "") for layer in layers), "```", ""])
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "scenario": overview,
+    **{f"scenario_{group}": partial(page_of, group) for group in GROUPS},
+    "formulas": formulas_table,
+    "element_formulas": element_formulas,
+    "sources": sources_table,
+    "trajectory": trajectory_table,
+    "dimensions": dimensions_table,
+    "figures": figures_table,
+    "layers": layers_table,
+    "figure_names": figure_names,
+}
+
+
+# --- documents ---
+
+
+def documents() -> list[Path]:
+    """Return the documents that may hold a table."""
+    own = ROOT / "antenna_pin" / "base" / "run_figures.py"
+    return [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), own]
+
+
+def names_of_tables(text: str) -> list[str]:
+    """Return the names of the tables that a document holds."""
+    return [name for _, name, _, _ in PLACE.findall(text)]
+
+
+def filled(text: str) -> str:
+    """Return a document with its tables as the code has them."""
+    return PLACE.sub(lambda match: f"{match.group(1)}{TABLES[match.group(2)]()}{match.group(4)}", text)
+
+
+def main() -> int:
+    """Check or write all tables."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    choice = parser.add_mutually_exclusive_group()
+    choice.add_argument("--check", action="store_true", help="only say what is out of date (default)")
+    choice.add_argument("--write", action="store_true", help="bring them up to date")
+    write = parser.parse_args().write
+    late = 0
+    for path in documents():
+        text = path.read_text()
+        if (new := filled(text)) == text:
+            continue
+        if write:
+            path.write_text(new)
+        late += not write
+        said = "written" if write else "out of date; bring it up to date with --write"
+        print(f"{path.relative_to(ROOT)}: {said}")
+    return 1 if late else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
