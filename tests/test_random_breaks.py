@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from antenna_pin.compiled import jit
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -54,6 +56,11 @@ def test_what_was_drawn_is_found_again_where_its_line_is_now(scripts, tmp_path):
                 one.line + 1,
                 one.key[1:],
             )
+
+
+def test_where_machine_code_is_tied_to_a_file_kernels_run_as_python(scripts):
+    for path in (Path(jit.__file__), *jit.stamped_files()):
+        assert scripts.sites("x = 1\n", "room", path)[0].plain, path
 
 
 TEXT = '''"""A docstring with 1."""

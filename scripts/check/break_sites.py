@@ -48,7 +48,17 @@ UNITS = {
     "m/s^2": "m/s",
 }
 # Machine code is tied to these files besides all kernels.
-_COMPILED = ("records.py", "registry.py", "lanes.py", "jit.py", "intrinsics.py")
+_COMPILED = {
+    "records.py",
+    "registry.py",
+    "jit.py",
+    "address_intrinsics.py",
+    "by_address.py",
+    "calls.py",
+    "intrinsics.py",
+    "lanes.py",
+    "record.py",
+}
 
 
 @dataclass(frozen=True, slots=True)
