@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import types
 from collections.abc import Callable
 from typing import Any
@@ -15,10 +14,9 @@ def plain(kernel: Callable[..., Any]) -> Callable[..., Any]:
     return _copied(kernel, {})
 
 
-def inner(module: types.ModuleType | str, name: str) -> Callable[..., Any]:
+def inner(module: types.ModuleType, name: str) -> Callable[..., Any]:
     """Return a private kernel of a module as plain Python."""
-    found = sys.modules[module] if isinstance(module, str) else module
-    return plain(getattr(found, name))
+    return plain(getattr(module, name))
 
 
 def _copied(kernel: Any, made: dict[Any, Any]) -> Any:
