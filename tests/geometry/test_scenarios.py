@@ -1,4 +1,7 @@
-"""Contact scenarios of poses made to show each of them, and poses that sit on the border between two."""
+"""Contact scenarios of poses made to show each of them, and poses that sit on the border between two.
+
+Of revolute joints: ``contact_scenario``, ``scenario_in``.
+"""
 
 import itertools
 import math
@@ -6,7 +9,7 @@ import math
 import pytest
 
 from antenna_pin.geometry import AxialScenario, RadialScenario
-from antenna_pin.geometry import revolute_kernels as kernels
+from antenna_pin.geometry import revolute_kernels as revolute
 
 R, A = RadialScenario, AxialScenario
 PRESS = 1e-6  # [m], deeper than any scenario is sensitive to
@@ -121,6 +124,6 @@ def test_a_flange_is_a_surface_once_its_whole_edge_is_pressed(flange_radius, joi
 
 
 def test_the_scenarios_have_the_numbers_of_the_kernels():
-    numbers = (kernels.NONE, kernels.ONE_POINT, kernels.TWO_POINTS, kernels.EXTENDED)
+    numbers = (revolute.NONE, revolute.ONE_POINT, revolute.TWO_POINTS, revolute.EXTENDED)
     assert [int(each) for each in RadialScenario] == [int(number) for number in numbers]
     assert [int(each) for each in AxialScenario] == [int(number) for number in numbers]
