@@ -12,7 +12,7 @@ Numbers, signs, comparisons, indices, units, factors and arguments are changed w
 those of its room too. Which of them run a line is found first, by one run of all tests in a copy with probes
 (``break_hits.py``; ``--map FILE`` keeps it for the next time); where no probe can stand, as in what is run at
 import and in kernels, those files come first that name something of the broken module, then all others. It is
-*killed* if one fails, *lived* if all pass, *unreached* if none runs it, *unclear* if the time ran out,
+*killed* if one fails, *lived* if all pass, *unreached* if there are none, *unclear* if the time ran out,
 *equivalent* if ``random_breaks.toml`` says why nothing can notice it, *gone* if the line that was drawn is.
 What lives becomes a test, or the line goes. Each break is made in a copy of the tree in a temporary folder.
 Kernels run as plain Python where one of their files is broken, so that nothing is compiled.
@@ -186,7 +186,8 @@ def work(
             if broken is None:
                 verdicts.put((number, "gone", 0.0))
                 continue
-            tests = hits.tests(number, folders_of(broken)) if number in hits.of else None
+            # What only runs while tests are collected is credited to none.
+            tests = hits.tests(number, folders_of(broken)) or None if number in hits.of else None
             found = verdict(tree, broken, equivalent, timeout, tests)
             verdicts.put((number, found, time.monotonic() - began))
     verdicts.put(None)
