@@ -34,9 +34,13 @@ from antenna_pin.simulation import Angle, Event, Gap, Set, Stop, Time
 #: What people build systems of in Python, and call.
 ROOMS = {
     "antenna_pin": (
-        "Anchor ClearanceJoint Closure ErrorScales RunSettings System assembled build_mechanism build_system "
-        "initial_state load_scenario load_study modes open_study run_study simulate"
+        "ClearanceJoint Closure ErrorScales RunSettings System build_mechanism build_system "
+        "load_scenario load_study open_study run_study simulate"
     ),
+    "antenna_pin.assemble": "initial_state",
+    "antenna_pin.constraints": "Anchor",
+    "antenna_pin.dynamics": "assembled",
+    "antenna_pin.linear": "modes",
     "antenna_pin.contact": None,
     "antenna_pin.elements": None,
     "antenna_pin.geometry": "PlanarClearance PrismaticClearance RevoluteClearance SphericalClearance",
