@@ -12,8 +12,8 @@ there: ``antenna_pin.laws.<TAB>``, ``antenna_pin.elements.<TAB>``, ``antenna_pin
 """
 
 import importlib
-import importlib.util
 import warnings
+from pathlib import Path
 from typing import Any
 
 from antenna_pin.base.lazy import exported
@@ -47,6 +47,7 @@ def __getattr__(name: str) -> Any:
         place = f"antenna_pin.{_MOVED[name]}"
         warnings.warn(f"antenna_pin.{name} is {place}.{name} now", DeprecationWarning, stacklevel=2)
         return getattr(importlib.import_module(place), name)
-    if not name.startswith("_") and importlib.util.find_spec(f"antenna_pin.{name}") is not None:
+    path = Path(__file__).with_name(name)
+    if not name.startswith("_") and (path.is_dir() or path.with_suffix(".py").is_file()):
         return importlib.import_module(f"antenna_pin.{name}")
     raise AttributeError(f"module 'antenna_pin' has no attribute {name!r}")
