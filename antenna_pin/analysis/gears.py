@@ -18,7 +18,7 @@ _TOUCH = {
     "release": ("s", "release; NaN: still touching"),
     "approach_rate": ("rad/s", "rate of the deflection into contact at the onset (m/s)"),
     "rebound_rate": ("rad/s", "rate out of it at the release; NaN: still touching (m/s)"),
-    "peak_effort": ("N m", "largest torque of samples (a force [N])"),
+    "peak_effort": ("N m", "largest torque (a force [N])"),
     "impulse": ("N m s", "integral of the torque; NaN: still touching (N s)"),
     "loss": ("J", "energy lost; NaN: still touching"),
 }

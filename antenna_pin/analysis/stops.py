@@ -18,7 +18,7 @@ _TOUCH = {
     "release": ("s", "release; NaN: still touching"),
     "approach_rate": ("rad/s", "rate into the stop at the onset (m/s)"),
     "rebound_rate": ("rad/s", "rate out of it at the release; NaN: still touching (m/s)"),
-    "peak_effort": ("N m", "largest torque of samples; infinite in a blow (a force [N])"),
+    "peak_effort": ("N m", "largest torque; infinite in a blow (a force [N])"),
     "impulse": ("N m s", "integral of the torque's size; NaN: still touching (N s)"),
     "loss": ("J", "energy lost; NaN: still touching"),
 }

@@ -162,6 +162,8 @@ class ModeChange:
         loss: Energy lost in the impulse [J].
         impulse: Impulse on the child [N m s] ([N s]).
         energy: Energy of the joint's motion before, for elements that use it [J]; else NaN.
+        peak_effort: Largest effort of the touch that ends [N m] ([N]); else NaN.
+        peak_time: Time of the largest effort [s]; else NaN.
     """
 
     name: str
@@ -175,6 +177,8 @@ class ModeChange:
     loss: float
     impulse: float
     energy: float = math.nan
+    peak_effort: float = math.nan
+    peak_time: float = math.nan
 
 
 def mode_events(system: System) -> tuple[Event, ...]:

@@ -320,8 +320,11 @@ class Actions:
 
     def command(self, numbers: Mapping[str, float]) -> None:
         """Write commands, by place; stored energy does not depend on them."""
+        peaks, here = self.modes.peaks, (self._stepper.t, self._here)
+        peaks.command(self._workspace.program, *here)
         for place, value in numbers.items():
             self.adjustments.set(place, value)
+        peaks.command(self._workspace.program, *here)
         self._renew()
         self._stepper.refresh()
         self._watch.renew()

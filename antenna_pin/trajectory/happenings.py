@@ -12,6 +12,8 @@ TOTAL = Rule(least=0.0, summed=True)
 # Of contacts; none of them is sure to lose energy under a law of a user's.
 LOST = Rule(least=0.0, summed=True, passive=True)
 
+_OF_TOUCH = "largest effort (N) of the touch that ends, or lasts to the end; NaN: none"
+
 HAPPENINGS: tuple[Variable, ...] = (
     *rows(
         "episodes: episode",
@@ -35,6 +37,8 @@ HAPPENINGS: tuple[Variable, ...] = (
         ("change_loss", "J", "energy lost in the impulse"),
         ("change_impulse", "N m s", "impulse about the axis on the child (N s)"),
         ("change_energy", "J", "energy of a latch's joint, 1/2 I_r rate^2; NaN: no latch", Rule(lacks=True)),
+        ("change_peak_effort", "N m", _OF_TOUCH, Rule(least=0.0, lacks=True)),
+        ("change_peak_time", "s", "when that effort was", Rule(lacks=True)),
     ),
     *rows(
         "episodes: tick",

@@ -87,9 +87,13 @@ def met_by_meshes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
         peak = None
         if not is_lean(data) and "element_effort" in data:
             peak = float(np.abs(data["element_effort"].sel(element=place).values).max(initial=0.0))
+        mine = [touch for touch in every if touch.stop == place]
+        located = [touch.peak_effort for touch in mine if np.isfinite(touch.peak_effort)]
+        if located:
+            peak = max(*located, peak or 0.0)
         own: dict[str, Any] = {"peak_force" if slides else "peak_torque": peak}
         if sides:
-            mine, spans = [touch for touch in every if touch.stop == place], mesh_spans(data, place)
+            spans = mesh_spans(data, place)
             own |= {
                 "touches": len(mine),
                 "fastest_touch": max((touch.approach_rate for touch in mine), default=0.0),

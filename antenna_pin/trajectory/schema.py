@@ -290,6 +290,16 @@ _SUMMARIES: tuple[Variable, ...] = (
         ("time_of_peak_effort", "s", "when it was"),
     ),
     *_rows(
+        "summary: drive",
+        (
+            "peak_drive_effort",
+            "N m",
+            "largest size of the drive's torque, located between samples (a force [N])",
+            _SIZE,
+        ),
+        ("time_of_peak_drive_effort", "s", "when it was"),
+    ),
+    *_rows(
         "summary: closure",
         ("peak_closure_force", "N", "largest force of the closure at a sample", _SIZE),
         ("peak_closure_moment", "N m", "largest moment of the closure at a sample", _SIZE),
