@@ -236,9 +236,9 @@ class RunningPeaks:
         self._nq = system.model.nq
         self._sides = [
             (place, name, 1 << k)
-            for place, one in acting.items()
-            if "touch" in one.element.change_names and not one.element.holds
-            for k, name in enumerate(one.element.sides)
+            for place, element in ((place, one.element) for place, one in acting.items())
+            if isinstance(element, Modal) and "touch" in element.change_names and not element.holds
+            for k, name in enumerate(element.sides)
         ]
         blocks = [acting[place].block for place, _, _ in self._sides]
         self.numbers = np.zeros(len(blocks) + len(system.drives), TOUCH)
