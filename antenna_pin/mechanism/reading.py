@@ -1,23 +1,49 @@
-"""What of a URDF counts: its mechanics and what is drawn. All else is passed over, and counted.
-
-The readers behind (yourdfpy, and Pinocchio's parser with urdfdom) judge more than they need: colours,
-the axis of a joint that has none, a mesh's name. They get a text of what counts alone.
-"""
+"""Reading of a URDF: its mechanics and visuals kept, all else counted, its numbers and tree checked."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from lxml import etree
 
 from antenna_pin.base.directions import unit
+from antenna_pin.base.files import decoded
 from antenna_pin.base.parameters import LARGEST, NO_BOUND
-from antenna_pin.mechanism._format import FORMAT, MOMENTS, SHAPES, half_unit, numbers_in, text_in
-from antenna_pin.mechanism._source import name_of, tag_of
+from antenna_pin.errors import MechanismError, UnknownNameError
+from antenna_pin.mechanism import edits, urdf_xml
+from antenna_pin.mechanism.inertia import check_masses
+from antenna_pin.mechanism.robot import Robot, robot_of
+from antenna_pin.mechanism.urdf_xml import (
+    FORMAT,
+    MOMENTS,
+    SHAPES,
+    half_unit,
+    name_of,
+    numbers_in,
+    tag_of,
+    text_in,
+)
 
-__all__ = ["Findings", "WITH_AXIS", "clean", "for_pinocchio"]
+__all__ = [
+    "checked",
+    "clean",
+    "Findings",
+    "for_pinocchio",
+    "friction_of",
+    "judged",
+    "left_out",
+    "Reading",
+    "text_of",
+    "WITH_AXIS",
+    "written",
+]
+
+# --- mechanics and visuals ----------------------------------------------------------------------------------
 
 _SHAPES = ("visual", "collision")
 
@@ -338,3 +364,149 @@ def _leaves_a_way(limit: Any) -> bool:
         bounds += numbers
     low, high = bounds
     return low < high and not (low < -NO_BOUND and high > NO_BOUND)
+
+
+# --- damping and friction of joints -------------------------------------------------------------------------
+
+
+def friction_of(robot: Any) -> dict[str, dict[str, float]]:
+    """Return damping and friction above zero of joints with an axis, by name; what is no number is not."""
+    found = {
+        str(joint.get("name")): _numbers(joint)
+        for joint in robot.findall("joint")
+        if joint.get("type") in WITH_AXIS
+    }
+    return {name: numbers for name, numbers in found.items() if numbers}
+
+
+def left_out(robot: Any, where: str) -> tuple[str, ...]:
+    """Return a line for each joint's damping or friction that has no axis to act about."""
+    return tuple(
+        f"{where}: joint {joint.get('name')!r}: <dynamics> {name}={value:g} is not simulated, for the "
+        f"joint is {joint.get('type')} and has no axis; take it out"
+        for joint in robot.findall("joint")
+        if joint.get("type") in ("floating", "planar")
+        for name, value in _numbers(joint).items()
+    )
+
+
+def _numbers(joint: Any) -> dict[str, float]:
+    found = {}
+    for dynamics in joint.findall("dynamics")[:1]:
+        for name in ("damping", "friction"):
+            numbers = numbers_in(dynamics.get(name))
+            if numbers is not None and len(numbers) == 1 and numbers[0]:
+                found[name] = numbers[0]
+    return found
+
+
+# --- tree of bodies -----------------------------------------------------------------------------------------
+
+
+def check(robot: Robot, where: str, allow_impossible_inertia: Collection[str]) -> None:
+    """Refuse what is not a mechanism.
+
+    Args:
+        robot: Its links and joints.
+        where: Name of the file, for messages.
+        allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
+    """
+    links = [link.name for link in robot.links]
+    for name in allow_impossible_inertia:
+        if name not in links:
+            raise UnknownNameError(f"{where}: allow_impossible_inertia", "link", name, links)
+    _check_tree(robot, where)
+    _check_mimics(robot, where)
+    check_masses(robot, where)
+
+
+def root_link(robot: Robot) -> str:
+    """Return the name of the link that is nobody's child."""
+    children = {joint.child for joint in robot.joints}
+    return next(str(link.name) for link in robot.links if link.name not in children)
+
+
+def _check_tree(robot: Robot, where: str) -> None:
+    links = [link.name for link in robot.links]
+    mover: dict[str, str] = {}
+    for joint in robot.joints:
+        for end, name in (("parent", joint.parent), ("child", joint.child)):
+            if name not in links:
+                raise UnknownNameError(f"{where}: {end} of joint {joint.name!r}", "link", name, links)
+        if joint.child in mover:
+            raise MechanismError(
+                f"{where}: link {joint.child!r} must be the child of one joint, "
+                f"got {mover[joint.child]!r} and {joint.name!r}; a URDF is a tree, cut the loop"
+            )
+        mover[joint.child] = joint.name
+    roots = [name for name in links if name not in mover]
+    if len(roots) > 1:
+        raise MechanismError(
+            f"{where}: exactly one link must be nobody's child, got {', '.join(roots)}; join them by joints"
+        )
+    reached = roots[:]
+    for name in reached:  # grows while it is walked
+        reached.extend(joint.child for joint in robot.joints if joint.parent == name)
+    looped = [name for name in links if name not in reached]
+    if looped:
+        raise MechanismError(
+            f"{where}: links {', '.join(looped)} hang in a loop of joints that no root carries; "
+            "a URDF is a tree, cut the loop"
+        )
+
+
+def _check_mimics(robot: Robot, where: str) -> None:
+    joints = [joint.name for joint in robot.joints]
+    for joint in robot.joints:
+        if joint.mimic is not None and joint.mimic.joint not in joints:
+            raise UnknownNameError(
+                f"{where}: <mimic> of joint {joint.name!r}", "joint", str(joint.mimic.joint), joints
+            )
+
+
+# --- reading ------------------------------------------------------------------------------------------------
+
+
+class Reading(NamedTuple):
+    """A text as the readers behind see it."""
+
+    robot: Robot
+    simulated: str  # for Pinocchio's parser
+    findings: Findings
+
+
+def text_of(path: str | Path) -> str:
+    """Return the text of a URDF file, whatever its encoding.
+
+    Raises:
+        MechanismError: It cannot be read.
+    """
+    try:
+        return decoded(Path(path).read_bytes())
+    except OSError as error:
+        raise MechanismError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise MechanismError(f"{path}: must be XML, got no text (byte {error.start})") from error
+
+
+@lru_cache(maxsize=64)
+def written(text: str, where: str) -> str:
+    """Return a URDF's text as this package writes it."""
+    return urdf_xml.write(urdf_xml.read(text, where))
+
+
+@lru_cache(maxsize=64)  # every run of a study reads the same text again, some more than once
+def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Reading:
+    """Return a checked URDF in numbers, which nobody changes, and as Pinocchio reads it."""
+    clean, findings = judged(urdf_xml.read(text, where), where)
+    robot = robot_of(clean, urdf_xml.write(clean), where)
+    check(robot, where, allow_impossible_inertia)
+    return Reading(robot, for_pinocchio(clean), findings)
+
+
+def judged(robot: Any, where: str) -> tuple[Any, Findings]:
+    """Return a root element without what does not count, and what that was; refuse what is no number."""
+    findings = clean(robot, Path(where).stem)
+    urdf_xml.judge(robot, where)
+    edits.turn_planes(robot, where)
+    return robot, findings
