@@ -25,8 +25,7 @@ from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.interruption import interruptible
 from antenna_pin.base.tables import write_csv
 from antenna_pin.errors import InvalidParameterError, MissingToolError, OutputError
-from antenna_pin.record._browser import find_browser
-from antenna_pin.record._camera import Camera, check_size, open_camera
+from antenna_pin.record.browser import Camera, check_size, find_browser, open_camera
 from antenna_pin.record.recording import Recording
 
 if TYPE_CHECKING:
