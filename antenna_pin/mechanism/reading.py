@@ -44,6 +44,9 @@ __all__ = [
 ]
 
 # --- mechanics and visuals ----------------------------------------------------------------------------------
+#
+# The readers behind (yourdfpy, and Pinocchio's parser with urdfdom) judge more than they need: colours,
+# the axis of a joint that has none, a mesh's name. They get a text of what counts alone.
 
 _SHAPES = ("visual", "collision")
 

@@ -37,6 +37,8 @@ __all__ = [
 ]
 
 # --- browser ------------------------------------------------------------------------------------------------
+#
+# Selenium drives it. Both programs are taken from where they are installed; nothing is ever downloaded.
 
 #: Environment variables that name the programs where they are not found on the path.
 BROWSER_VARIABLE = "ANTENNA_PIN_BROWSER"

@@ -169,6 +169,10 @@ def mark_joints(marking: Marking) -> Mark | None:
 
 
 # --- stops and latches --------------------------------------------------------------------------------------
+#
+# A wedge stands on the joint's parent where a pointer on the child comes to it at the limit, a pin where the
+# latch holds. Of each there are two in one place: one in the colour of rest, one in that of a stop that is
+# touched or a latch that holds; which of them is seen moves with the run.
 
 STOP, TOUCHED = "#4D5866", "#D55E00"
 LATCH, HELD = "#56B4E9", "#009E73"
@@ -276,6 +280,11 @@ class _Marks:
 
 
 # --- gears, racks, belts and cables -------------------------------------------------------------------------
+#
+# A circle turns with the child of its joint. A gear's are in the ratio of the two, a belt's are its pulleys. Of
+# what is in contact or not there are two in one place, of which one is seen: a gear's circles in the colour of
+# rest or of teeth that mesh, a strand in that of a taut or of a slack one. Strands are straight from pulley to
+# pulley at every key frame, as the links stand then.
 
 APART, MESHING, SLACK = "#7A5C2E", "#E69F00", "#B8C4CE"
 
