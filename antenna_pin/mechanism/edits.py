@@ -38,8 +38,8 @@ __all__ = [
 
 # --- single changes -----------------------------------------------------------------------------------------
 #
-# A comment right behind an element, on its line, says where its numbers come from. It goes when they go, and a
-# changed element says what it was.
+# A comment right behind an element, on its line, says where its numbers come from. It goes when they go,
+# and a changed element says what it was.
 
 _HINGES = ("revolute", "continuous")
 

@@ -15,10 +15,10 @@ from antenna_pin.mechanism.robot import Joint, Link, Robot
 
 # --- joined links -------------------------------------------------------------------------------------------
 #
-# What a body does hangs on its mass, mass centre and inertia as a whole. So a frame may have a mass of zero, a
-# weight may be a point, and a rod thin, if what they are fixed to has what they lack; and numbers are judged on
-# the sum. A point, a rod, a plate are bodies too: none of their moments is negative. Whether what has no moment
-# about some line can be made to turn about it hangs on joints (below).
+# What a body does hangs on its mass, mass centre and inertia as a whole. So a frame may have a mass of
+# zero, a weight may be a point, and a rod thin, if what they are fixed to has what they lack; and numbers
+# are judged on the sum. A point, a rod, a plate are bodies too: none of their moments is negative. Whether
+# what has no moment about some line can be made to turn about it hangs on joints (below).
 
 Array = NDArray[np.float64]
 

@@ -24,23 +24,6 @@ from antenna_pin.base.numerals import decimal_in
 from antenna_pin.base.parameters import LARGEST
 from antenna_pin.errors import MechanismError, nearest
 
-__all__ = [
-    "check_names",
-    "FORMAT",
-    "half_unit",
-    "is_xacro",
-    "MOMENTS",
-    "name_of",
-    "numbers_in",
-    "parsed",
-    "placed",
-    "root_of",
-    "SHAPES",
-    "tag_of",
-    "text_in",
-    "write",
-]
-
 # --- text ---------------------------------------------------------------------------------------------------
 
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)

@@ -19,11 +19,11 @@ __all__ = [
 
 # --- journal in a bore --------------------------------------------------------------------------------------
 #
-# A play of a tenth of a millimetre cannot be seen beside a journal of ten. Here the parts keep their size, the
-# play is drawn M times as wide, and the journal is moved so that at every candidate contact the gap between the
-# drawn surfaces is M times the recorded one. So drawn surfaces touch when the real ones do, and overlap by M
-# times the real depth. The price is that the drawn journal is sheared rather than turned, for M times its tilt
-# is no small angle.
+# A play of a tenth of a millimetre cannot be seen beside a journal of ten. Here the parts keep their size,
+# the play is drawn M times as wide, and the journal is moved so that at every candidate contact the gap
+# between the drawn surfaces is M times the recorded one. So drawn surfaces touch when the real ones do, and
+# overlap by M times the real depth. The price is that the drawn journal is sheared rather than turned, for
+# M times its tilt is no small angle.
 #
 # Revolute and planar joints, in bearing axes, with the eccentricities :math:`e_\pm` of the journal's axis at
 # the bore's two end circles (:math:`|e| = C_r - gap`, towards the contact):
@@ -277,15 +277,17 @@ class MagnifiedBall:
 
 # --- slider in a guide --------------------------------------------------------------------------------------
 #
-# As in :mod:`antenna_pin.record.magnified` the parts keep their size, play and displacements are drawn M times
-# as large, and drawn surfaces touch when the real ones do. In the section's axes the guide's sides are those of
-# the slider and M times the play. The centre of a corner's rounding, at c in the slider, is drawn at
+# As in :mod:`antenna_pin.record.magnified` the parts keep their size, play and displacements are drawn M
+# times as large, and drawn surfaces touch when the real ones do. In the section's axes the guide's sides
+# are those of the slider and M times the play. The centre of a corner's rounding, at c in the slider, is
+# drawn at
 #
 # .. math:: c + M \left[p + (R - 1) c\right]
 #
-# across the axis, with the slider's place p and rotation R, and the rounding of radius r about it. A corner's
-# gap to a wall is then M times the real one at any tilt, and what is drawn is an affine picture of the slider.
-# Along the axis nothing is magnified; where the guide has no end the picture goes along with the slider.
+# across the axis, with the slider's place p and rotation R, and the rounding of radius r about it. A
+# corner's gap to a wall is then M times the real one at any tilt, and what is drawn is an affine picture of
+# the slider. Along the axis nothing is magnified; where the guide has no end the picture goes along with
+# the slider.
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -281,10 +281,10 @@ class _Marks:
 
 # --- gears, racks, belts and cables -------------------------------------------------------------------------
 #
-# A circle turns with the child of its joint. A gear's are in the ratio of the two, a belt's are its pulleys. Of
-# what is in contact or not there are two in one place, of which one is seen: a gear's circles in the colour of
-# rest or of teeth that mesh, a strand in that of a taut or of a slack one. Strands are straight from pulley to
-# pulley at every key frame, as the links stand then.
+# A circle turns with the child of its joint. A gear's are in the ratio of the two, a belt's are its
+# pulleys. Of what is in contact or not there are two in one place, of which one is seen: a gear's circles
+# in the colour of rest or of teeth that mesh, a strand in that of a taut or of a slack one. Strands are
+# straight from pulley to pulley at every key frame, as the links stand then.
 
 APART, MESHING, SLACK = "#7A5C2E", "#E69F00", "#B8C4CE"
 
