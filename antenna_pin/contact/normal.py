@@ -16,17 +16,17 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.answers import check_takes
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import fits, takes, unknown_type
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.compiled.decorators import record
 from antenna_pin.compiled.given_functions import address_of, is_compiled
 from antenna_pin.contact import kernels
-from antenna_pin.contact._law import Law
 from antenna_pin.contact.called_kernels import CALLED, CALLED_WHOLE
 from antenna_pin.contact.damping_kernels import CONSERVATIVE
 from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE, POWER, coded
@@ -39,10 +39,44 @@ __all__ = [
     "Dissipation",
     "ElasticLaw",
     "Hertz",
+    "Law",
     "NoDissipation",
-    "NormalLaw",
     "normal_questions",
+    "NormalLaw",
 ]
+
+# --- laws of all kinds --------------------------------------------------------------------------------------
+
+
+class Law:
+    """Base of laws and dissipations: their parameters are numbers, in SI units."""
+
+    __slots__ = ()
+
+    def __new__(cls, *given: Any, **parameters: Any) -> Self:
+        """Refuse what is no number, before a law asks for more."""
+        declared = parameters_of(cls)
+        for name, value in parameters.items():
+            one = declared.get(name)
+            if one is None or (value is None and not one.required and one.default is None):
+                continue
+            if not fits(value, float):
+                unit = "" if one.unit == "1" else f" [{one.unit}]"
+                raise InvalidParameterError(cls.__name__, name, f"a number{unit}", said=unknown_type(value))
+        return super().__new__(cls)
+
+
+# --- normal laws --------------------------------------------------------------------------------------------
+#
+# A law has two parts that are chosen apart: an elastic force, which derives from a potential, and what
+# dissipates. An :class:`ElasticLaw` alone is a law without dissipation; :class:`DampedContact` joins one
+# with a :class:`Dissipation` of :mod:`antenna_pin.contact.hysteresis` or
+# :mod:`antenna_pin.contact.damping`. The laws that the literature gives as a whole stand in
+# :mod:`antenna_pin.contact.point_laws`.
+#
+# A law is a small frozen dataclass over the compiled kernels. What a law needs to be run at full speed is its
+# ``code()``, a flat array; a user's own law without one (:class:`CustomNormal`, or any object that fulfils
+# :class:`NormalLaw`) runs on a slower path, one Python call per touching contact and evaluation.
 
 # A scenario may leave out what has "from_joint": it follows from the joint's dimensions and materials.
 STIFFNESS = {"unit": "N/m**exponent", "doc": "K, force at unit depth", "from_joint": True}

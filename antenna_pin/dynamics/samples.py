@@ -19,7 +19,7 @@ from antenna_pin.dynamics import (
     sample_kernels,
 )
 from antenna_pin.dynamics.audit import energy_of_python_laws
-from antenna_pin.dynamics.program_parts import program_parts, records_at
+from antenna_pin.dynamics.readings import program_parts, records_at
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.errors import FunctionError

@@ -17,23 +17,26 @@ from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_p
 from antenna_pin.dynamics import kernels, turn_kernels
 from antenna_pin.dynamics.blocks import (
     Blocks,
+    HeldKind,
     InPython,
     check_booked,
     check_holds,
     check_motion,
     clearance_block,
+    closures_by_name,
+    element_block,
     held_block,
+    kinds_about_axis,
+    on_bearings,
     places_in_x,
     slides,
     states_in_x,
     turning,
+    with_preloads_placed,
 )
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
-from antenna_pin.dynamics.element_block import element_block
-from antenna_pin.dynamics.held import HeldKind, closures_by_name
 from antenna_pin.dynamics.links import ForcePlace, OnLinksInPython, books_in_x, place_on_links
-from antenna_pin.dynamics.mounted import kinds_about_axis, on_bearings, with_preloads_placed
 from antenna_pin.elements import (
     FAMILIES,
     GROSS_WORK,

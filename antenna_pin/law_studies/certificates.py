@@ -35,9 +35,9 @@ from antenna_pin.contact import (
     law_parameters,
 )
 from antenna_pin.contact import damping_kernels as _damping
+from antenna_pin.contact.hysteresis import stored_share
 from antenna_pin.contact.power_kernels import POWER_LAW
 from antenna_pin.contact.records import NORMAL_LAW, POWER
-from antenna_pin.contact.restitution import stored_share
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.law_studies.impacts import check_impact, depth_of_energy, impact_of_pair, impact_on_wall
 

@@ -14,7 +14,7 @@ from antenna_pin.base.differences import STEPS, gradient
 from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.dynamics import Adjustments, System, Workspace
 from antenna_pin.dynamics import kernels as _program
-from antenna_pin.dynamics.mounted import bearings_in
+from antenna_pin.dynamics.blocks import bearings_in
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.pose_kernels import place_journal
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, kernels
-from antenna_pin.dynamics.acting import Acting
+from antenna_pin.dynamics.adjust import Acting
 from antenna_pin.elements import Change, Met, Modal
 from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.simulation.events import GRAZE, Angle, Edge, Event, Kink, Moment, Rate, Stop, Switch, Time

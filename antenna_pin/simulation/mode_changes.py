@@ -22,8 +22,8 @@ from antenna_pin.dynamics import (
     kernels,
     push_apart,
 )
-from antenna_pin.dynamics.acting import Acting
-from antenna_pin.dynamics.restraints import check_restraint
+from antenna_pin.dynamics.adjust import Acting
+from antenna_pin.dynamics.impulse import check_restraint
 from antenna_pin.elements import (
     FAMILIES,
     GROSS_WORK,
