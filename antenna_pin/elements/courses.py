@@ -9,8 +9,8 @@ from typing import Literal
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.base.readable import GIVEN, number
 from antenna_pin.elements import term_kernels as kernels
+from antenna_pin.elements.curve import SweptPiece
 from antenna_pin.elements.reference import Reference, pieces, swept, term
-from antenna_pin.elements.swept_pieces import SweptPiece
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Chirp", "Constant", "Polynomial", "Ramp", "Sine", "Sines"]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, ForceElement, Integral
-from antenna_pin.elements.point import Point, checked_point
+from antenna_pin.elements.points import Point, checked_point
 
 __all__ = ["BOOKED", "AtPoint", "OnLinks"]
 

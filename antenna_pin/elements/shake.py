@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.directions import A_DIRECTION
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.base.readable import GIVEN, number, readable
+from antenna_pin.elements.curve import SweptPiece, sines_of
 from antenna_pin.elements.prescribed import Motion
 from antenna_pin.elements.reference import swept
-from antenna_pin.elements.swept_pieces import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Shake", "SineShake", "SweepShake"]

@@ -1,14 +1,40 @@
-"""What every element between two points is."""
+"""Points on links, and elements between two of them."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 from antenna_pin.elements.element import LOSS, ForceElement, Integral
-from antenna_pin.elements.point import Point, checked_point
+from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["BetweenPoints"]
+__all__ = [
+    "BetweenPoints",
+    "checked_point",
+    "Point",
+]
+
+# --- points on links ----------------------------------------------------------------------------------------
+
+Point: TypeAlias = tuple[str, tuple[float, float, float]]
+"""A link, or ``world``, and a place in its frame [m]."""
+
+
+def checked_point(element: ForceElement, name: str, given: Any) -> Point:
+    """Return a link and a point on it with floats, or refuse what is none."""
+    link: object = None
+    try:
+        link, place = given
+        x, y, z = map(float, place)
+    except (TypeError, ValueError):
+        link = None
+    if not isinstance(link, str) or not all(map(math.isfinite, (x, y, z))):
+        raise InvalidParameterError(element, name, "a link and three finite numbers [m]", given)
+    return link, (x, y, z)
+
+
+# --- elements between two points ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
