@@ -1,7 +1,6 @@
-"""What readers of a result ask of a kind of joint with play: how it is looked at, drawn and told of.
+"""Readings of a kind of joint with play for those who draw and describe results.
 
-Each kind has its :class:`Look` in a file beside that of its shape, and its line in
-:mod:`antenna_pin.geometry.looks`; a reader needs neither shape nor kernels.
+Each kind has its :class:`Look` beside its shape (:data:`antenna_pin.geometry.LOOKS`); neither loads coal.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,17 +11,40 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
-from antenna_pin.geometry.coal_round import CoalPlanar
+from antenna_pin.geometry.look import Across, Array, Look, Sizes, across_centre, radial_words
 from antenna_pin.geometry.round_kernels import ROUND
-from antenna_pin.geometry.shape import (
-    ContactPlace,
-    Motion,
-    RoundShape,
-    flat,
-    require_lengths,
+from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_lengths
+
+if TYPE_CHECKING:
+    from antenna_pin.geometry.coal_round import CoalPlanar
+
+__all__ = [
+    "PlanarClearance",
+]
+
+# --- readings of results ------------------------------------------------------------------------------------
+
+
+def _across(size: Sizes, p: Array, z: Array) -> Across:
+    clearance = size["bearing_radius"] - size["journal_radius"]
+    return across_centre(p, np.hypot(p[:, None, 0], p[:, None, 1]), clearance)
+
+
+def _dimensions(size: Sizes) -> list[str]:
+    return [radial_words("bore", size["bearing_radius"], "journal", size["journal_radius"])]
+
+
+LOOK = Look(
+    held="a journal in a bore, held in the plane by contact alone",
+    dimensions=_dimensions,
+    picture="journal",
+    contacts=frozenset({"radial"}),
+    rows=("radial",),
+    across=_across,
 )
 
-__all__ = ["PlanarClearance"]
+
+# --- shape --------------------------------------------------------------------------------------------------
 
 
 @takes(bearing_radius="m", journal_radius="m")
@@ -35,6 +58,7 @@ class PlanarClearance(RoundShape):
     """
 
     kind: ClassVar[str] = "planar"
+    look: ClassVar[Look] = LOOK
     planar: ClassVar[bool] = True
     motion: ClassVar[Motion | None] = "turn"
     half_length: ClassVar[float | None] = None
@@ -61,4 +85,6 @@ class PlanarClearance(RoundShape):
 
     def coal(self, axes: ArrayLike) -> CoalPlanar:
         """Return what asks coal for the same distance."""
+        from antenna_pin.geometry.coal_round import CoalPlanar
+
         return CoalPlanar(self.bearing_radius, self.journal_radius)
