@@ -1,4 +1,4 @@
-"""Where the installed command starts: until everything is imported, Ctrl-C ends the process without a word.
+"""Entry of the installed command: until everything is imported, Ctrl-C ends the process without a word.
 
 Python would print a traceback from wherever an import has come. Only the command imports this module.
 """

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions that a user can act on.
+"""Errors as exceptions that a user can act on.
 
 Every error derives from :class:`AntennaPinError` and from the built-in it refines. A message gives the
 place, the rule, the value seen and a way out, in one line. What only a run can find out is not an exception
@@ -169,7 +169,7 @@ class OutputError(AntennaPinError, OSError):
 
 
 class TooLargeError(AntennaPinError, MemoryError):
-    """What is asked for needs more memory than this machine has."""
+    """Request that needs more memory than this machine has."""
 
 
 class MissingToolError(AntennaPinError, RuntimeError):

@@ -1,4 +1,4 @@
-"""What public functions and classes take: arguments of a wrong kind are refused in one line, by their types.
+"""Arguments of public functions and classes: wrong types are refused in one line.
 
 :func:`takes` above a function, or above a class, checks each argument against its annotation before anything
 is done with it, and reads text with a unit where a number with a unit is asked for::

@@ -1,4 +1,4 @@
-"""What fits: counts of things that are made one by one, and what numbers take of this machine's memory.
+"""Capacity: limits of counts, and memory that arrays need on this machine.
 
 Asked before anything is allocated, so that what does not fit is refused by its name, in one line, and not by
 the system after minutes, with no word of what to make less.

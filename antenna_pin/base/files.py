@@ -203,7 +203,7 @@ def _locked(descriptor: int) -> bool:
 
 
 def is_there(path: Path, descriptor: int) -> bool:
-    """Whether a file that is open is the one of a name still: nobody has deleted or replaced it."""
+    """Return whether an open file still has its name: neither deleted nor replaced."""
     try:
         return os.path.samestat(os.stat(path), os.fstat(descriptor))
     except FileNotFoundError:
@@ -261,7 +261,7 @@ def path_of_text(text: str | Path) -> Path:
 
 
 def has_whole_seal(path: Path) -> bool | None:
-    """Whether a file is what was sealed; None if it ends in no seal.
+    """Return whether a file is as sealed; None without a seal.
 
     Raises:
         OSError: It cannot be read.
@@ -367,15 +367,15 @@ class PatientFile(io.RawIOBase):
         return max([os.fstat(self._descriptor).st_size, *ends])
 
     def readable(self) -> bool:
-        """Whether it can be read: always."""
+        """Return True: the stream is readable."""
         return True
 
     def writable(self) -> bool:
-        """Whether it can be written: always."""
+        """Return True: the stream is writable."""
         return True
 
     def seekable(self) -> bool:
-        """Whether it has places to go to: always."""
+        """Return True: the stream is seekable."""
         return True
 
     def close(self) -> None:

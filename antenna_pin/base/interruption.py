@@ -50,7 +50,7 @@ def ended_by() -> int:
 
 
 def is_interruption(error: BaseException) -> bool:
-    """Whether an exception is what a signal, after :func:`ending_by_signals`, has brought about.
+    """Return whether an exception was caused by a signal, after :func:`ending_by_signals`.
 
     Some libraries make another of it while they are imported: one in C an ImportError, one that puts a
     stand-in for what it could not import whatever comes of using that. Where Python has dropped it, as in
@@ -185,5 +185,5 @@ _handling: list[Mapping[int, object]] = []
 
 
 def _is_ours(number: int) -> bool:
-    """Whether the command line has asked for a signal, handled within another handler or not."""
+    """Return whether the command line handles a signal, within another handler or not."""
     return signal.getsignal(number) is _end or any(number in before for before in _handling)

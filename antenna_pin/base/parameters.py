@@ -80,7 +80,7 @@ _FINITE = {"": "finite", "positive": "positive and finite", "zero or more": "zer
 @takes()
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter of a class.
+    """Parameter of a class.
 
     Attributes:
         unit: Its SI unit, "1" for a pure number; ``N/m**exponent`` depends on another parameter, of the name.

@@ -75,7 +75,7 @@ class OpenContact(_Value):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class EventMemory(_Value):
-    """What an event remembers.
+    """Discrete state of an event.
 
     Attributes:
         name: Its name.
@@ -94,7 +94,7 @@ class EventMemory(_Value):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class ControllerMemory(_Value):
-    """What a controller remembers.
+    """Discrete state of a controller.
 
     Attributes:
         name: Its name.

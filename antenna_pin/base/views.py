@@ -1,4 +1,4 @@
-"""How a result shows itself: its figures, recording, report and numbers, as if they were its own functions.
+"""Views of a result: figures, recording, report and numbers as methods.
 
 Readers stand above what they read, and are made of libraries that take a while to load. So a class of results
 names a reader of the room ``views`` by a :class:`View`, which fetches it when it is used; :data:`VIEWS` is

@@ -127,7 +127,7 @@ _SAME = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Unclosed:
-    """That no state was found.
+    """Failure to find a state.
 
     Attributes:
         residual: Largest of what the best one lacks [m] or [rad], or of the rates [m/s] or [rad/s].
@@ -166,7 +166,7 @@ def worst_row(constraints: Constraints) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """What is looked for, and in which directions.
+    """Unknowns of the search, and their directions.
 
     Attributes:
         constraints: What is to hold at time zero.
@@ -253,7 +253,7 @@ def find_configuration(
 
 
 def _out_of_reach(search: _Search, guess: Array) -> bool:
-    """Whether an equation is open that no motion changes, here and beside: as of axes that stay opposite."""
+    """Return whether an open equation changes with no motion, here and nearby, as of opposed axes."""
     y = guess.copy()
     open_here = np.full(search.constraints.rows, True)
     for scale in (0.0, 0.1):
@@ -411,7 +411,7 @@ def _connected(
 
 @dataclass(frozen=True, slots=True)
 class Mobility:
-    """How a mechanism can move in one configuration.
+    """Mobility of a mechanism in one configuration.
 
     Attributes:
         freedoms: Of the tree, nv.
@@ -467,7 +467,7 @@ def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Ar
 
 @dataclass(frozen=True, slots=True)
 class Redundancy:
-    """That equations of a closure or coupling follow from others.
+    """Warning that equations of a closure or coupling are redundant.
 
     Attributes:
         equations: How many could be left out together.

@@ -54,7 +54,7 @@ MODULUS = {"unit": "Pa", "doc": "E*, contact modulus of the pair", "from_joint":
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LineLaw(ElasticLaw):
-    """What the laws of a journal in a bore need to know.
+    """Parameters of the laws of a journal in a bore.
 
     A scenario may leave all of it out: the dimensions are the joint's (``length`` half the bearing's length,
     for each of its two ends; the whole for a planar joint), the modulus that of its materials.

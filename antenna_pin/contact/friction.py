@@ -46,7 +46,7 @@ _COEFFICIENT = {"unit": "1", "doc": "mu at high speed"}
 
 @runtime_checkable
 class FrictionLaw(Protocol):
-    """What a friction law of the slip speed must offer."""
+    """Protocol of a friction law of the slip speed."""
 
     def coefficient(self, speed: float) -> float:
         """Return the friction coefficient mu at a slip speed [m/s] >= 0; at least 0 [-]."""
@@ -70,7 +70,7 @@ class CompiledFrictionLaw(Law):
 
     @property
     def state_scales(self) -> tuple[float, ...]:
-        """What each of the integrated values reaches, in its own unit: an error is small against it."""
+        """Scale of each internal state, in its own unit, for error control."""
         return ()
 
     def code(self) -> NDArray[np.float64]:
@@ -313,7 +313,7 @@ class CustomFriction:
 
     @property
     def is_compiled(self) -> bool:
-        """Whether its function is."""
+        """Return whether the law's function is compiled."""
         return is_compiled(self.coefficient)
 
     def code(self) -> NDArray[np.float64]:

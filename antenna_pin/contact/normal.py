@@ -86,7 +86,7 @@ RESTITUTION = {"unit": "1", "doc": "coefficient of restitution asked for, in [0,
 
 @runtime_checkable
 class NormalLaw(Protocol):
-    """What a normal law must offer; :class:`CustomNormal` makes one from functions.
+    """Protocol of a normal law; :class:`CustomNormal` makes one from functions.
 
     A law that does not hold at any depth says so by an attribute ``depth_limit`` [m].
     """
@@ -214,7 +214,7 @@ class ElasticLaw(CompiledNormalLaw):
 
 
 class Dissipation(Law):
-    """What a normal law dissipates with; it knows nothing of the elastic law that it is used with.
+    """Protocol of the dissipation of a normal law, independent of the elastic law.
 
     Attributes:
         adds_force: Whether it adds a force of its own to the elastic one, rather than a multiple of that.
@@ -358,7 +358,7 @@ class CustomNormal:
 
     @property
     def is_compiled(self) -> bool:
-        """Whether its functions are."""
+        """Return whether the law's functions are compiled."""
         return is_compiled(self.force, self.elastic_force, self.elastic_energy)
 
     def code(self) -> NDArray[np.float64]:

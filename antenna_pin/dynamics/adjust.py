@@ -50,12 +50,12 @@ class Acting(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What messages call it."""
+        """Name in messages."""
         return f"{FAMILIES[self.family].word} {self.name!r}"
 
     @property
     def place(self) -> str:
-        """Where it stands in a scenario."""
+        """Place in a scenario."""
         return f"{self.family}.{self.name}"
 
 
@@ -225,7 +225,7 @@ class Adjustments:
         )
 
     def holds(self, place: str) -> bool:
-        """Whether an element, by its place, holds its joint at present."""
+        """Return whether an element, by its place, holds its joint at present."""
         words = self._blocks[place] + int(kernels.PARAMETERS)
         return bool(of_elements.hold(kind_of(type(self.elements[place])), self._program, words)[0])
 

@@ -199,7 +199,7 @@ class InPython(NamedTuple):
 
     @property
     def said(self) -> str:
-        """What refusals call it."""
+        """Name in refusals."""
         return f"what acts at joint {self.element.joint!r}"
 
     def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
@@ -208,7 +208,7 @@ class InPython(NamedTuple):
 
 
 def slides(mechanism: Mechanism, clearances: Sequence[ClearanceJoint], joint: str) -> bool:
-    """Whether a joint slides along its axis rather than turning about it."""
+    """Return whether a joint slides along its axis rather than turning about it."""
     return mechanism.joint(joint).kind == "prismatic" or any(
         one.name == joint and one.geometry.motion == "slide" for one in clearances
     )

@@ -106,7 +106,7 @@ class OnLinksInPython(NamedTuple):
 
     @property
     def said(self) -> str:
-        """What refusals call it."""
+        """Name in refusals."""
         return self.place
 
     def write(

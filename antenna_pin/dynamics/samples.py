@@ -1,4 +1,4 @@
-"""What the equations of motion give at the samples of a run: forces, contacts, energies, accelerations."""
+"""Evaluation of the equations of motion at samples: forces, contacts, energies, accelerations."""
 
 from __future__ import annotations
 

@@ -454,22 +454,22 @@ class System:
         self.mechanism.check_pose(q, where, ties)
 
     def slides(self, joint: str) -> bool:
-        """Whether a joint slides along its axis rather than turning about it."""
+        """Return whether a joint slides along its axis rather than turning about it."""
         return slides(self.mechanism, self.clearances, joint)
 
     @property
     def closed_to_world(self) -> bool:
-        """Whether a closure holds it to the world."""
+        """Return whether a closure holds the mechanism to the world."""
         return WORLD in {side.link for one in self.closures.values() for side in (one.first, one.second)}
 
     @property
     def sprung_to_world(self) -> bool:
-        """Whether a spring between points is fixed to the world."""
+        """Return whether a spring between points is fixed to the world."""
         return WORLD in {link for one in self.point_springs.values() for link, _ in (one.first, one.second)}
 
     @property
     def keeps_momentum(self) -> bool:
-        """Whether momenta, less impulses of forces, stay: a free base, no gravity, not held by the world."""
+        """Return whether momenta less impulses of forces are conserved: free base, no gravity, no hold."""
         return (
             self.mechanism.base == "free"
             and not self.closed_to_world

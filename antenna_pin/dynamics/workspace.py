@@ -1,4 +1,4 @@
-"""What a run works on: buffers, the contact memory of the moment, Pinocchio's data and coal's objects."""
+"""Workspace of a run: buffers, contact memory, Pinocchio's data and coal's objects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a force element is: all that a system, a run, a scenario, a result and a report ask of one.
+"""Base of force elements: interface for system, run, scenario, result and report.
 
 An element acts at one joint: it sees time, the joint's angle and rate, and gives the torque about its axis.
 (A :class:`ForceElement` may act elsewhere; what is said below of joints does not hold for it then.)
@@ -100,22 +100,22 @@ class ForceElement:
 
     @property
     def about(self) -> About:
-        """What it acts about at a joint with play."""
+        """Axis of the effort at a joint with play."""
         return "motion"
 
     @property
     def acts(self) -> bool:
-        """Whether it acts from the start on: its field ``on``, which those have that can be switched."""
+        """Return whether the element acts from the start on: field ``on`` of those that can be switched."""
         return bool(getattr(self, "on", True))
 
     @property
     def under_load(self) -> bool:
-        """Whether it has friction that is that of its joint's own load."""
+        """Return whether the element has friction by its joint's own load."""
         return False
 
     @property
     def has_row(self) -> bool:
-        """Whether it has a row among constraints: it may hold its joint, or has friction of its load."""
+        """Return whether the element has a row among constraints, for a hold or friction by load."""
         return self.under_load
 
     @property
@@ -135,12 +135,12 @@ class ForceElement:
 
     @property
     def has_kinks(self) -> bool:
-        """Whether its effort has kinks, where its kernel ``kink`` is zero: steps end there."""
+        """Return whether the effort has kinks, zeros of kernel ``kink``, at which steps end."""
         return False
 
     @property
     def kinks(self) -> int:
-        """How many functions its kernels have for that; more than one by ``kink_of``, which is told which."""
+        """Number of functions whose zeros are kinks; several by ``kink_of``, with a number."""
         return int(self.has_kinks)
 
     @property
@@ -327,5 +327,5 @@ class Drive(Element):
 
     @property
     def about(self) -> About:
-        """What it acts about at a joint with play."""
+        """Axis of the effort at a joint with play."""
         return self.axis

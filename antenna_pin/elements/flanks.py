@@ -1,4 +1,4 @@
-"""What meshes or pulls between two joints: which sides are in contact, and when they come off."""
+"""Base of gears and belts: sides in contact between two joints, and their releases."""
 
 from __future__ import annotations
 
@@ -116,12 +116,12 @@ class Flanks(Modal, BetweenJoints):
 
     @property
     def side_numbers(self) -> tuple[float, int]:
-        """How far beyond no deflection a side begins to act (its room), and which springs there are."""
+        """Deflection at which a side begins to act, and the number of springs."""
         raise NotImplementedError
 
     @property
     def ever_changes(self) -> bool:
-        """Whether it has sides: without play it is one spring both ways."""
+        """Return whether the element has sides: without play it is one spring both ways."""
         return self.side_numbers[1] != BOTH_WAYS
 
     def first(self, met: Met) -> Change | None:

@@ -135,7 +135,7 @@ _GIVES = "forces and rates that are finite numbers"
 
 
 class Acts(Protocol):
-    """What an element of a user's does: it looks at records, and writes beside what it sees."""
+    """Compiled function of a user's element: reads records of links and joints, writes efforts."""
 
     def __call__(self, t: float, p: Any, links: Any, joints: Any, states: Any, whole: Any) -> None:
         """Act.
@@ -154,11 +154,11 @@ class Acts(Protocol):
 
 
 class InPythonOnLinks(Protocol):
-    """What of an element on links is a function of a user's."""
+    """Functions of a user's element on links."""
 
     @property
     def called(self) -> bool:
-        """Whether kernels call it."""
+        """Return whether kernels call the function."""
 
     def ask(self, place: str, t: float, desk: Any) -> None:
         """Ask it in Python."""
@@ -166,7 +166,7 @@ class InPythonOnLinks(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CallableElement(OnLinks):
-    """What a function does that sees links and joints: a tether, a magnetic damper.
+    """Function of links and joints in Python: a tether, a magnetic damper.
 
     The function is plain Python, or compiled by ``numba.njit``, the same text either way (:class:`Acts`). All
     that it may write is zero (``kink`` 1) when it is asked. It must answer equal questions equally.
@@ -226,17 +226,17 @@ class CallableElement(OnLinks):
 
     @property
     def states(self) -> tuple[Integral, ...]:  # type: ignore[override]
-        """What it integrates itself."""
+        """Names of the integrated values."""
         return tuple(Integral(name, "1") for name in self.integrates)
 
     @property
     def integrals(self) -> tuple[Integral, ...]:  # type: ignore[override]
-        """What is booked of it, and what it integrates itself."""
+        """Names of the booked and of the integrated values."""
         return (*BOOKED, *self.states)
 
     @property
     def has_kinks(self) -> bool:
-        """Whether its forces have kinks that it tells of."""
+        """Return whether the forces have kinks, given by a function."""
         return self.has_kink
 
     @property
@@ -246,7 +246,7 @@ class CallableElement(OnLinks):
 
     @property
     def called(self) -> bool:
-        """Whether kernels call its function."""
+        """Return whether kernels call the function."""
         from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.act)
@@ -321,7 +321,7 @@ class CallableForce(AtPoint):
 
     @property
     def called(self) -> bool:
-        """Whether kernels call its function."""
+        """Return whether kernels call the function."""
         from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.wrench)

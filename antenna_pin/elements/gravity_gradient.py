@@ -21,7 +21,7 @@ _SQUARE = 1e-9  # cosine of what counts as a right angle
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GravityGradient(OnLinks):
-    r"""What a central field does on a circular orbit beside the fall of all: its gradient, to first order.
+    r"""Gravity gradient of a central field on a circular orbit, to first order.
 
     The world's axes do not turn, and their origin, the reference point, falls along the orbit. With e the
     direction to the centre, n the orbital rate, c a body's mass centre and I its inertia about that,

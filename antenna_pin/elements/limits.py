@@ -1,4 +1,4 @@
-"""What end stops of all kinds share: two sides, or one."""
+"""Base of end stops: two sides, or one."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Limits(ModalElement):
         return getattr(self, self.said_by(name, side))
 
     def differs(self, names: Iterable[str]) -> bool:
-        """Whether the upper side has any of these parameters of its own."""
+        """Return whether the upper side has a parameter of its own."""
         return any(self.said_by(name, UPPER) != name for name in names)
 
     def check_upper(self, names: Iterable[str]) -> None:

@@ -1,4 +1,4 @@
-"""What every element that acts on links is: forces from outside, thrusters, what a user writes."""
+"""Base of elements on links: forces from outside, thrusters, users' elements."""
 
 from __future__ import annotations
 

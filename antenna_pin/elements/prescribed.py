@@ -360,14 +360,14 @@ class CallableMotion(Motion):
 
     @property
     def called(self) -> bool:
-        """Whether kernels call its functions."""
+        """Return whether kernels call the functions."""
         from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.position, self.velocity, self.acceleration)
 
     @property
     def in_python(self) -> bool:  # type: ignore[override]
-        """Whether Python calls its functions, before each evaluation."""
+        """Return whether Python calls the functions, before each evaluation."""
         return not self.called
 
     def values(self) -> dict[str, Any]:

@@ -43,7 +43,7 @@ class Family(NamedTuple):
     in_python: Classes = Classes(_ROOM, {})
 
     def has(self, element: object) -> bool:
-        """Whether an element is one of the family; its other classes are not loaded for that."""
+        """Return whether an element is of the family, without loading the family's other classes."""
         return _name_of(type(element)) in (*self.kinds.places.values(), *self.in_python.places.values())
 
 

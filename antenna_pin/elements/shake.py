@@ -58,7 +58,7 @@ class Shake(Motion):
 
     @property
     def slides(self) -> bool:
-        """Whether the base moves along a direction rather than turning."""
+        """Return whether the base moves along a direction rather than turning."""
         return self.direction is not None
 
     def check_joint(self, place: str, slides: bool) -> None:
@@ -81,7 +81,7 @@ class Shake(Motion):
 
     @property
     def faded(self) -> tuple[float, ...]:
-        """When it has faded in, if it does [s]."""
+        """End of the fade-in, if any [s]."""
         return (self.fade_in,) if self.fade_in else ()
 
     def said_fade(self) -> str:

@@ -109,7 +109,7 @@ class StickingFriction(ModalElement):
 
     @property
     def under_load(self) -> bool:
-        """Whether its friction is that of a load."""
+        """Return whether the friction is of a load."""
         return self.coefficient > 0.0 or bool(self.static_coefficient)
 
     def values(self) -> dict[str, Any]:

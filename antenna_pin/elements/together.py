@@ -1,4 +1,4 @@
-"""What stops and latches at one joint must be to one another."""
+"""Rules of stops and latches at one joint."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 class Answers:
-    """Who answers what compiled code asks outside, in one run.
+    """Callbacks of compiled code in one run.
 
     Nothing that is raised passes through machine code: it is kept, and raised where the compiled code was
     called from (:meth:`check`). The functions hold what they look at; nothing that they hold knows of them,
@@ -76,12 +76,12 @@ class Answers:
         self.outside.asked[question] = ctypes.cast(called, ctypes.c_void_p).value
 
     def asks(self, question: str) -> bool:
-        """Whether anybody is asked a question."""
+        """Return whether a callback is given."""
         return question in self._kept
 
     @property
     def refusal(self) -> FunctionError | None:
-        """What a function of the user's has refused to answer last."""
+        """Return the last refusal of a user's function."""
         for error in self._raised:
             if isinstance(error, FunctionError):
                 return error

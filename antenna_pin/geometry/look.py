@@ -26,7 +26,7 @@ Row = Literal["radial", "axial", "transverse", "contact"]
 
 
 class Across(NamedTuple):
-    """Where the journal is in its play, at the places where one looks."""
+    """Place of the journal in its play, at the inspected places."""
 
     places: tuple[str, ...]
     offset: Array  # (n, places, 3) [m], bearing axes
@@ -41,7 +41,7 @@ class Across(NamedTuple):
 
 
 class Look(NamedTuple):
-    """What is to be known of a kind of joint.
+    """Readings of a kind of joint with play.
 
     Attributes:
         held: What holds it together, in words.

@@ -144,7 +144,7 @@ Vector = NDArray[np.float64]
 
 
 class _Guided(Protocol):
-    """What slides in a guide."""
+    """Protocol of sliders in a guide."""
 
     @property
     def guide_length(self) -> float: ...

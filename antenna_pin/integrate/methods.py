@@ -114,12 +114,12 @@ class Method:
 
     @property
     def implicit(self) -> bool:
-        """Whether its stages depend on one another, so that equations are to be solved for them."""
+        """Return whether the stages depend on one another, by equations to be solved."""
         return bool(np.triu(self.weights).any())
 
     @property
     def adaptive(self) -> bool:
-        """Whether the method estimates its error."""
+        """Return whether the method estimates its error."""
         return self.error_order is not None
 
     @property

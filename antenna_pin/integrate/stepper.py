@@ -1,4 +1,4 @@
-"""One step of a Runge-Kutta method on a manifold, tried, measured and accepted or left without trace."""
+"""Step of a Runge-Kutta method on a manifold: trial, error, acceptance or rejection without trace."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ class Manifold:
 
 
 class Problem(Protocol):
-    """What the integrator needs to know: a manifold and the derivative on it."""
+    """Protocol of the integrated system: a manifold and the derivative on it."""
 
     @property
     def manifold(self) -> Manifold:

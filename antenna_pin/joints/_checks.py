@@ -1,4 +1,4 @@
-"""What a joint with play refuses when it is made, beyond what its parts refuse themselves."""
+"""Checks of a joint with play, beyond those of its parts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a joint with play happens in Python in a run: a backend's distances, and laws written in Python."""
+"""Parts of a joint with play in Python: a backend's distances, and laws written in Python."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _ROW = ("gap", "rate", "slip", "force", "friction", "elastic")
 
 
 def has_code(law: object) -> bool:
-    """Whether a law runs compiled."""
+    """Return whether a law runs compiled."""
     return hasattr(law, "code") and getattr(law, "is_compiled", True)
 
 
@@ -90,7 +90,7 @@ class LawInRun:
 
 
 class PythonPath:
-    """What of a clearance joint happens outside the fused kernel: a backend's queries, and laws in Python.
+    """Parts of a clearance joint outside the fused kernel: a backend's queries, and laws in Python.
 
     Args:
         block: The joint's numbers.
@@ -156,7 +156,7 @@ class PythonPath:
         kernels.rates_alone(self._block, 0, table, self._pose)
 
     def __contains__(self, contact: int) -> bool:
-        """Whether a contact, by its number, is one of the joint's."""
+        """Return whether a contact, by its number, belongs to the joint."""
         return self.row <= contact < self.row + len(self._given_laws)
 
     def ask_laws(self, table: NDArray[Any], contact: int) -> None:

@@ -45,7 +45,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Curves:
-    """What is shown of a run: three panels.
+    """Panels of a run: three.
 
     Attributes:
         first: The journal's path across the bearing [m], at each place where it is looked at; of a joint
@@ -121,7 +121,7 @@ class Explored:
 
     @property
     def has_play(self) -> bool:
-        """Whether the joint that is looked at has play."""
+        """Return whether the selected joint has play."""
         return self.joint in play_names(self._begun)
 
     def value(self, knob: Knob) -> float:
@@ -141,7 +141,7 @@ class Explored:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What is laid over the scenario, by place."""
+        """Values that replace those of the scenario, by place."""
         found: dict[str, Any] = {}
         for place, value in self.values.items():
             found |= self._all[place].settings(value)

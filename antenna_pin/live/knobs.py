@@ -42,7 +42,7 @@ _FROM_0_TO_1 = frozenset({"restitution", "efficiency", "efficiency_back"})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Knob:
-    """One number that may be turned.
+    """Adjustable number.
 
     Attributes:
         group: What it belongs to, in words.
@@ -98,7 +98,7 @@ class Knob:
 
     @property
     def _is_plain(self) -> bool:
-        """Whether the unit takes prefixes and reads the same printed."""
+        """Return whether the unit takes prefixes and reads the same when printed."""
         return self.unit in ("m", "s", "N", "Hz", "Pa", "rad", "1")
 
     def to_slider(self, value: float) -> float:

@@ -31,7 +31,7 @@ _TICK = 250  # between two looks at the stage of the first run [ms]
 
 
 class Page:
-    """One page, as one browser shows it.
+    """Page as shown by one browser.
 
     Args:
         document: What it is written into.

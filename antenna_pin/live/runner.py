@@ -28,7 +28,7 @@ _LEAST = 1.0 / 256.0
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """What came of something that was asked for.
+    """Answer to a request.
 
     Attributes:
         number: Of what was asked.

@@ -57,7 +57,7 @@ class RigidGroup:
 
     @property
     def called(self) -> str:
-        """What messages call it."""
+        """Name in messages."""
         having = [link.name for link in self.links if link.inertial is not None] or [self.first]
         name, others = having[0], ", ".join(map(repr, having[1:]))
         return f"link {name!r}" + (f" together with {others}, fixed to it" if others else "")

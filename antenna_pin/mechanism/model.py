@@ -83,7 +83,7 @@ _ROOT_JOINT = "root_joint"
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class JointSlot:
-    """Where a moving joint sits in the state, and which way its axis points.
+    """Place of a moving joint in the state, and direction of its axis.
 
     Two frames are told apart. The *URDF frame* is the joint's frame in the ideal URDF; the *joint frame* is
     Pinocchio's, which ``q``, ``v`` and ``tau`` refer to. They differ by ``frame_rotation`` at a planar joint
@@ -276,7 +276,7 @@ def _ties_of(mechanism: Mechanism) -> NDArray[np.float64]:
 
 
 class _Model(NamedTuple):
-    """What of a URDF is read once.
+    """Parts of a URDF that are read once.
 
     Attributes:
         model: Pinocchio's, to be copied.

@@ -60,7 +60,7 @@ _FAR = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What was left out of a URDF when it was read.
+    """Parts of a URDF left out when it was read.
 
     Attributes:
         passed_over: Lines of what means nothing to the mechanics, by what it is.
@@ -202,7 +202,7 @@ def _rounding(inertia: Any) -> float:
 
 
 def _is_of_zeros(inertial: Any) -> bool:
-    """Whether mass and moments are given and zero: the link is a frame."""
+    """Return whether mass and moments are given and zero: the link is a frame."""
     mass, inertia = inertial.findall("mass"), inertial.findall("inertia")
     if len(mass) != 1 or len(inertia) != 1:
         return False
@@ -352,7 +352,7 @@ def _clean_limit(limit: Any, found: Findings) -> None:
 
 
 def _leaves_a_way(limit: Any) -> bool:
-    """Whether a limit has bounds with a way between them; what is no number is judged elsewhere.
+    """Return whether a limit has distinct bounds; broken numbers are judged elsewhere.
 
     One bound alone has URDF's default beside it, 0. None, 0 and 0 (SolidWorks' exporter) and infinite ones
     bound nothing.

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 
 class _Looks:
-    """What yourdfpy reads of a text, when it is first asked for."""
+    """Robot as read by yourdfpy, at first use."""
 
     def __init__(self, text: str, where: str) -> None:
         self._text, self._where = text, where
@@ -73,7 +73,7 @@ class Link:
 
     @property
     def visuals(self) -> list[Any]:
-        """What is drawn of it: ``yourdfpy.Visual``, each."""
+        """Shapes of the link: ``yourdfpy.Visual``, each."""
         return list(self._looks.of(self.name).visuals)
 
     @property
@@ -93,7 +93,7 @@ class Limit:
 
 
 class Mimic(NamedTuple):
-    """What a joint follows: ``joint``, times ``multiplier``, plus ``offset`` [rad or m]."""
+    """Coupling of a joint: ``joint``, times ``multiplier``, plus ``offset`` [rad or m]."""
 
     joint: str
     multiplier: float
@@ -127,7 +127,7 @@ class Joint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Robot:
-    """What a URDF says of a mechanism: its name, links and joints, in the file's order."""
+    """Mechanism of a URDF: name, links and joints, in the file's order."""
 
     name: str
     links: tuple[Link, ...]

@@ -188,12 +188,12 @@ class Urdf:
 
     @property
     def not_simulated(self) -> tuple[str, ...]:
-        """One line for each joint's damping or friction that has no axis to act about; empty is good."""
+        """Lines about damping or friction of joints without an axis; empty is good."""
         return reading.left_out(urdf_xml.parsed(self.text), self.where)
 
     @property
     def joint_friction(self) -> dict[str, dict[str, float]]:
-        """What ``<dynamics>`` says of joints with an axis, by name: ``damping`` and ``friction`` above 0.
+        """Numbers of ``<dynamics>`` of joints with an axis, by name: ``damping`` and ``friction`` above 0.
 
         Of one that turns [N*m*s/rad] and [N*m], of one that slides [N*s/m] and [N]; fields of
         :class:`antenna_pin.elements.JointFriction`.
@@ -202,7 +202,7 @@ class Urdf:
 
     @property
     def mimics(self) -> dict[str, dict[str, Any]]:
-        """What ``<mimic>`` says of joints that move, by name: ``leader``, ``multiplier`` and ``offset``.
+        """Numbers of ``<mimic>`` of moving joints, by name: ``leader``, ``multiplier`` and ``offset``.
 
         Fields of :class:`antenna_pin.constraints.Coupling`, in SI units. One of a fixed joint is no matter.
         """

@@ -95,7 +95,7 @@ def name_of(element: Any, key: str) -> str:
 
 
 def is_xacro(element: Any) -> bool:
-    """Whether an element is one of xacro's."""
+    """Return whether an element is one of xacro's."""
     return "xacro" in (etree.QName(element).namespace or "")
 
 
@@ -160,7 +160,7 @@ MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
 class Defined(NamedTuple):
-    """What an element may hold."""
+    """Content of an element."""
 
     children: tuple[str, ...] = ()
     attributes: tuple[str, ...] = ()
@@ -316,7 +316,7 @@ def _called(name: str, defined: Defined) -> str:
 
 
 def _repeats(element: Any, name: str, meant: str) -> bool:
-    """Whether an attribute says what the one that is meant says too, as iyx does beside ixy."""
+    """Return whether an attribute repeats the intended one, as iyx beside ixy."""
     numbers = numbers_in(element.get(name))
     return (
         meant != name

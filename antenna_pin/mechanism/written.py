@@ -35,7 +35,7 @@ class WrittenJoint(NamedTuple):
 
 
 class PassedOver(NamedTuple):
-    """What of a file means nothing to the mechanics and is not read: what it is, and in which lines."""
+    """Parts of a file without meaning for the mechanics: kind, and lines."""
 
     what: str
     lines: tuple[int, ...]
@@ -73,7 +73,7 @@ def _outline(text: str, where: str) -> _Outline:
 
 
 class _Asked(NamedTuple):
-    """What a variant is made of: the same as another if it reads the same, each number to its last digit."""
+    """Identity of a variant: equal for equal readings, each number to its last digit."""
 
     said: str
     changed: tuple[Any, ...]

@@ -59,7 +59,7 @@ def drawn_axes(up: Array | None) -> Array:
 
 
 class JointPicture:
-    """One clearance joint; each kind says what it draws.
+    """Picture of a clearance joint; each kind defines its drawing.
 
     Attributes:
         radius: Of the bore or socket as drawn [m].

@@ -1,4 +1,4 @@
-r"""Where bodies are drawn whose links bend: elastic parts at so many times their deflection.
+r"""Placements of bodies with bending links: elastic parts at a multiple of their deflection.
 
 The deflection x of an elastic part moves its body by :math:`\exp(x S)` in the hub's frame, with the unit
 twist S of its joint. Drawn is :math:`\exp(M x S)`. A shape that several parts move is moved by all of them,

@@ -81,7 +81,7 @@ _FLAGS = (
 
 @dataclass(frozen=True, slots=True)
 class BrowserPrograms:
-    """What pages are opened with.
+    """Programs that open pages.
 
     Attributes:
         browser: Path of Chromium or Chrome.

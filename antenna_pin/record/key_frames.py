@@ -1,4 +1,4 @@
-"""Which samples of a run a recording keeps: a regular rate, and every impact."""
+"""Key frames of a recording: samples at a regular rate, and every impact."""
 
 from __future__ import annotations
 

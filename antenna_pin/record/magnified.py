@@ -141,17 +141,17 @@ class MagnifiedJournal:
 
     @property
     def flanges(self) -> bool:
-        """Whether the journal has flanges."""
+        """Return whether the journal has flanges."""
         return self.flange_radius > 0.0
 
     @property
     def covered(self) -> bool:
-        """Whether the flanges cover the bearing's edge, so that this edge touches and not their own."""
+        """Return whether the flanges cover the bearing's edge, so that this edge touches."""
         return self.drawn_edge == self.outer_radius
 
     @property
     def flange_thickness(self) -> float:
-        """Of the drawn flanges [m]."""
+        """Radius of the drawn flanges [m]."""
         return 0.12 * self.bore_radius
 
     def eccentricity(self, gap: Array, point: Array) -> Array:

@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marking:
-    """What a mark may need.
+    """Data for marks.
 
     Attributes:
         run: The run.
@@ -60,7 +60,7 @@ class Marking:
 
     @property
     def times(self) -> Array:
-        """Of the key frames, (frames,) [s]."""
+        """Times of the key frames, (frames,) [s]."""
         return np.asarray(self.run.data["time"].values, dtype=float)[self.samples]
 
     def path(self, link: str) -> str:
@@ -235,7 +235,7 @@ def _modal_parts(
 
 
 class _Marks:
-    """Where the marks of one joint go."""
+    """Place of the marks of one joint."""
 
     def __init__(self, marking: Marking, joint: str, slides: bool) -> None:
         self.scene, self.size, self.slides = marking.scene, marking.size, slides

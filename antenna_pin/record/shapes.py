@@ -98,7 +98,7 @@ Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
-    """One thing to draw on a body.
+    """Shape to draw on a body.
 
     Attributes:
         body: Name of the link.
@@ -157,7 +157,7 @@ class _NotDrawnError(Exception):
 
 
 class _MissingError(Exception):
-    """That a mesh is not there."""
+    """Warning of a missing mesh."""
 
 
 def _geometry(geometry: Any, urdf: Urdf) -> Geometry:

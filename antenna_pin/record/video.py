@@ -149,7 +149,7 @@ _PALETTE_PICTURES = 9
 
 @dataclass(frozen=True, slots=True)
 class Filmed:
-    """What came of a film.
+    """Result of filming.
 
     Attributes:
         path: The file, or the folder of frames.
@@ -163,7 +163,7 @@ class Filmed:
 
     @property
     def completed(self) -> bool:
-        """Whether it was not interrupted."""
+        """Return whether filming was completed."""
         return self.frames == self.planned
 
 

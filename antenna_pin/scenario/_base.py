@@ -1,4 +1,4 @@
-"""What every table of a scenario shares: frozen, no unknown keys, quantities with units, one-line errors."""
+"""Base of a scenario's tables: frozen, no unknown keys, quantities with units, one-line errors."""
 
 from __future__ import annotations
 
@@ -281,7 +281,7 @@ class Spec(BaseModel):
 
 
 def _is_of_numpy(value: Any) -> bool:
-    """Whether a value is a single one of NumPy's, which pydantic does not take for true, false or text."""
+    """Return whether a value is a NumPy scalar, which pydantic takes for no bool, text or number."""
     return hasattr(value, "item") and getattr(value, "ndim", None) == 0
 
 

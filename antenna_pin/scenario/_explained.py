@@ -1,4 +1,4 @@
-"""What pydantic found wrong in a table, in one line: file, dotted key, rule, value seen."""
+"""Messages of pydantic in one line: file, dotted key, rule, value seen."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def dotted(location: Location) -> str:
 
 
 class Place(NamedTuple):
-    """Where a value stands, for a message.
+    """Place of a value, for a message.
 
     Attributes:
         text: File and dotted place, such as ``my.toml: integrator.rtol``.

@@ -1,4 +1,4 @@
-"""Where the antenna looks, where it should look, and the orbit it flies: for analysis, not for the motion."""
+"""Pointing of the antenna: boresight, target and orbit, for analysis, not for the motion."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class OrbitSpec(Spec):
 
 
 class PointingSpec(Spec):
-    """Where the antenna looks and where it should look.
+    """Boresight and target of the antenna.
 
     Attributes:
         body: Link that looks.

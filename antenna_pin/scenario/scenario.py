@@ -126,7 +126,7 @@ class Scenario(FamilyTables):
 
     @property
     def urdf_path(self) -> Path:
-        """Where the URDF was; what it refers to is found from there."""
+        """Path of the URDF, from which its references are resolved."""
         return self.folder / self.mechanism.urdf
 
     def material(self, name: str) -> Material:

@@ -227,7 +227,7 @@ class Commands(MutableMapping[str, float]):
         raise InvalidParameterError("session", "command", "set, not removed", name)
 
     def __contains__(self, name: object) -> bool:
-        """Whether something of this name can be commanded."""
+        """Return whether a name can be commanded."""
         return name in self._places
 
     def __iter__(self) -> Iterator[str]:
@@ -235,7 +235,7 @@ class Commands(MutableMapping[str, float]):
         return iter(self._places)
 
     def __len__(self) -> int:
-        """How much can be commanded."""
+        """Number of things that can be commanded."""
         return len(self._places)
 
     def __repr__(self) -> str:
@@ -449,7 +449,7 @@ class Session(Exclusive):
 
     @property
     def time(self) -> float:
-        """Where the session stands [s]."""
+        """Present time of the session [s]."""
         return self._open.time
 
     @property
@@ -470,12 +470,12 @@ class Session(Exclusive):
 
     @property
     def system(self) -> System:
-        """What is run."""
+        """Scenario of the session."""
         return self._ready.system
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What was commanded so far, as events of a run from its beginning, with the same numbers."""
+        """Commands so far, as events of a run from its beginning, with the same numbers."""
         return tuple(
             Event(name=f"command {k}: {action.place}", when=Time(t), action=action)
             for k, (t, action) in enumerate(self._commanded, 1)

@@ -286,7 +286,7 @@ class EventEffect(NamedTuple):
 
     @property
     def together(self) -> bool:
-        """Whether several impulses of the event interact, so that their order matters."""
+        """Return whether several impulses of the event interact, so that their order matters."""
         return any(isinstance(one, ImpulseEffect) and len(one.struck) > 1 for one in self.done)
 
 

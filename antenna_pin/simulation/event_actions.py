@@ -129,12 +129,12 @@ class Actions:
 
     @property
     def _is_new(self) -> bool:
-        """Whether the present time belongs to this run's record."""
+        """Return whether the present time belongs to this run's record."""
         return self._stepper.t > self._after
 
     @property
     def _counts(self) -> bool:
-        """Whether users' events are recorded now; settings at time zero are not."""
+        """Return whether users' events are recorded now; settings at time zero are not."""
         return self._is_new and self._stepper.t > 0.0
 
     def _edge(self, action: Edge) -> bool:

@@ -456,7 +456,7 @@ _AGES = 8  # calls stored besides the first: of ages 1, 2, 4, ... checks
 
 
 class _FunctionHistory:
-    """One function, with arguments of several ages and the results."""
+    """Function with arguments of several ages and their results."""
 
     def __init__(self, function: UserFunction) -> None:
         self._function = function

@@ -457,7 +457,7 @@ class StepBatches:
 
     @property
     def at_rest(self) -> bool:
-        """Whether no step is in progress."""
+        """Return whether no step is in progress."""
         return bool(self._stretch["phase"][0] == kernels.FRESH)
 
     def rest(self) -> None:
@@ -466,7 +466,7 @@ class StepBatches:
 
     @property
     def has_moved(self) -> bool:
-        """Whether the last call has accepted a step."""
+        """Return whether the last call has accepted a step."""
         return bool(self._stretch["accepted"][0] > 0)
 
     @property
