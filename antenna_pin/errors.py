@@ -67,7 +67,7 @@ class NotSimulatedWarning(UserWarning):
 
 
 class AssumedWarning(UserWarning):
-    """Something is taken for granted that neither a scenario nor its URDF says."""
+    """Warning of an assumption that neither a scenario nor its URDF states."""
 
 
 class StiffRunWarning(UserWarning):
@@ -165,7 +165,7 @@ class FileFormatError(AntennaPinError, ValueError):
 
 
 class OutputError(AntennaPinError, OSError):
-    """A result cannot be written where it was asked to be."""
+    """Result that cannot be written to the requested place."""
 
 
 class TooLargeError(AntennaPinError, MemoryError):

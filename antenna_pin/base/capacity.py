@@ -55,7 +55,7 @@ def check_fits(place: str, what: str, size: float, way_out: str) -> None:
 
 
 def free_memory() -> float | None:
-    """Return how much memory this process may still have [bytes]; None where the system does not say."""
+    """Return the memory that this process may still allocate [bytes]; None if unknown."""
     found = []
     with contextlib.suppress(OSError, ValueError, IndexError, StopIteration):
         lines = Path("/proc/meminfo").read_text().splitlines()

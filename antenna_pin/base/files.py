@@ -226,7 +226,7 @@ def _short(path: Path, most: int = 60) -> str:
 
 
 def seal(path: Path) -> None:
-    """Append a digest of a file to it, by which :func:`has_whole_seal` tells whether it is as it was.
+    """Append a digest of a file to it, for :func:`has_whole_seal`.
 
     Readers of formats that know their own length, as HDF5, do not see it.
     """
@@ -379,7 +379,7 @@ class PatientFile(io.RawIOBase):
         return True
 
     def close(self) -> None:
-        """Close the file; what it kept in memory is gone."""
+        """Close the file and release its memory."""
         if not self.closed:
             os.close(self._descriptor)
         super().close()

@@ -161,7 +161,7 @@ def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
 
 
 def attribute_docs(cls: type[Any]) -> dict[str, str]:
-    """Return what the docstrings of a class and of its bases say of its attributes, by name."""
+    """Return the descriptions of attributes in the docstrings of a class and its bases, by name."""
     found: dict[str, str] = {}
     for base in reversed(cls.__mro__):
         _, _, section = (base.__doc__ or "").partition("Attributes:\n")

@@ -1,4 +1,4 @@
-"""Pieces of work that know nothing of one another, in processes of their own where there are cores for them.
+"""Independent pieces of work in processes of their own, where cores are free.
 
 The processes are forked: they have what this one has in memory, without loading or copying it, and what
 they make comes back through a pipe. They write no files. So one that is killed leaves nothing behind, and

@@ -173,7 +173,7 @@ class RunNumbers(Protocol):
     """``run.analyse``: all numbers, or those of one analysis by its name."""
 
     def __call__(self, ideal: Any = None, *, longest_gap: float | str = 1e-3) -> dict[str, Any]:
-        """Return all that ``antenna-pin analyse`` says."""
+        """Return all numbers of ``antenna-pin analyse``."""
         ...
 
     def __getattr__(self, name: str) -> Any: ...

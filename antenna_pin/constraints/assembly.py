@@ -457,7 +457,7 @@ def mobility(constraints: Constraints, t: float, y: Array, program: Array) -> Mo
 
 
 def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Array:
-    """Return the rows in directions of equal kinetic energy, (rows, nv); zero for one that says nothing."""
+    """Return the rows in directions of equal kinetic energy, (rows, nv); zero for one without effect."""
     model = constraints.model
     constraints.residuals(t, y, program)
     rows = constraints.jacobian.copy()

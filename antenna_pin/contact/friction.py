@@ -307,7 +307,7 @@ class CustomFriction:
     coefficient: Callable[[float], float]
 
     def __post_init__(self) -> None:
-        """Check that its function can be asked, and refuse a law that jumps at rest."""
+        """Check that the function can be called, and refuse a law that jumps at rest."""
         check_takes(self, "coefficient", self.coefficient, "slip speed")
         check_at_rest(type(self).__name__, lambda speed: callable_of(self.coefficient, 1)(speed))
 

@@ -54,7 +54,7 @@ class Law:
     __slots__ = ()
 
     def __new__(cls, *given: Any, **parameters: Any) -> Self:
-        """Refuse what is no number, before a law asks for more."""
+        """Refuse values that are no numbers, before a law checks more."""
         declared = parameters_of(cls)
         for name, value in parameters.items():
             one = declared.get(name)
@@ -107,7 +107,7 @@ _QUESTION = (("depth", "m"), ("rate", "m/s"), ("approach speed", "m/s"))
 def normal_questions(
     law: NormalLaw,
 ) -> tuple[tuple[str, Callable[..., float], tuple[tuple[str, str], ...]], ...]:
-    """Return what a run asks a normal law: name, function, name and unit of each number it is asked."""
+    """Return a normal law for a run: name, function, name and unit of each argument."""
     return tuple(
         (name, getattr(law, name), _QUESTION[:count])
         for name, count in (("force", 3), ("elastic_force", 1), ("elastic_energy", 1))
@@ -126,7 +126,7 @@ class CompiledNormalLaw(Law):
 
     @property
     def depth_limit(self) -> float:
-        """Depth beyond which the law says nothing [m]; infinite if there is none."""
+        """Depth limit of the law [m]; infinite if there is none."""
         return self.parts.elastic.depth_limit
 
     def code(self) -> NDArray[np.float64]:
@@ -176,7 +176,7 @@ def _code_within(law: CompiledNormalLaw, depth: float) -> NDArray[np.float64]:
 
 
 def check_depth(law: CompiledNormalLaw, depth: float) -> None:
-    """Refuse a depth [m] of which the law says nothing; the kernels hold the force there."""
+    """Refuse a depth [m] beyond the law's range; kernels hold the force there."""
     limit = _code_and_limit(law)[1]
     if depth > limit:
         rule = f"at most depth_limit = {limit:g} m"
@@ -209,7 +209,7 @@ class ElasticLaw(CompiledNormalLaw):
 
     @property
     def depth_limit(self) -> float:
-        """Depth beyond which the law says nothing [m]; infinite if there is none."""
+        """Depth limit of the law [m]; infinite if there is none."""
         return math.inf
 
 
@@ -352,7 +352,7 @@ class CustomNormal:
     depth_limit: float = math.inf
 
     def __post_init__(self) -> None:
-        """Check that its functions can be asked."""
+        """Check that the functions can be called."""
         for name, _, words in normal_questions(self):
             check_takes(self, name, getattr(self, name), *(word for word, _ in words))
 

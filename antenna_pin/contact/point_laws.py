@@ -29,7 +29,7 @@ _PARTS = Classes(
 
 @functools.lru_cache(maxsize=256)
 def _parts_of(law: WholeLaw) -> DampedContact:
-    """Return a law as its two parts, which are asked for at every turn and do not change."""
+    """Return a law as its two parts, cached."""
 
     def part(cls: Any) -> Any:
         return cls(**{item.name: getattr(law, item.name) for item in dataclasses.fields(cls)})

@@ -195,7 +195,7 @@ class Adjustments:
         return self._program.copy(), dict(self.values), dict(self.elements)
 
     def go_back(self, kept: tuple[Array, dict[str, float], dict[str, ForceElement]]) -> None:
-        """Have the numbers that there were when this was kept."""
+        """Restore the numbers of a snapshot."""
         self._program[:] = kept[0]
         self.values, self.elements = dict(kept[1]), dict(kept[2])
 

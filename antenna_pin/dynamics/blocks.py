@@ -162,7 +162,7 @@ def element_block(system: Any, place: str, element: ForceElement, x: int) -> Arr
 
 
 def element_head(system: Any, place: str, joint: str) -> NDArray[Any]:
-    """Return the head of an element with what it says of its joint, ``ELEMENT``, (1,)."""
+    """Return the head of an element with its joint's numbers, ``ELEMENT``, (1,)."""
     slot = system.mechanism.joint(joint)
     clearance = system.clearance_blocks.get(joint, -1)
     without_axis = any(j.geometry.motion is None for j in system.clearances if j.name == joint)
@@ -280,7 +280,7 @@ def places_in_x(
 
 
 def turning(system: Any) -> dict[str, int]:
-    """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
+    """Return the joints whose configuration determines their angle up to whole turns, numbered."""
     about_axis = {name for name, kind in system.free_with_axis.items() if kind == "revolute"}
     about_axis |= {j.name for j in system.clearances if j.geometry.motion == "turn"}
     slots = system.mechanism.joints.values()
@@ -315,7 +315,7 @@ def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: in
 
 
 def held_block(mechanism: Mechanism, name: str, slides: bool, row: int, x: int, turn: int) -> Array:
-    """Return the block of a joint held by constraint: without contacts, for what elements ask of its axis.
+    """Return the block of a joint held by constraint: without contacts, for elements about its axis.
 
     Args:
         mechanism: The joint must be floating there.
@@ -383,7 +383,7 @@ def check_motion(
 
 
 def check_holds(place: str, mechanism: Mechanism, element: Element) -> None:
-    """Refuse an element that is to hold a joint that no one row holds, or whose load no row tells.
+    """Refuse an element that holds a joint without a row of its own, or whose load no row gives.
 
     Args:
         place: What it is, for the refusal.
@@ -465,7 +465,7 @@ def kinds_about_axis(held: Mapping[str, HeldKind], carried: Collection[str]) -> 
 def with_preloads_placed(
     families: dict[str, dict[str, ForceElement]], clearances: Sequence[ClearanceJoint]
 ) -> dict[str, dict[str, ForceElement]]:
-    """Return elements with preloads that know where in their joint's play their force is given."""
+    """Return elements with preloads placed where their force acts in the play of their joint."""
     with_play = {joint.name: joint for joint in clearances}
     placed = {table: dict(elements) for table, elements in families.items()}
     for table, name, one in bearings_in(families):

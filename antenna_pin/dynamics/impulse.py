@@ -358,7 +358,7 @@ def _lengths(workspace: Workspace, held: int) -> Array:
 
 
 class NotFollowedError(MechanismError):
-    """A motion cannot be followed: what it asks for is what no mechanism does, or its joint is held."""
+    """Motion that cannot be followed: impossible rates, or its joint is held."""
 
 
 def prescribing(

@@ -90,7 +90,7 @@ class ForcePlace(NamedTuple):
 
 
 class OnLinksInPython(NamedTuple):
-    """An element on links that Python asks before each evaluation.
+    """Element on links whose Python function is called before each evaluation.
 
     Attributes:
         block: Where in a program its block stands.
@@ -248,7 +248,7 @@ def _places_of(system: Any, name: str, force: OnLinks) -> list[ForcePlace]:
 
 
 def _number(labels: list[str], k: int) -> str:
-    """Return what tells a link from the same one before: nothing for the first, or its number."""
+    """Return the suffix of a repeated link's name: nothing for the first, else its number."""
     before = labels[:k].count(labels[k])
     return f" {before + 1}" if before else ""
 

@@ -108,7 +108,7 @@ def acceleration(
 
 
 def motion_block(system: System, joint: str) -> Array:
-    """Return what a kernel needs to know of a joint's motion, as a block of a program behind the system's.
+    """Return the numbers of a joint's motion for kernels, as a block behind the system's program.
 
     Raises:
         AntennaPinError: There is no such joint, or it has no axis.
@@ -128,7 +128,7 @@ class JointMotion:
     """
 
     def __init__(self, system: System, joint: str) -> None:
-        """Lay out what the kernel needs to know of the joint."""
+        """Lay out the numbers of the joint for the kernel."""
         self._program = np.concatenate([system.program, motion_block(system, joint)])
         self._block = system.program.size
         self._nq = system.model.nq

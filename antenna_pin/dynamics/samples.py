@@ -217,7 +217,7 @@ def observed(
 
 
 def _whole(system: System, workspace: Workspace) -> sample_kernels.Whole:
-    """Return a system as it is looked at."""
+    """Return a system's arrays for evaluation."""
     tree = body_tree(system.mechanism)
     blocks = [system.clearance_blocks[joint.name] for joint in system.clearances]
     return sample_kernels.Whole(
@@ -235,7 +235,7 @@ def _whole(system: System, workspace: Workspace) -> sample_kernels.Whole:
 
 
 def _unseen(workspace: Workspace, n: int) -> sample_kernels.Sights:
-    """Return room for what is seen at n samples."""
+    """Return arrays for the results at n samples."""
     system, constraints = workspace.system, workspace.constraints
     joints = len(system.clearances)
     return sample_kernels.Sights(

@@ -146,7 +146,7 @@ def spaces(model: Any) -> tuple[str, ...]:
 
 
 def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
-    """Return a copy of the numbers of a state, or refuse what is not finite or further than a double tells.
+    """Return a copy of a state's numbers, or refuse numbers that are not finite or too large.
 
     Args:
         given: What is given.

@@ -177,7 +177,7 @@ class ForceElement:
 
     @property
     def ends(self) -> tuple[float, ...]:
-        """Angles of its joint at which a run ends, for it knows nothing of what is beyond [rad] ([m])."""
+        """Angles of the joint at which a run ends, the ends of the element's range [rad] ([m])."""
         return ()
 
     def check_begin(self, place: str, angle: float) -> None:
@@ -189,7 +189,7 @@ class ForceElement:
         """
 
     def check_span(self, place: str, begin: float, end: float) -> None:
-        """Refuse a run that goes beyond the times that it knows of.
+        """Refuse a run beyond the times of the element's data.
 
         Args:
             place: Its name, for the message.
@@ -245,22 +245,22 @@ class Element(ForceElement):
 
     @property
     def measured(self) -> str:
-        """The joint whose motion it sees: its own, if it does not say otherwise."""
+        """Joint whose motion the element follows: its own unless given."""
         return self.joint
 
     @property
     def functions(self) -> tuple[tuple[str, Callable[..., float], int], ...]:
-        """Functions of a user's that it asks: name, function, how many of time, angle and rate it takes."""
+        """User's functions of the element: name, function, number of arguments of time, angle and rate."""
         return ()
 
     def __post_init__(self) -> None:
-        """Check the parameters, and that its functions can be asked."""
+        """Check the parameters, and that the functions can be called."""
         ForceElement.__post_init__(self)
         for name, function, count in self.functions:
             check_takes(self, name, function, *(word for word, _ in _motion_words(False)[:count]))
 
     def asked(self, place: str, slides: bool) -> tuple[AskedFunction, ...]:
-        """Return its functions as a run asks them.
+        """Return the functions for a run.
 
         Args:
             place: Its name, for what is said of them.
@@ -306,7 +306,7 @@ class Element(ForceElement):
 
 
 def _motion_words(slides: bool) -> tuple[tuple[str, str], ...]:
-    """Return name and unit of what functions of a joint's motion are asked."""
+    """Return name and unit of the arguments of functions of a joint's motion."""
     unit = "m" if slides else "rad"
     return ("t", "s"), ("position" if slides else "angle", unit), ("rate", f"{unit}/s")
 

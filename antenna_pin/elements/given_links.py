@@ -60,7 +60,7 @@ def address_on_links(place: str, name: str, function: Any, sizes: tuple[int, int
 
 @cache
 def wrench_on_links(function: Any) -> Any:
-    """Return a function that acts on one link by what a compiled one says of time, pose and twist."""
+    """Return a function that acts on one link by a compiled one of time, pose and twist."""
     import numpy as np
     from numba import njit
 
@@ -197,7 +197,7 @@ class CallableElement(OnLinks):
     longest: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the parameters, and that its function can be asked."""
+        """Check the parameters, and that the function can be called."""
         for name, kind, rule in _GIVEN_AS:
             given: Any = getattr(self, name)
             if not isinstance(given, kind):
@@ -256,7 +256,7 @@ class CallableElement(OnLinks):
         return len(self.parameters), len(self.links), len(self.joints), len(self.integrates)
 
     def values(self) -> dict[str, Any]:
-        """Return its numbers: where its function stands, zero where Python asks it."""
+        """Return the packed parameters: address of the function, zero for one in Python."""
         from antenna_pin.compiled.given_functions import is_compiled
         from antenna_pin.elements.given_links import address_on_links
 
@@ -269,7 +269,7 @@ class CallableElement(OnLinks):
         return tuple(map(float, self.parameters.values()))
 
     def ask(self, place: str, t: float, desk: Any) -> None:
-        """Ask its function in Python, and look at what it writes.
+        """Call the Python function, and check its results.
 
         Args:
             place: Its name, for what is said of it.
@@ -315,7 +315,7 @@ class CallableForce(AtPoint):
     wrench: Callable[[float, Any, Any], Any]
 
     def __post_init__(self) -> None:
-        """Check the point, and that its function can be asked."""
+        """Check the point, and that the function can be called."""
         AtPoint.__post_init__(self)
         check_takes(self, "wrench", self.wrench, "t", "pose", "twist")
 
@@ -327,7 +327,7 @@ class CallableForce(AtPoint):
         return is_compiled(self.wrench)
 
     def values(self) -> dict[str, Any]:
-        """Return its numbers: where its function stands, zero where Python asks it."""
+        """Return the packed parameters: address of the function, zero for one in Python."""
         from antenna_pin.elements.given_links import address_on_links, wrench_on_links
 
         if not self.called:
@@ -336,7 +336,7 @@ class CallableForce(AtPoint):
         return {"address": address_on_links(type(self).__name__, "wrench", own, (0, 1, 0, 0))}
 
     def ask(self, place: str, t: float, desk: Any) -> None:
-        """Ask its function in Python, and look at its answer, as :meth:`CallableElement.ask` does."""
+        """Call the Python function and check its result, as :meth:`CallableElement.ask` does."""
         import numpy as np
 
         link = desk[1][0]

@@ -55,7 +55,7 @@ class GravityGradient(OnLinks):
     nadir: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 0.0, -1.0))
 
     def __post_init__(self) -> None:
-        """Check the parameters, and that they tell one orbit."""
+        """Check the parameters, and that they define one orbit."""
         ForceElement.__post_init__(self)
         if (self.mu is None) != (self.radius is None):
             missing, there = ("mu", "radius") if self.mu is None else ("radius", "mu")

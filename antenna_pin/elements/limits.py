@@ -53,7 +53,7 @@ class Limits(ModalElement):
         return math.inf if self.upper is None else self.upper
 
     def said_by(self, name: str, side: int) -> str:
-        """Return the parameter that says what a side has: ``upper_`` one where the upper side has its own."""
+        """Return the name of a side's parameter: with ``upper_`` where the upper side has its own."""
         upper = f"upper_{name}"
         return upper if side == UPPER and getattr(self, upper, None) is not None else name
 

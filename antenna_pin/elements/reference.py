@@ -29,7 +29,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reference:
-    """Base of the references: a sum of terms that kernels know.
+    """Base of the references: a sum of terms for kernels.
 
     Angles of a joint that turns [rad], or ways of one that slides [m]; or what else who follows it takes.
     """

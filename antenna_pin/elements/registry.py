@@ -166,7 +166,7 @@ _NUMBERS = {name: 10 + k for k, name in enumerate(name for one in _ALL for name 
 
 
 def __getattr__(name: str) -> Any:
-    """Return ``ELEMENTS``, all that there are, which nobody needs but what tells of all or compiles them."""
+    """Return ``ELEMENTS``, all classes of elements, for listings and compilation."""
     if name == "ELEMENTS":
         return tuple(cls for one in _ALL for cls in one.values())
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

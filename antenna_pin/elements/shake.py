@@ -89,7 +89,7 @@ class Shake(Motion):
         return f", fades in within {readable(self.fade_in, 's', GIVEN)}" if self.fade_in else ""
 
     def carried(self) -> dict[str, Any]:
-        """Return what a result carries of it, for those who look at what answers to it."""
+        """Return the facts about the shaken base that a result carries."""
         return {"along": list(self.direction)} if self.direction else {"about": list(self.axis or ())}
 
     def way(self) -> str:

@@ -42,7 +42,7 @@ class Answers:
     """
 
     def __init__(self, size: int, nv: int) -> None:
-        """Begin with nobody to be asked, about states of a size and so many velocities."""
+        """Begin without callbacks, for states of a size and a number of velocities."""
         self.outside = kernels.Outside(
             asked=np.zeros(1, kernels.ASKED),
             state=np.zeros(size),
@@ -96,7 +96,7 @@ class Answers:
 
 
 def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> None:
-    """Let what of a system's elements happens in Python be asked.
+    """Register the callbacks of a system's elements in Python.
 
     Args:
         answers: Who answers.
@@ -137,7 +137,7 @@ def give_pinocchio(answers: Answers, workspace: Workspace, mass: Array, bias: Ar
 
 
 def check_compiled(system: System) -> None:
-    """Refuse a system that the compiled engine cannot take; say why, and the way out.
+    """Refuse a system that the compiled engine cannot take, with reason and way out.
 
     Raises:
         MechanismError: Of what happens in Python.
@@ -250,7 +250,7 @@ class CompiledStepper(Stepper):
         return error
 
     def tried(self, h: float) -> float:
-        """Try a step as :meth:`attempt`, but raise nothing: what could not be answered is left to be seen."""
+        """Try a step as :meth:`attempt`, without raising the errors of callbacks."""
         self.h, self.has_dense = h, False
         layout, work, numbers = self.manifold.layout, self.work, self.numbers
         if self.newton is None:

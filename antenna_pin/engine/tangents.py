@@ -271,7 +271,7 @@ def _head(system: System, block: int) -> np.void:
 
 
 def _freedoms(system: System, head: np.void) -> tuple[int, int]:
-    """Return the first of the freedoms of the joint of an element's head that it may know, and how many.
+    """Return first and number of the freedoms that affect the joint of an element's head.
 
     What sees a joint's angle, and acts along it, knows none of where the journal is in its bearing.
     """

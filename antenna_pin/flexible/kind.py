@@ -32,7 +32,7 @@ class FlexibleKind(Protocol):
         return ()
 
     def told_of(self, part: int, link: MassProperties) -> str:
-        """Return what a refusal is to say of a part beside its name: where its numbers stand, for instance.
+        """Return details of a part for a refusal: the place of its numbers, for instance.
 
         Args:
             part: Its place in :meth:`parts`.

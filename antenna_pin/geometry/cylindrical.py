@@ -193,7 +193,7 @@ class CylindricalClearance(RoundShape):
         return np.concatenate([*rows, walls(flanks, 0.0, self.guide_length)] if flanks else rows)
 
     def coal(self, axes: ArrayLike) -> CoalPrismatic:
-        """Return what asks coal for the same distances."""
+        """Return the queries of coal for the same distances."""
         from antenna_pin.geometry.coal_prismatic import CoalPrismatic
 
         return CoalPrismatic(self.candidates(axes))

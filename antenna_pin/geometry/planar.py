@@ -1,4 +1,4 @@
-"""A journal in a bore that keeps its plane."""
+"""Planar joint: a journal in a bore, restricted to its plane."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ LOOK = Look(
 @takes(bearing_radius="m", journal_radius="m")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanarClearance(RoundShape):
-    """A journal in a bore that keeps its plane: radial play only, one candidate contact.
+    """Journal in a bore, restricted to its plane: radial play only, one candidate contact.
 
     Attributes:
         bearing_radius: R_i [m].
@@ -84,7 +84,7 @@ class PlanarClearance(RoundShape):
         return flat(ROUND, (kernels.CIRCLE_IN_CIRCLE, self.bearing_radius, self.journal_radius, (0.0,) * 6))
 
     def coal(self, axes: ArrayLike) -> CoalPlanar:
-        """Return what asks coal for the same distance."""
+        """Return the query of coal for the same distance."""
         from antenna_pin.geometry.coal_round import CoalPlanar
 
         return CoalPlanar(self.bearing_radius, self.journal_radius)

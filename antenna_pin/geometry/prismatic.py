@@ -295,7 +295,7 @@ class PrismaticClearance(Shape):
         )
 
     def coal(self, axes: ArrayLike) -> CoalPrismatic:
-        """Return what asks coal for the same distances."""
+        """Return the queries of coal for the same distances."""
         from antenna_pin.geometry.coal_prismatic import CoalPrismatic
 
         return CoalPrismatic(self.candidates(axes))

@@ -222,7 +222,7 @@ class RevoluteClearance(RoundShape):
         )
 
     def coal(self, axes: ArrayLike) -> CoalRevolute:
-        """Return what asks coal for the same distances."""
+        """Return the queries of coal for the same distances."""
         from antenna_pin.geometry.coal_revolute import CoalRevolute
 
         return CoalRevolute(self.dimensions())

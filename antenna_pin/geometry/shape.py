@@ -87,7 +87,7 @@ class ClearanceGeometry(Protocol):
 
     @property
     def section_radius(self) -> float:
-        """Size of the hollow: a hundredth of it is as deep as a run goes if nothing else is said [m]."""
+        """Size of the hollow [m]; a hundredth of it is the default depth limit."""
 
     @property
     def half_length(self) -> float | None:
@@ -102,7 +102,7 @@ class ClearanceGeometry(Protocol):
 
     @property
     def planar(self) -> bool:
-        """Return whether the journal keeps its plane: three degrees of freedom, else six."""
+        """Return whether the joint is planar: three degrees of freedom, else six."""
 
     @property
     def motion(self) -> Motion | None:
@@ -116,7 +116,7 @@ class ClearanceGeometry(Protocol):
         """
 
     def coal(self, axes: ArrayLike) -> Distances:
-        """Return what asks coal for the same distances; ``axes`` as of :meth:`candidates`."""
+        """Return the queries of coal for the same distances; ``axes`` as of :meth:`candidates`."""
 
 
 class Shape:

@@ -100,7 +100,7 @@ class SphericalClearance(RoundShape):
         return flat(ROUND, (kernels.BALL, self.bearing_radius, self.journal_radius, (0.0,) * 6))
 
     def coal(self, axes: ArrayLike) -> CoalSpherical:
-        """Return what asks coal for the same distance."""
+        """Return the query of coal for the same distance."""
         from antenna_pin.geometry.coal_round import CoalSpherical
 
         return CoalSpherical(self.bearing_radius, self.journal_radius)

@@ -110,7 +110,7 @@ class ClearanceJoint:
 
     @property
     def planar(self) -> bool:
-        """Return whether the joint keeps its plane."""
+        """Return whether the joint is planar."""
         return self.geometry.planar
 
     @property
@@ -136,7 +136,7 @@ class ClearanceJoint:
 
     @property
     def own_backend(self) -> OwnBackend | None:
-        """A backend of one's own as a run asks it; None if it is one of ours."""
+        """User's backend, wrapped for a run; None without."""
         if isinstance(self.backend, str):
             return None
         return OwnBackend(f"joint {self.name!r}: geometry: query", self.backend, self.contacts)

@@ -168,7 +168,7 @@ class Explored:
         return target
 
     def curves(self, run: Trajectory) -> Curves:
-        """Return what is shown of a run."""
+        """Return the panels of a run."""
         third = _over_time(run, self.joint, 2)
         if not self.has_play:
             first, second = (_over_time(run, self.joint, order) for order in (0, 1))
@@ -219,7 +219,7 @@ def _over_time(run: Trajectory, joint: str, order: int) -> Curve:
 
 
 def _joints(scenario: Scenario) -> tuple[list[str], frozenset[str]]:
-    """Return the joints that may be looked at, those with play first; and which joints slide."""
+    """Return the selectable joints, those with play first, and which of them slide."""
     units = start(scenario, record=False).names()
     moving = {name.removesuffix(".angle"): units[name] for name in units if name.endswith(".angle")}
     shaken = scenario.families.get("shake", {})  # what carries the base

@@ -84,7 +84,7 @@ class Knob:
         return quantity(bare(plain), self.unit, self.place)
 
     def told(self, value: float) -> str:
-        """Return a value as it is shown and may be typed: ``0.2 mm``."""
+        """Return a value as displayed and typed: ``0.2 mm``."""
         unit, factor = self._written
         if unit == self.unit and self._is_plain:
             return readable(value, self.unit, GIVEN).replace("\N{NO-BREAK SPACE}", " ")
@@ -123,7 +123,7 @@ class Knob:
 
 
 def _digits(value: float) -> int:
-    """Return how many significant digits a number has, of those that are shown."""
+    """Return the number of significant digits that are displayed."""
     return len(f"{value:.{GIVEN - 1}e}".partition("e")[0].replace(".", "").strip("-0"))
 
 

@@ -1,4 +1,4 @@
-"""Changes to the XML of a URDF, each in place; comments, colours and other tools' tags are kept."""
+"""Changes to the XML of a URDF in place; comments, colours and other tools' tags stay."""
 
 from __future__ import annotations
 
@@ -469,7 +469,7 @@ def edited(
     links: Mapping[str, LinkChange] | None = None,
     origins: Mapping[str, JointChange] | None = None,
 ) -> Any:
-    """Return the root element of a URDF with changes made; elements know their lines in the text.
+    """Return the root element of a URDF with changes made, with line numbers of the text.
 
     Args:
         text: The XML.

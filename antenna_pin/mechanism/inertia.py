@@ -240,7 +240,7 @@ def idle_joint(model: Any, q: Array) -> Idle | None:
 
 
 def idle_with(model: Any, q: Array, ties: Array) -> Idle | None:
-    """Return the joint that moves most where motions that keep to ties have no inertia in a pose.
+    """Return the joint with the largest motion among motions without inertia in a pose.
 
     It is that of :func:`idle_joint` where there are no ties; None if all such motions have inertia.
 

@@ -381,7 +381,7 @@ def _check_world(model: Any, urdf: Urdf) -> None:
 
 
 def _check_mass(model: Any, urdf: Urdf) -> None:
-    """Pinocchio's parser drops an inertial that it cannot read and goes on; the total mass tells."""
+    """Check the total mass: Pinocchio's parser drops inertials that it cannot read."""
     mass = sum(inertia.mass for inertia in model.inertias)
     expected = sum(link.inertial.mass for link in urdf.robot.links if link.inertial is not None)
     if not abs(mass - expected) <= 1e-12 * expected:  # round-off of a sum

@@ -1,4 +1,4 @@
-"""Reading of a URDF: its mechanics and visuals kept, all else counted, its numbers and tree checked."""
+"""Reading of a URDF: mechanics and visuals stay, all else is counted; numbers and tree are checked."""
 
 from __future__ import annotations
 
@@ -245,7 +245,7 @@ def _clean_material(material: Any, found: Findings) -> None:
 
 
 def _clean_shape(shape: Any, link: str, found: Findings) -> None:
-    """Take a shape out that nothing can draw; keep one material of the others."""
+    """Remove a shape that nothing can draw; leave one material of the others."""
     problem = _problem_of_shape(shape)
     if problem is not None:
         found.pass_over(f"<{shape.tag}> that cannot be drawn", shape)

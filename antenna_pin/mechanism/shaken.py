@@ -33,7 +33,7 @@ _INDEPENDENT = 1e-6
 
 @takes()
 def with_shaken_base(urdf: Urdf, shakes: Mapping[str, Shake]) -> Urdf:
-    """Return a copy whose base is carried by a joint for each motion, of the name that the motion says.
+    """Return a copy whose base is carried by a joint for each motion, with the motion's name.
 
     Args:
         urdf: The mechanism; its root is to stand in the world.

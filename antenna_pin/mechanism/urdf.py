@@ -1,4 +1,4 @@
-"""A URDF that is a mechanism, and the variants of it that a scenario asks for.
+"""URDF of a mechanism, and its variants for a scenario.
 
 A variant is made on the XML itself, so that comments (a shipped model keeps the source of each number there),
 gazebo and transmission tags stay; each variant is then read and checked again like any other file.
@@ -221,7 +221,7 @@ class Urdf:
         return self._named("joint", self.robot.joints, name)
 
     def axis(self, joint: str) -> Vector3:
-        """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x where the file says nothing."""
+        """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x by default."""
         return unit(self.joint(joint).axis)
 
     def placement(self, joint: str) -> npt.NDArray[np.float64]:
@@ -294,7 +294,7 @@ class Urdf:
         return replace(self, text=urdf_xml.write(robot))
 
     def mesh_file(self, filename: str) -> Path | None:
-        """Return the file that a mesh of that name is in, if it is there (``packages.py`` says where)."""
+        """Return the file of a mesh of that name, if it exists (``meshes.py`` defines where)."""
         return mesh_file(filename, self.folder, self.package_path)
 
     def to_xml(self) -> str:

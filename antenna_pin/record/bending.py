@@ -45,7 +45,7 @@ def check_bending(run: Trajectory, magnify: float | None) -> float:
 
 @takes()
 def bending_magnification(run: Trajectory) -> float | None:
-    """Return a magnification at which the bending of a run is seen; None of a run without elastic parts.
+    """Return a magnification that makes the bending of a run visible; None without elastic parts.
 
     1, 2 or 5 times a power of ten, at least 1, by the largest deflections of the run.
     """

@@ -195,7 +195,7 @@ class Browser:
         )
 
     def picture(self) -> bytes:
-        """Return what is seen of the page, as a PNG file."""
+        """Return a screenshot of the page, as a PNG file."""
         shot = self.command("Page.captureScreenshot", format="png", optimizeForSpeed=True)
         return base64.b64decode(shot["data"])
 

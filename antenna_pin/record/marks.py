@@ -99,7 +99,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Things in the scene that are shown or hidden together.
+    """Objects in the scene that are shown or hidden together.
 
     Attributes:
         text: What the page calls them.
@@ -268,7 +268,7 @@ class _Marks:
     def put(
         self, path: str, way: float, shape: Geometry, colour: str, seen: NDArray[np.bool_]
     ) -> dict[str, Any]:
-        """Draw a part on the parent; return the track by which it is seen or not."""
+        """Draw a part on the parent; return the track of its visibility."""
         self.scene.add(path, shape, rgb(colour), self.in_parent @ self._seat(way))
         changes = self.times[np.flatnonzero(np.diff(seen, prepend=False))]
         return {
@@ -369,7 +369,7 @@ def _meshing_parts(end: _Joint, size: float) -> Iterator[tuple[str, Geometry, Ar
 def _put(
     scene: Scene, path: str, shape: Geometry, place: Array, meshes: NDArray[np.bool_] | None, changes: bool
 ) -> list[tuple[str, dict[str, Any] | None]]:
-    """Draw a part that turns with a link; one that changes its colour twice, of which one is seen."""
+    """Draw a part that turns with a link; twice if its colour changes, one visible at a time."""
     if meshes is None or not changes:
         scene.add(path, shape, rgb(APART), place)
         return [(path, None)]

@@ -52,7 +52,7 @@ _NO_SPRINGS = ("friction",)  # kinds that stand among the springs of a scenario
 
 
 def mark_springs(marking: Marking) -> Mark | None:
-    """Draw the springs of the run's scenario; a run of a system built in Python does not say which it has.
+    """Draw the springs of the run's scenario; a system built in Python names none.
 
     Args:
         marking: What it is made of.

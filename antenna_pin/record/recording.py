@@ -424,7 +424,7 @@ def _looking_in(folders: list[str], run: Trajectory) -> Trajectory:
 
 
 def _trajectory(run: Trajectory | xr.Dataset) -> Trajectory:
-    """Return a run with what its data alone tell of how it ended and where it came from."""
+    """Return a run with outcome and origin, rebuilt from its data alone."""
     if not isinstance(run, Trajectory | xr.Dataset):
         raise InvalidParameterError("recording", "run", "a Trajectory or its data", said=type(run).__name__)
     series(run.data if isinstance(run, Trajectory) else run, "recording")

@@ -97,7 +97,7 @@ def write_mp4(path: Path, pictures: Iterable[bytes], size: tuple[int, int], fps:
 
 
 def palette_of(pictures: Sequence[bytes]) -> Image:
-    """Return the colours that fit pictures best; one set for all of a GIF keeps it from flickering.
+    """Return the colours that fit pictures best; one set for all of a GIF prevents flicker.
 
     A colour counts by the square root of its pixels, else the background takes nearly all of the palette.
     """
@@ -133,7 +133,7 @@ def write_gif(path: Path, pictures: Iterable[bytes], palette: Image, fps: float)
 
 
 def _hundredths(count: int, fps: float) -> NDArray[np.int64]:
-    """Return how long each picture is shown [ms], whole hundredths of a second."""
+    """Return the display time of each picture [ms], whole hundredths of a second."""
     ends = np.round(100.0 * np.arange(count + 1) / fps).astype(np.int64)
     return 10 * np.diff(ends)
 

@@ -262,7 +262,7 @@ class Spec(BaseModel):
 
     @classmethod
     def keys(cls) -> list[str]:
-        """Return the keys that a file may have, in the order in which they are told."""
+        """Return the keys that a file may have, in the order of messages."""
         return [name for name in cls.model_fields if name not in cls.carried]
 
     @model_validator(mode="before")
@@ -286,7 +286,7 @@ def _is_of_numpy(value: Any) -> bool:
 
 
 def _plain(cls: type[Spec], data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the keys given whose type says all of them, true or false or a number, and that type."""
+    """Yield the given keys of a type of true, false or numbers only, and that type."""
     for name, field in cls.model_fields.items():
         kinds = [kind for kind in get_args(field.annotation) or (field.annotation,) if kind is not type(None)]
         if kinds in ([bool], [float]) and not field.metadata and data.get(name) is not None:

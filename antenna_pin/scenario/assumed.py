@@ -27,7 +27,7 @@ class Assuming(Clearance):
     """A joint with play whose law and materials may be left out together."""
 
     def law(self, kind: Kind) -> LawSpec | None:
-        """Return the normal law of a kind of contact, which is assumed where nothing is said of any."""
+        """Return the assumed normal law of a kind of contact."""
         if self._says_no_law:
             return LawSpec(law=LAW, parameters={"restitution": RESTITUTION})
         return super().law(kind)

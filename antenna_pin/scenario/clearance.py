@@ -143,7 +143,7 @@ class TouchingSpec(Assuming):
 
 
 class PlanarClearance(TouchingSpec):
-    """A joint with radial play that keeps its plane and its axis' direction: contact at the bore only."""
+    """Planar joint with radial play: contact at the bore only."""
 
     kind = "planar"
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)

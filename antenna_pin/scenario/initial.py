@@ -92,7 +92,7 @@ class InitialBaseSpec(Spec):
 
 
 class InitialSpec(Spec):
-    """The initial state; zero and the identity where nothing is said.
+    """Initial state; zero and the identity by default.
 
     Attributes:
         joints: By name of the joint.

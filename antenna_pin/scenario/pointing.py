@@ -104,7 +104,7 @@ def _angle(a: Vector3, b: Vector3) -> float:
 
 
 def _check_second(second: Vector3 | None, first: Vector3, name: str, other: str) -> None:
-    """Refuse a second axis that says nothing beside the first."""
+    """Refuse a second axis parallel to the first."""
     if second is None:
         return
     angle = _angle(second, first)

@@ -1,4 +1,4 @@
-"""TOML text read within bounds: nothing in it may take for ever, or be too deep or too long to be told of."""
+"""TOML text read within bounds of time, depth and length."""
 
 from __future__ import annotations
 

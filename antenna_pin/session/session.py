@@ -61,7 +61,7 @@ def sought(goal: Event | Callable[[Moment], float]) -> Event:
 
 
 def looked_to(ready: PreparedRun, run: Run, end: float) -> float:
-    """Refuse to go to a time at which an element or a motion knows nothing, or leaves its limits.
+    """Refuse a time beyond the data of an element or motion, or beyond its limits.
 
     Args:
         ready: What the run is made of.
@@ -244,7 +244,7 @@ class Commands(MutableMapping[str, float]):
 
 
 class EndedError(AntennaPinError, RuntimeError):
-    """A session that has ended is told to go on."""
+    """Session that has ended and is continued."""
 
 
 @takes(angles="rad", record="s")
@@ -260,7 +260,7 @@ def start(
     controllers: Mapping[str, Controller] = MappingProxyType({}),
     record: bool | float = True,
 ) -> Session:
-    """Begin a run that is told from outside how far to go, and what to change on its way.
+    """Begin a run whose end and changes are commanded from outside.
 
     Args:
         model: What to run; or the name of a shipped scenario, or a path, whose default case is run.
@@ -282,7 +282,7 @@ def start(
 
 
 class Session(Exclusive):
-    """A run that goes as far as it is told.
+    """Run to a commanded time.
 
     Its numbers are those of one :func:`antenna_pin.simulate` in which events set at the same times what was
     commanded (:attr:`events`), bit for bit, however long the steps between: the integrator's own steps are
