@@ -32,10 +32,9 @@ from antenna_pin.fit.runs import (
     until_of,
 )
 from antenna_pin.fit.sensors import instants
-from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.displacer import Displacer
-from antenna_pin.nonlinear.frames import Lift, Units
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.chart import Chart, Displacer
+from antenna_pin.nonlinear.coordinates import Lift, Units
+from antenna_pin.nonlinear.perturbed_system import Numbers
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.sensitivity import GrazeError, SensitivityError
 from antenna_pin.simulation.inputs import check_without_controllers

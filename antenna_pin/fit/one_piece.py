@@ -14,7 +14,7 @@ from antenna_pin.fit.pieces import touching
 from antenna_pin.fit.runs import Rig, bench_of, reason_of, rows_of, sensed
 from antenna_pin.fit.unknowns import Unknowns
 from antenna_pin.nonlinear import Chart
-from antenna_pin.nonlinear.frames import way_between
+from antenna_pin.nonlinear.coordinates import way_between
 
 __all__ = ["Curve", "Found", "Piece"]
 

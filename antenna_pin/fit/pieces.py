@@ -17,7 +17,7 @@ from antenna_pin.assemble import build_system
 from antenna_pin.base.state import OpenContact, State
 from antenna_pin.dynamics import System, contact_memory
 from antenna_pin.nonlinear import Chart
-from antenna_pin.nonlinear.frames import way_between
+from antenna_pin.nonlinear.coordinates import way_between
 from antenna_pin.scenario import Scenario
 
 __all__ = ["from_origin", "instants_of", "piece_start", "touching", "ways_of"]

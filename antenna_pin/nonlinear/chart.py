@@ -1,4 +1,4 @@
-"""Coordinates about a state: how far neighbours are from it, in one list of plain numbers."""
+"""Coordinates about a state of states near it, and states of other systems."""
 
 from __future__ import annotations
 
@@ -11,18 +11,22 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.base.settings import ErrorScales
-from antenna_pin.base.state import State
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.records import memory_records
+from antenna_pin.base.settings import ErrorScales, RunSettings
+from antenna_pin.base.state import OpenContact, State
 from antenna_pin.constraints import Constraints, directions
-from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in
+from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, modes_in_another, modes_kept
 from antenna_pin.elements import Modal
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear.frames import MEMORIES, Units, frame_at, way_between
-from antenna_pin.nonlinear.kept import Kept
+from antenna_pin.nonlinear.coordinates import MEMORIES, Kept, Units, frame_at, parts_of, way_between
 from antenna_pin.simulation.inputs import check_sizes
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.samples import Chunk
 
-__all__ = ["Chart", "NotAlikeError", "OutOfReachError"]
+__all__ = ["Chart", "Displacer", "NotAlikeError", "OutOfReachError", "carried"]
 
+Array = NDArray[np.float64]
 
 # --- the modes of elements in a state: which they are, and whether those of two states are the same ---
 
@@ -93,8 +97,6 @@ def check_modes_alike(origin: Mapping[str, ModeNow], other: Mapping[str, ModeNow
             )
             raise NotAlikeError("chart", one.label, rule, other[place].word)
 
-
-Array = NDArray[np.float64]
 
 # Newton's steps onto closures; residuals over the length of their plan at which it is there, and with which a
 # state counts as closed: those of a run's own corrections.
@@ -316,3 +318,152 @@ class Chart:
         numbers = self._kept.between(self.frame.kept, origin, state) / self._own_units
         memories = np.log(state.memory[self._remembered] / origin.memory[self._remembered])
         return np.concatenate([ways, rates, bristles, numbers, memories])
+
+
+# --- a state as the start of another system -----------------------------------------------------------------
+
+
+@takes()
+def carried(state: State, system: System, *, scale: float = 1.0) -> State:
+    """Return a state as a start of another system of the same shape.
+
+    Positions, velocities, integrals and time go over as they are, but for what the other system cannot have:
+    they are brought onto its closures and motions, a contact touches if its gap is closed there, and what
+    contacts that touch on either side remember is kept. Elements go on in the modes that they are in, joints
+    that they hold are held where they hold them there, and a stop that gives way touches if the joint is
+    beyond it there. Step sizes start anew.
+
+    Args:
+        state: What a run of the one system left.
+        system: The other.
+        scale: By which time is stretched [-]: the new period of a drive over its old one, so that its phase
+            stays where it was.
+
+    Raises:
+        InvalidParameterError: The state is not as large as one of the other system, or has a joint beyond a
+            rigid stop of it.
+    """
+    check_sizes(system, state)
+    time = state.time * scale
+    shift = time - state.time
+    y = state.y
+    workspace, kept = Workspace(system), modes_kept(system, state.adjusted)
+    adjustments = Adjustments(system, workspace.program)
+    for place, value in kept:
+        adjustments.set(place, value)
+    if workspace.constraints is not None:
+        workspace.hold(time, y, workspace.program)
+    system.turn_on(y)
+    adjusted = modes_in_another(system, y, time, kept)
+    nq, nv = system.model.nq, system.model.nv
+    moved = dataclasses.replace(
+        state,
+        time=time,
+        reached=state.reached + shift,
+        q=y[:nq].copy(),
+        v=y[nq : nq + nv].copy(),
+        x=y[nq + nv :].copy(),
+        sizes=(),
+        error=0.0,
+        changed=tuple(0 for _ in state.changed),
+        # Events of its own count from their own beginning; which side they are on is looked at anew.
+        events=(),
+        adjusted=adjusted,
+        contacts=tuple(_shifted(one, shift) for one in state.contacts),
+    )
+    if not len(state.memory):
+        return moved
+    # As if for the first time: which contacts touch there, by the rule of every start.
+    begun = Run(system, y, max(1.0, time), RunSettings()).present()
+    old = state.memory[:, 0] != 0.0
+    new = begun.memory[:, 0] != 0.0
+    memory = np.where((old & new)[:, None], state.memory, begun.memory)
+    going_on = {one.contact: one for one in moved.contacts if new[one.contact]}
+    fresh = {
+        one.contact: dataclasses.replace(one, onset=time, peak=(one.peak[0], time, one.peak[2]))
+        for one in begun.contacts
+    }
+    contacts = tuple((fresh | going_on)[c] for c in sorted(fresh | going_on))
+    return dataclasses.replace(moved, memory=memory, contacts=contacts)
+
+
+def _shifted(contact: OpenContact, shift: float) -> OpenContact:
+    """Return what is kept of a contact with its times [s] moved."""
+    force, when, depth = contact.peak
+    return dataclasses.replace(contact, onset=contact.onset + shift, peak=(force, when + shift, depth))
+
+
+# --- perturbations of whole states, with discrete state -----------------------------------------------------
+
+
+class Displacer:
+    """Makes displacements of states of a system, and states of displacements.
+
+    Args:
+        system: The system.
+        numbers: How many of its numbers are displaced too.
+
+    Attributes:
+        kept: What its elements keep.
+        parts: Of a displacement.
+    """
+
+    def __init__(self, system: System, numbers: int) -> None:
+        """Lay out a displacement."""
+        self._system, self.kept = system, Kept(system)
+        self.parts = parts_of(system, len(self.kept), numbers)
+        self._bristles = np.asarray(system.bristle_x, dtype=int)
+        self._workspace = Workspace(system)
+
+    def between(self, here: State, there: State) -> Array | None:
+        """Return the displacement from a state to another, without that of numbers, (displacement,).
+
+        None where other contacts touch in the other: there is no way between the two.
+        """
+        system = self._system
+        ours, theirs = (memory_records(one.memory) for one in (here, there))
+        if not np.array_equal(ours["touching"], theirs["touching"]):
+            return None
+        way, rate, bristles, speeds, masses, _, kept, _ = self.parts
+        out = np.zeros(self.parts[-1].stop)
+        out[way], out[rate] = way_between(system, here.q, there.q), there.v - here.v
+        out[bristles] = there.x[self._bristles] - here.x[self._bristles]
+        touch = ours["touching"] != 0.0
+        for part, name in ((speeds, "approach_speed"), (masses, "effective_mass")):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                logs = np.log(theirs[name] / ours[name])
+            out[part] = np.where(touch & np.isfinite(logs), logs, 0.0)
+        out[kept] = self.kept.between(tuple(range(len(self.kept))), here, there)
+        return out
+
+    def states(
+        self, chunk: Chunk, moves: Array, words: Array, there: System, books: Array | None = None
+    ) -> Chunk:
+        """Return states that are displaced.
+
+        Args:
+            chunk: The states.
+            moves: Their displacements, (n, displacement).
+            words: By how much words of the program are besides, (n, words) or zero, (1, 1).
+            there: The system to which they are displaced, which turns numbers on with the state.
+            books: By how much what is integrated along a run is, (n, nx); its bristles are in ``moves``.
+        """
+        system = self._system
+        first = system.model.nq + system.model.nv
+        way, rate, bristles, speeds, masses, _, kept, _ = self.parts
+        states, memories, programs = chunk.states.copy(), chunk.memories.copy(), []
+        at = first + self._bristles
+        more = np.broadcast_to(words, (len(states), words.shape[1]))
+        for i, (y, move) in enumerate(zip(states, moves, strict=True)):
+            self._workspace.retract(y, move[way])
+            y[system.model.nq : first] += move[rate]
+            if books is not None:
+                y[first:] += books[i]
+            y[at] = chunk.states[i, at] + move[bristles]
+            memories[i]["approach_speed"] *= np.exp(move[speeds])
+            memories[i]["effective_mass"] *= np.exp(move[masses])
+            program = chunk.programs[i] + more[i]
+            program[self.kept.words] += move[kept]
+            programs.append(program)
+            there.turn_on(y)
+        return Chunk(chunk.times, states, memories, programs)

@@ -1,4 +1,4 @@
-"""Periodic solutions over a parameter: a branch followed by its arclength, and what happens to it there."""
+"""Branches of periodic orbits over a parameter by pseudo-arclength, with their bifurcations."""
 
 from __future__ import annotations
 
@@ -17,15 +17,29 @@ from antenna_pin.base.brief import brief
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.nonlinear.bifurcation_points import (
+    Ahead,
+    Located,
+    Step,
+    Test,
+    bent,
+    change_ahead,
+    doubling,
+    hidden,
+    is_torus,
+    shedding,
+    where_crossed,
+    where_passed,
+    where_turned,
+    where_zero,
+)
 from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.follower import Family, Follower, Node, Point, early
-from antenna_pin.nonlinear.grazes import Ahead, bent, change_ahead, where_passed
-from antenna_pin.nonlinear.hidden import doubling, hidden, is_torus, shedding
-from antenna_pin.nonlinear.locate import Located, Step, Test, where_crossed, where_turned, where_zero
 from antenna_pin.nonlinear.orbits import NoOrbitError, near_enough
+from antenna_pin.nonlinear.pseudo_arclength import Family, Follower, Node, Point, early
 
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "check_steps", "continued"]
 
+Array = NDArray[np.float64]
 
 # --- what happens to a branch of periodic solutions between two of its points ---
 
@@ -145,8 +159,6 @@ def _on_one_side(step: Step, begin: float, end: float, crossed: bool, precision:
                 found.append(_Found(kind, where))
     return found
 
-
-Array = NDArray[np.float64]
 
 # Of an arc, over the first: there the branch is given up; there it is if contacts or events change ahead.
 _SHORTEST, _NEAREST = 2.0**-10, 2.0**-40

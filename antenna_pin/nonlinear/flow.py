@@ -1,4 +1,4 @@
-"""The flow of a system as a map: from a state to the one a span of time later, and its derivative."""
+"""The flow of a system as a map over a time span, and its derivative."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.frames import Frame, Lift
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.coordinates import Frame, Lift
+from antenna_pin.nonlinear.perturbed_system import Numbers
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.events import Event

@@ -1,4 +1,4 @@
-"""How fast neighbours part: Lyapunov exponents, with errors and with what they are too short to say."""
+"""Lyapunov exponents with their errors: rates of divergence of perturbed states."""
 
 from __future__ import annotations
 
@@ -19,9 +19,8 @@ from antenna_pin.base.capacity import MOST, check_count
 from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
+from antenna_pin.nonlinear.coordinates import Frame, Kept, own_state
 from antenna_pin.nonlinear.flow import Flow
-from antenna_pin.nonlinear.frames import Frame, own_state
-from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import open_table, table_attributes
 
@@ -34,9 +33,7 @@ __all__ = [
     "open_exponents",
 ]
 
-
 Array = NDArray[np.float64]
-
 
 # --- which directions of neighbours are their own over the intervals of a motion, and which are left ---
 
@@ -207,8 +204,8 @@ def largest_exponent(
 
     The neighbour locates its own contacts and events, and remembers its own approach speeds, but for those
     of contacts that last from then on to the end: nothing changes these, and neighbours share them, as those
-    of an orbit do (:func:`antenna_pin.nonlinear.frames.own_state`). Where other contacts touch at the end of
-    an interval than at the trajectory's own, both go on until they are alike.
+    of an orbit do (:func:`antenna_pin.nonlinear.coordinates.own_state`). Where other contacts touch at the end
+    of an interval than at the trajectory's own, both go on until they are alike.
 
     Args:
         flow: The flow.

@@ -1,4 +1,4 @@
-"""Periodic solutions by shooting, and how their neighbours grow: Floquet multipliers."""
+"""Periodic orbits by shooting, with their Floquet multipliers."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from antenna_pin.base.views import Plotter, Reporter, View, as_html
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
+from antenna_pin.nonlinear.coordinates import own_state
 from antenna_pin.nonlinear.flow import Flow, Tangent
-from antenna_pin.nonlinear.frames import own_state
 from antenna_pin.scenario import Scenario
 
 __all__ = ["NoOrbitError", "Orbit", "moving", "near_enough", "orbit_at", "periodic_orbit"]

@@ -1,51 +1,216 @@
-"""The variational equation: how a displacement of a state is carried along a run, through events too.
+"""The variational equation: tangents of a state propagated along a run, through events too.
 
-Between events displacements w go by ``w' = A(t) w``, with the derivative A of the rates. At an event, where
-the function g passes zero, the rates jump from f- to f+ and the state may go through a map R. A neighbour
-comes there later by ``dt = -(dg w) / g'``, and behind it is displaced by the *saltation*
+Between events tangents w obey ``w' = A(t) w``, with the Jacobian A of the rates. At an event, where the
+function g passes zero, the rates jump from f- to f+ and the state may go through a map R. A perturbed state
+reaches it later by ``dt = -(dg w) / g'``, and its tangent behind it is, by the saltation matrix,
 
     w+ = DR w + (DR f- + R_t - f+) dt
 
 (Aizerman and Gantmakher 1958, J. Mech. Appl. Math. 11; Leine and Nijmeijer 2004, Dynamics and Bifurcations of
 Non-Smooth Mechanical Systems, section 7.4).
 
-Where contacts begin and end the derivative of a force over the depth may have no bounds. So from an onset on
-displacements are those at equal times since the neighbours' own, ``w + f dt``, with time as one more
-coordinate: they go by the same equation, their depth begins at zero, and what there is without bounds is
-multiplied by that. What is remembered of the onset is of the same instant. Deep in the contact, or behind it,
-they are brought back to equal times. To a release the flow is carried beside them, which goes by their
-equation too: the two, put together so that the depth vanishes there, are free of what carrying is off by on
-the way (:meth:`antenna_pin.nonlinear.saltation.Saltation.release`).
+Where contacts begin and end the derivative of a force over the depth may be unbounded. So from an onset on
+tangents are those at equal times since the perturbed onsets, ``w + f dt``, with time as one more coordinate:
+they obey the same equation, their depth begins at zero, and the unbounded derivative is multiplied by that.
+The discrete state of the onset is of the same time. Deep in the contact, or behind it, tangents return to
+equal times. To a release the flow is propagated beside them by the same equation: combined so that the depth
+vanishes there, the two are free of the propagation error on the way
+(:meth:`antenna_pin.nonlinear.saltation.Saltation.release`).
 
-Where a force has a kink, A jumps: displacements go on as they are, but the step must be cut there. Where one
-is told of, the run's own steps end; others are found (:mod:`antenna_pin.nonlinear.breaks`), and what the run
-itself is off by for them is in the doubt (:mod:`antenna_pin.nonlinear.missed`).
+Where a force has a kink, A jumps: tangents are continuous, but the step must be cut there. At declared kinks
+the run's own steps end; others are found (:mod:`antenna_pin.nonlinear.kinks`), and the error of the run there
+enters the error estimate.
 """
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from antenna_pin.nonlinear.along import AlongStages, Step
-from antenna_pin.nonlinear.by_matrices import ByMatrices
-from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.frames import Frame, Lift
-from antenna_pin.nonlinear.instants import Carried, at_equal_times, with_time
-from antenna_pin.nonlinear.missed import Missed, StepAnew
-from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.nonlinear.pieces import Piece, at_once
-from antenna_pin.nonlinear.saltation import Passed, Saltation
-from antenna_pin.nonlinear.within import Within
+from antenna_pin.engine import Carrying, Steps
+from antenna_pin.nonlinear.coordinates import Frame, Lift
+from antenna_pin.nonlinear.kinks import ByMatrices, Missed, Piece, StepAnew, Within, at_once
+from antenna_pin.nonlinear.perturbed_system import Numbers
+from antenna_pin.nonlinear.saltation import Carried, Passed, Saltation, at_equal_times, with_time
+from antenna_pin.nonlinear.vector_field import Field
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.steps import LoggedStep
 
-__all__ = ["Carrier"]
+__all__ = ["AlongStages", "Carrier", "Step"]
+
+Array = NDArray[np.float64]
+
+# --- tangents by the stages of the integrator ---------------------------------------------------------------
+
+# How often at most pieces of a step are tried, those next to a kink as short as it matters, until whole
+# matrices are looked at for what breaks there.
+_TRIES = 48
+# What a step over a kink may be off by, over its estimate, which is made for what is smooth: of order 8(5,3)
+# it is no more in nine of ten, wherever between its stages the kink is.
+_OVER_KINKS = 13.0
+
+
+class Step(NamedTuple):
+    """A step of a run.
+
+    Attributes:
+        time: When it begins [s].
+        size: Of it [s].
+        y: State where it begins.
+        until: When it ends [s].
+        end: State there, before what changes then.
+        changes: Whether contacts or drives have changed where it begins, and whether they do where it ends.
+        known: Whether there is a break that is known at the one and at the other end.
+    """
+
+    time: float
+    size: float
+    y: Array
+    until: float
+    end: Array
+    changes: tuple[bool, bool]
+    known: tuple[bool, bool]
+
+    @property
+    def piece(self) -> Piece:
+        """All of it."""
+        return Piece(0.0, 1.0, *self.changes, self.known)
+
+
+class AlongStages:
+    """Carries displacements along pieces of a step.
+
+    Args:
+        carrying: By what.
+        moving: Parts of a displacement that change between events: ways, rates and bristles.
+
+    Attributes:
+        since: When contacts or drives have changed last [s].
+        made: Pieces along which displacements were carried.
+    """
+
+    def __init__(self, carrying: Carrying, moving: slice) -> None:
+        """Begin with nothing."""
+        self._carrying, self._moving = carrying, moving
+        self.since = -math.inf
+        self.made = 0
+
+    def _since(self, known: bool, time: float) -> float:
+        """Return when rates have changed last, of a piece that begins at a time, with a break or not [s]."""
+        return time if known else self.since
+
+    def over(
+        self, piece: Piece, start: tuple[float, float, Array], lift: Lift, carried: Carried, good: float
+    ) -> Carried | None:
+        """Return displacements behind a piece of a step, or None where they are not known well enough.
+
+        Args:
+            piece: The piece.
+            start: When the step begins [s], its size [s], and the state where the piece begins.
+            lift: Coordinates as displacements.
+            carried: Displacements before the piece.
+            good: What the method, or differences, may be off by, over a displacement: next to a kink of a
+                force the orders of these part.
+        """
+        time, whole, y = start
+        matrix, off = carried.matrix, carried.other - carried.matrix
+        there, behind = (np.flatnonzero(one.any(axis=0)) for one in (matrix, off))
+        begin, size = time + piece.a * whole, (piece.b - piece.a) * whole
+        # A break that is known at both ends has no piece.
+        falling = (piece.falling or piece.known[1]) and not piece.known[0]
+        found = self._carrying.along(
+            (begin, size, y),
+            lift.up @ matrix[:, there],
+            lift.up @ off[:, behind],
+            until=begin + size if falling else math.inf,
+            since=self._since(piece.known[0], begin),
+        )
+        down, moved = lift.down, lift.down @ found.ways
+        count = len(there)
+        sizes = np.linalg.norm(moved[:, :count], axis=0)
+        if not (found.sizes * [[_OVER_KINKS], [1.0]] <= good * sizes).all():
+            return None
+        self.made += 1
+        ends, rests = np.zeros_like(matrix), np.zeros_like(matrix)
+        ends[:, there], rests[:, behind] = moved[:, :count], moved[:, count:]
+        rests[:, there] += down[:, self._moving] @ (_OVER_KINKS * found.errors + found.rough)
+        books = carried.books.copy()
+        books[:, there] += found.books
+        return Carried(ends, ends + rests, carried.frame, books)
+
+    def in_halves(
+        self,
+        piece: Piece,
+        within: Within,
+        lift: Callable[[Frame, float, Array], Lift],
+        carried: Carried,
+        good: float,
+    ) -> Carried | None:
+        """Return displacements behind a piece of a step, along ever shorter halves where need be, or None.
+
+        Args:
+            piece: The piece.
+            within: States within the step.
+            lift: Makes displacements of coordinates about a state: of constraints those where a piece begins.
+            carried: Displacements before the piece.
+            good: As for :meth:`over`.
+        """
+        tries = _TRIES
+
+        def along(piece: Piece, carried: Carried) -> Carried | None:
+            nonlocal tries
+            if all(piece.known) or tries == 0:
+                return None
+            tries -= 1
+            y = within.at(piece.a)
+            here = lift(carried.frame, within.time + piece.a * within.size, y)
+            found = self.over(piece, (within.time, within.size, y), here, carried, good)
+            if found is None and piece.halvings > 0:
+                found = carried
+                for half in piece.cut(0.5 * (piece.a + piece.b), False):
+                    found = None if found is None else along(half, found)
+            return found
+
+        return along(piece, carried)
+
+    def over_steps(
+        self, steps: Sequence[Step], lift: Lift, carried: Carried, good: float, until: float
+    ) -> tuple[int, Carried]:
+        """Return along how many steps displacements are known well enough, and these behind them.
+
+        Args:
+            steps: One after another, between two changes of the axes.
+            lift: Coordinates as displacements, the same along the steps.
+            carried: Displacements before them.
+            good: As for :meth:`over`.
+            until: When a contact ends next, behind them; infinite if that is not known [s].
+        """
+        matrix, off = carried.matrix, carried.other - carried.matrix
+        there = np.flatnonzero((matrix != 0.0).any(axis=0) | (off != 0.0).any(axis=0))
+        every = Steps(
+            np.array([one.time for one in steps]),
+            np.array([one.size for one in steps]),
+            np.array([self._since(one.known[0], one.time) for one in steps]),
+            np.array([until]),
+            np.array([one.y for one in steps]),
+        )
+        # Each part of a displacement is one coordinate, or none.
+        scales = np.abs(lift.down).sum(axis=0)
+        before = lift.up @ matrix[:, there], lift.up @ off[:, there]
+        done, ways, rest, booked = self._carrying.along_all(every, *before, scales, good)
+        self.made += done
+        if not done:
+            return 0, carried
+        ends, rests, books = np.zeros_like(matrix), np.zeros_like(matrix), carried.books.copy()
+        ends[:, there], rests[:, there] = lift.down @ ways, lift.down @ rest
+        books[:, there] += booked
+        return done, Carried(ends, ends + rests, carried.frame, books)
 
 
 # What gross works and works differ by in a step that no work turns back in, over their sizes; in how many
@@ -103,8 +268,6 @@ def _turns(works: NDArray[np.int_], step: Step, within: Within, field: Field) ->
             found.append(float(brentq(power, low, high, args=(x,), xtol=1e-15)))
     return found
 
-
-Array = NDArray[np.float64]
 
 # What a piece of a step may be wrong by, over the displacements and over the run's tolerance; what stages may
 # be, over that: their estimate is that of a lower order.

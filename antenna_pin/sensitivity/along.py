@@ -18,13 +18,12 @@ from antenna_pin.base.records import CONTACT
 from antenna_pin.base.roots import root_between
 from antenna_pin.dynamics import System, Workspace, acting_in, audit, kernels
 from antenna_pin.elements import LOSS
-from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.kept import Kept
-from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.nonlinear.replay import Replay
-from antenna_pin.nonlinear.saltation import Passed
+from antenna_pin.nonlinear.coordinates import Kept
+from antenna_pin.nonlinear.kinks import Within
+from antenna_pin.nonlinear.perturbed_system import Numbers
+from antenna_pin.nonlinear.saltation import Passed, Replay
 from antenna_pin.nonlinear.variational import Carrier
-from antenna_pin.nonlinear.within import Within
+from antenna_pin.nonlinear.vector_field import Field
 from antenna_pin.sensitivity.parameters import GrazeError
 from antenna_pin.sensitivity.taken import Taken
 from antenna_pin.simulation.element_events import EventEffect, ImpulseEffect, ModeEffect

@@ -16,11 +16,9 @@ from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear import Flow
-from antenna_pin.nonlinear.beside import Beside
-from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.displacer import Displacer
-from antenna_pin.nonlinear.frames import Lift
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.chart import Chart, Displacer
+from antenna_pin.nonlinear.coordinates import Lift
+from antenna_pin.nonlinear.perturbed_system import Beside, Numbers
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity.along import Along

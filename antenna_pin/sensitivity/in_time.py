@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.differences import WEIGHTS
 from antenna_pin.dynamics import observed
-from antenna_pin.nonlinear.near import Near
+from antenna_pin.nonlinear.perturbed_system import Near
 from antenna_pin.sensitivity.along import Displaced
 from antenna_pin.sensitivity.of_states import SIDES, OfStates, Row, beside_one_another
 from antenna_pin.simulation.samples import Chunk

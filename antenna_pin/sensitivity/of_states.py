@@ -13,9 +13,8 @@ from antenna_pin.base.differences import WEIGHTS
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
-from antenna_pin.nonlinear.beside import Beside
-from antenna_pin.nonlinear.displacer import Displacer
-from antenna_pin.nonlinear.near import Near
+from antenna_pin.nonlinear.chart import Displacer
+from antenna_pin.nonlinear.perturbed_system import Beside, Near
 from antenna_pin.sensitivity.along import Displaced
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.recorder import series_at

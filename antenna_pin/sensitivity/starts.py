@@ -11,7 +11,7 @@ from antenna_pin.assemble import initial_angles, initial_state
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear.frames import way_between
+from antenna_pin.nonlinear.coordinates import way_between
 from antenna_pin.scenario import Scenario
 
 __all__ = ["begun_from", "check_start_keys", "is_of_start"]

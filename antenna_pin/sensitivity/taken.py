@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import Change, Met
-from antenna_pin.nonlinear.replay import Meeting
+from antenna_pin.nonlinear.saltation import Meeting
 from antenna_pin.simulation.element_events import ModeEffect
 
 __all__ = ["Taken"]

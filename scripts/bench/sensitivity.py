@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from antenna_pin import RunSettings, System, build_system, load_scenario, simulate
 from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.perturbed_system import Numbers
+from antenna_pin.nonlinear.vector_field import Field
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity import sensitivities
 from antenna_pin.sensitivity.by_equation import ByEquation

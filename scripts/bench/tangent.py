@@ -31,9 +31,8 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.frames import Units
-from antenna_pin.nonlinear.near import Near
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.coordinates import Units
+from antenna_pin.nonlinear.perturbed_system import Near, Numbers
 from antenna_pin.scenario import with_number
 from antenna_pin.sensitivity.parameters import parameters_of
 from antenna_pin.simulation.steps import scale_vector, stepper_of

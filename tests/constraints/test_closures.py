@@ -12,7 +12,7 @@ from antenna_pin.base.settings import RunSettings
 from antenna_pin.constraints import CLOSURES
 from antenna_pin.dynamics import Workspace, mobility_of
 from antenna_pin.elements import CallableMotion, PrescribedMotion
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import Field
 
 
 def accelerations(system, y, t=0.3):

@@ -16,7 +16,7 @@ from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import Field
 
 LINK = (
     '<link name="{}"><inertial><origin xyz="0.01 0.02 0.03"/><mass value="2"/>'

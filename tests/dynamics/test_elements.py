@@ -16,8 +16,8 @@ from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNam
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import Urdf, build_mechanism, frame_aligning_z
-from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.perturbed_system import Numbers
+from antenna_pin.nonlinear.vector_field import Field
 
 # A floating hull with every kind of joint on it; the axis of "turn" is oblique.
 ROBOT = """<robot name="robot">

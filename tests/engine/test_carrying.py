@@ -9,7 +9,7 @@ from antenna_pin.elements import JointSpring
 from antenna_pin.engine.carry_kernels import _grade, _place
 from antenna_pin.engine.carrying import Steps, third_order
 from antenna_pin.integrate import METHODS
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import Field
 
 ADAPTIVE = [one for one in METHODS.values() if one.adaptive and not one.implicit]
 

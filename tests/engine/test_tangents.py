@@ -10,7 +10,7 @@ from displacements import TIME, anywhere, press, ways_of, with_numbers
 from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.base.differences import WEIGHTS
 from antenna_pin.engine import Slopes, Tangents
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import Field
 
 ROOT = Path(__file__).parents[2]
 STEPS = 10.0 ** np.arange(-2.0, -6.5, -0.5)

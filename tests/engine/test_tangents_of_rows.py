@@ -15,7 +15,7 @@ from antenna_pin.elements import PrescribedMotion
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.nonlinear import flow_of
 from antenna_pin.nonlinear.chart import take_up_modes
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import Field
 
 STEPS = 10.0 ** np.arange(-1.0, -4.5, -0.5)
 CLOSE, NOTHING = 1e-8, 1e-11

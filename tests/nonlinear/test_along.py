@@ -5,8 +5,8 @@ import numpy as np
 from antenna_pin import load_scenario
 from antenna_pin.engine import Carrying
 from antenna_pin.nonlinear import Chart, flow_of
-from antenna_pin.nonlinear.field import Field
 from antenna_pin.nonlinear.variational import Carrier
+from antenna_pin.nonlinear.vector_field import Field
 
 CLOSED = ["integrator.engine=compiled", "clearance.bore.geometry=closed-form"]
 

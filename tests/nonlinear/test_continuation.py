@@ -12,8 +12,8 @@ from antenna_pin import RunSettings, load_scenario
 from antenna_pin.elements import CallableDrive, SineDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
-from antenna_pin.nonlinear.follower import Follower
-from antenna_pin.nonlinear.hidden import doubling, is_torus, shedding
+from antenna_pin.nonlinear.bifurcation_points import doubling, is_torus, shedding
+from antenna_pin.nonlinear.pseudo_arclength import Follower
 from antenna_pin.simulation import Angle, Event, Jump
 
 NUMBERS = {"m": 1.0, "k": 1.0, "c": 0.1}

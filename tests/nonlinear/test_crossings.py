@@ -9,8 +9,7 @@ from scipy.optimize import brentq
 
 from antenna_pin import RunSettings
 from antenna_pin.nonlinear import Flow, continued
-from antenna_pin.nonlinear.hidden import hidden, is_torus
-from antenna_pin.nonlinear.locate import where_crossed
+from antenna_pin.nonlinear.bifurcation_points import hidden, is_torus, where_crossed
 
 WEIGHT = 9.0  # m g l of 1 kg at 1 m
 

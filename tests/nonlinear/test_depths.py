@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin import load_scenario
 from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import Field
 from antenna_pin.simulation.inputs import settings_of
 
 

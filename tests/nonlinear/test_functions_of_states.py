@@ -8,7 +8,7 @@ import pytest
 from antenna_pin import load_scenario
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.base.settings import RunSettings
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import Field
 
 # Depth of the disc in its bore [m], and the law's stiffness [N/m^1.5].
 DEPTH, STIFFNESS = 1e-9, 1e10

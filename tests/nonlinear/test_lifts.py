@@ -6,7 +6,7 @@ from displacements import with_numbers
 
 from antenna_pin import RunSettings, load_scenario
 from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import Field
 
 STEP = 1e-3
 HELD = 1e-10

@@ -5,8 +5,8 @@ import functools
 import numpy as np
 
 from antenna_pin import RunSettings, build_system
-from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.perturbed_system import Numbers
+from antenna_pin.nonlinear.vector_field import Field
 from antenna_pin.scenario import with_number
 from antenna_pin.sensitivity.parameters import parameters_of
 

@@ -14,9 +14,8 @@ from antenna_pin.base.changes import JointChange, LinkChange
 from antenna_pin.constraints import CLOSURES, Closure
 from antenna_pin.elements import CallableDrive, CallableForce, Motor
 from antenna_pin.geometry import CylindricalClearance
-from antenna_pin.nonlinear.beside import Beside
-from antenna_pin.nonlinear.displacer import Displacer
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.chart import Displacer
+from antenna_pin.nonlinear.perturbed_system import Beside, Numbers
 from antenna_pin.sensitivity.along import Displaced
 from antenna_pin.sensitivity.of_states import OfStates
 from antenna_pin.simulation.loop import Run

@@ -1,7 +1,8 @@
-"""Periodic solutions and branches of them as labelled datasets, and their files."""
+"""Families of periodic orbits of a scenario, and orbits as datasets with their files."""
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,16 +11,96 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.analysis import quantity
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.capacity import check_count
+from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
-from antenna_pin.nonlinear.continuation import Branch
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.nonlinear.continuation import Branch, Family
+from antenna_pin.nonlinear.flow import Flow, flow_of
 from antenna_pin.nonlinear.orbits import Orbit
+from antenna_pin.nonlinear.sections import Section, Stroboscope, drive_period
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import open_table, table_attributes
 
-__all__ = ["branch_table", "open_branch", "open_orbit", "orbit_table"]
+__all__ = [
+    "amplitudes",
+    "branch_table",
+    "family_of",
+    "open_branch",
+    "open_orbit",
+    "orbit_table",
+    "orbits_in_section",
+]
 
 Array = NDArray[np.float64]
+
+# --- families of flows over a key of a scenario -------------------------------------------------------------
+
+# Samples of an orbit, besides those at changes and peaks of contact.
+_SAMPLES = 400
+
+
+@takes()
+def family_of(
+    scenario: Scenario,
+    parameter: str,
+    *,
+    period: float | None = None,
+    multiple: int = 1,
+    rtol: float | None = None,
+) -> Family:
+    """Return the flow of a scenario and the period of its orbits, for every value of one of its keys.
+
+    Args:
+        scenario: What the parameter is laid over.
+        parameter: Key of the scenario, with dots, as in ``--set``; a number, in SI units.
+        period: Of the drives [s]; what :func:`drive_period` says at each value if left out.
+        multiple: Periods in which an orbit closes [-].
+        rtol: See :func:`flow_of` [-].
+
+    Raises:
+        InvalidParameterError: The multiple is less than 1.
+    """
+    check_count("branch", "multiple", multiple)
+
+    def at(value: float) -> tuple[Flow, float]:
+        changed = scenario.with_overrides({parameter: value})
+        flow, _ = flow_of(changed, rtol=rtol)
+        return flow, multiple * (drive_period(changed) if period is None else period)
+
+    return at
+
+
+@takes()
+def amplitudes(branch: Branch, family: Family, quantities: Sequence[str]) -> dict[str, tuple[Array, str]]:
+    """Return half of the range of quantities over a period of each orbit of a branch, and their units.
+
+    Each orbit is run once more; between 400 even samples, and those at changes and peaks of contact, nothing
+    is seen, so that half of a smooth range is short by some 1e-5 of it.
+
+    Args:
+        branch: The branch.
+        family: That it is of.
+        quantities: By the names that :func:`antenna_pin.analysis.quantity` knows.
+
+    Returns:
+        By name: (points,) in the unit beside it.
+    """
+    found: dict[str, list[float]] = {name: [] for name in dict.fromkeys(quantities)}
+    units = dict.fromkeys(found, "")
+    for value, orbit in branch.points:
+        flow, _ = family(value)
+        run = flow.seen(orbit.start, orbit.period, _SAMPLES)
+        for name in found:
+            one = quantity(run, name)
+            found[name].append(0.5 * float(np.ptp(one.values)))
+            units[name] = one.units
+    return {name: (np.array(values), units[name]) for name, values in found.items()}
+
+
+# --- datasets and their files -------------------------------------------------------------------------------
 
 _STABILITY = {True: "stable", False: "unstable", None: "neutral"}
 _ABOUT: dict[str, dict[str, str]] = {
@@ -208,3 +289,71 @@ def open_branch(path: str | os.PathLike[str]) -> xr.Dataset:
         FileFormatError: It is none, or damaged.
     """
     return open_table(path, "branch")
+
+
+# --- branches in a Poincaré section -------------------------------------------------------------------------
+
+# Share of a period within which an instant is the start of the orbit itself [-].
+_SAME = 1e-9
+
+
+@takes()
+def orbits_in_section(branch: xr.Dataset, section: Section, quantities: Sequence[str]) -> xr.Dataset:
+    """Return a branch of periodic solutions with its points in a section, as a bifurcation diagram has them.
+
+    Each orbit goes on from its start to the instants of the stroboscope within its period: one of n periods
+    of the drive has n points.
+
+    Args:
+        branch: Of :func:`antenna_pin.nonlinear.branch_table`, of a scenario.
+        section: The stroboscope of the diagram.
+        quantities: By the names that :func:`antenna_pin.analysis.quantity` knows.
+
+    Returns:
+        The branch, and each quantity over ``point`` and ``pass``, with its unit; attribute ``quantities``.
+
+    Raises:
+        InvalidParameterError: The section is a surface, which an orbit may pass any number of times, or the
+            branch is of a system built in Python.
+    """
+    if not isinstance(section, Stroboscope):
+        rule = "one of a period (a surface is passed any number of times)"
+        raise InvalidParameterError("orbits_in_section", "section", rule, section.words)
+    if not branch.attrs["scenario"]:
+        rule = "one of a scenario, not of a system built in Python"
+        raise InvalidParameterError("orbits_in_section", "branch", rule, str(branch.attrs["parameter"]))
+    known = Scenario.model_validate_json(branch.attrs["scenario"])
+    parameter = str(branch.attrs["parameter"])
+    rows: list[dict[str, list[float]]] = []
+    about: dict[str, tuple[str, str]] = {}
+    for number in range(branch.sizes["point"]):
+        one = branch.isel(point=number)
+        scenario = known.with_overrides({parameter: float(one["value"])})
+        flow, _ = flow_of(scenario)
+        start, span = State.from_json(str(one["state"].item())), float(one["period"])
+        row: dict[str, list[float]] = {name: [] for name in quantities}
+        for instant in _instants(section, section.period_in(scenario), start.time, span):
+            ahead = instant - start.time
+            there = flow.after(start, ahead) if ahead > _SAME * span else start
+            seen = flow.glance(there, span)
+            for name in quantities:
+                found = quantity(seen, name)
+                row[name].append(float(found.values[0]))
+                about[name] = found.units, found.meaning
+        rows.append(row)
+    most = max(len(values) for row in rows for values in row.values())
+    columns = {}
+    for name in quantities:
+        points = np.full((len(rows), most), np.nan)
+        for k, row in enumerate(rows):
+            points[k, : len(row[name])] = row[name]
+        unit, meaning = about[name]
+        columns[name] = (("point", "pass"), points, {"units": unit, "long_name": meaning})
+    return branch.assign(columns).assign_attrs(quantities=json.dumps(list(quantities)))
+
+
+def _instants(section: Stroboscope, period: float, start: float, span: float) -> list[float]:
+    """Return the instants of a stroboscope from a start on, before the span is over [s]."""
+    first = int(np.ceil((start / period - section.phase) - _SAME))
+    count = max(1, round(span / period))
+    return [max((section.phase + first + k) * period, start) for k in range(count)]

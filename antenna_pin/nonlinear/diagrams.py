@@ -1,4 +1,4 @@
-"""Bifurcation diagrams: settled points of a section over a parameter, from fresh starts and on branches."""
+"""Bifurcation diagrams: settled points of a section over a parameter, fresh and on branches."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import os
 import shutil
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     Executor,
@@ -20,26 +20,234 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+import numpy as np
 import xarray as xr
 
+from antenna_pin.analysis.transients import RULE
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable
 from antenna_pin.base.state import State
 from antenna_pin.base.units import any_quantity
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.nonlinear.branches import BRANCHES, Asked, Branch, Entry, make
-from antenna_pin.nonlinear.diagram_table import diagram_table
-from antenna_pin.nonlinear.returns import Returns
-from antenna_pin.nonlinear.sections import check_counts
-from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope
+from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
+from antenna_pin.nonlinear.chart import carried
+from antenna_pin.nonlinear.returns import Returns, check_counts, settled_points
+from antenna_pin.nonlinear.sections import Crossing, Section, Stroboscope
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation import Angle, Force, Gap, Rate
+from antenna_pin.simulation import Angle, Force, Gap, Progress, Rate
 from antenna_pin.sweep.journal import Journal, begun
-from antenna_pin.trajectory import library_versions, save_table, table_attributes
+from antenna_pin.trajectory import library_versions, open_table, save_table, table_attributes
 
-__all__ = ["Made", "bifurcation"]
+__all__ = [
+    "Asked",
+    "BRANCHES",
+    "Branch",
+    "Entry",
+    "Made",
+    "bifurcation",
+    "diagram_table",
+    "make",
+    "open_diagram",
+    "watching",
+]
+
+
+# --- one value of a diagram ---------------------------------------------------------------------------------
+
+Branch = Literal["fresh", "forward", "backward"]
+"""How a value is come to: from the scenario's start, or from the end of the value before or after it."""
+
+#: All of them.
+BRANCHES: tuple[Branch, ...] = ("fresh", "forward", "backward")
+
+Entry = dict[str, Any]
+"""What is found at one value of one branch, as JSON takes it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What is asked at every value.
+
+    Attributes:
+        scenario: What the parameter is laid over.
+        parameter: Key of the scenario, with dots.
+        section: Where the motion is looked at.
+        quantities: What is noted there.
+        count: Points kept [-].
+        transient: Points cut before them; None to judge [-].
+        most: Points after which to stop cutting; None for 20 times ``count`` [-].
+        tolerance: See :func:`antenna_pin.nonlinear.poincare` [-].
+    """
+
+    scenario: Scenario
+    parameter: str
+    section: Section
+    quantities: tuple[str, ...]
+    count: int
+    transient: int | None
+    most: int | None
+    tolerance: float
+
+    def at(self, value: Any) -> Scenario:
+        """Return the scenario with the parameter set to a value."""
+        return self.scenario.with_overrides({self.parameter: value})
+
+
+def make(
+    asked: Asked,
+    value: Any,
+    start: State | None = None,
+    period: float = math.nan,
+    ending: threading.Event | None = None,
+) -> Entry:
+    """Return what is found at a value.
+
+    Args:
+        asked: What is asked.
+        value: Of the parameter.
+        start: State to carry over; the scenario's own start if left out.
+        period: Of the stroboscope where that state comes from [s].
+        ending: Ends the run when set, by KeyboardInterrupt.
+    """
+    entry: Entry = {"times": [], "values": [], "units": [], "titles": [], "settled": False, "drift": None}
+    entry |= {"transient": 0, "period": None, "state": ""}
+    try:
+        returns = Returns(asked.at(value), asked.section, asked.quantities, progress=watching(ending))
+        if start is not None:
+            scale = returns.period / period if math.isfinite(period) else 1.0
+            returns.state = carried(start, returns.system, scale=scale)
+        found = settled_points(returns, asked.count, asked.transient, asked.most, asked.tolerance)
+    except AntennaPinError as error:
+        return entry | {"outcome": "REFUSED", "message": str(error)}
+    except Exception as error:  # a bug must not end a diagram of hours
+        return entry | {"outcome": "FAILED", "message": " ".join(f"{type(error).__name__}: {error}".split())}
+    return entry | {
+        "times": found.times.tolist(),
+        "values": found.values.tolist(),
+        "units": list(returns.units),
+        "titles": list(returns.titles),
+        "settled": found.settled,
+        "drift": found.drift if math.isfinite(found.drift) else None,
+        "transient": found.transient,
+        "period": returns.period if math.isfinite(returns.period) else None,
+        "outcome": found.outcome,
+        "message": found.message,
+        "state": "" if found.end is None or returns.ended else found.end.to_json(),
+    }
+
+
+def watching(ending: threading.Event | None) -> Callable[[Progress], None] | None:
+    """Return what a run tells its progress to that ends it, by KeyboardInterrupt, once an event is set."""
+    if ending is None:
+        return None
+
+    def look(_: Progress) -> None:
+        if ending.is_set():
+            raise KeyboardInterrupt
+
+    return look
+
+
+# --- datasets and their files -------------------------------------------------------------------------------
+
+
+def diagram_table(
+    asked: Asked, values: Sequence[Any], branches: Sequence[str], entries: Mapping[int, Entry]
+) -> xr.Dataset:
+    """Return the dataset of a diagram.
+
+    Args:
+        asked: What was asked at every value.
+        values: Of the parameter.
+        branches: In the order of the entries' numbers.
+        entries: Of every value of every branch, by number.
+    """
+    b, n, most = len(branches), len(values), max((len(one["times"]) for one in entries.values()), default=0)
+    times = np.full((b, n, most), np.nan)
+    points = np.full((b, n, most, len(asked.quantities)), np.nan)
+    found: dict[str, np.ndarray] = {
+        "settled": np.zeros((b, n), dtype=bool),
+        "drift": np.full((b, n), np.nan),
+        "points": np.zeros((b, n), dtype=np.int64),
+        "transient": np.zeros((b, n), dtype=np.int64),
+        "period": np.full((b, n), np.nan),
+        "outcome": np.full((b, n), "", dtype=object),
+        "message": np.full((b, n), "", dtype=object),
+    }
+    units, titles = [""] * len(asked.quantities), [""] * len(asked.quantities)
+    for number, entry in entries.items():
+        place = np.unravel_index(number, (b, n))
+        here = len(entry["times"])
+        if here:
+            times[place][:here] = entry["times"]
+            points[place][:here] = entry["values"]
+            units, titles = entry["units"], entry["titles"]
+        found["points"][place] = here
+        for name in ("settled", "transient", "outcome", "message"):
+            found[name][place] = entry[name]
+        for name in ("drift", "period"):
+            found[name][place] = np.nan if entry[name] is None else entry[name]
+    numbers = [any_quantity(value) for value in values]
+    unit = next((one[1] for one in numbers if one is not None and one[1]), "")
+    said = {"long_name": asked.parameter, "units": unit, "key": asked.parameter}
+    over = ("branch", "value")
+    about = {
+        "settled": {"long_name": "whether the points have settled"},
+        "drift": {
+            "units": "1",
+            "long_name": "largest drift of a statistic of the points",
+        },
+        "points": {"units": "1", "long_name": "points kept"},
+        "transient": {"units": "1", "long_name": "points cut before these"},
+        "period": {"units": "s", "long_name": "period of the stroboscope"},
+        "outcome": {"long_name": "why the run ended"},
+        "message": {"long_name": "that in words"},
+    }
+    variables: dict[str, Any] = {
+        name: ((*over, "point"), points[..., k], {"units": units[k], "long_name": titles[k]})
+        for k, name in enumerate(asked.quantities)
+    }
+    variables["time"] = ((*over, "point"), times, {"units": "s", "long_name": "when the section is passed"})
+    variables |= {name: (over, found[name], about[name]) for name in found}
+    return xr.Dataset(
+        variables,
+        coords={
+            "branch": ("branch", np.array(branches, dtype=str), {"long_name": "how a value is come to"}),
+            "value": ("value", np.array([one[0] for one in numbers if one is not None]), said),
+        },
+        attrs={
+            **table_attributes("bifurcation", asked.scenario),
+            "parameter": asked.parameter,
+            "quantities": json.dumps(asked.quantities),
+            "section": asked.section.words,
+            "rule": RULE,
+            "tolerance": asked.tolerance,
+        },
+    )
+
+
+@takes()
+def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Return a bifurcation diagram from its file.
+
+    Args:
+        path: The file, as :func:`antenna_pin.nonlinear.bifurcation` wrote it.
+
+    Returns:
+        Over ``branch`` (fresh, forward, backward), ``value`` of the parameter, SI, and ``point``: ``time``
+        [s] and each quantity, NaN where a run had fewer points. Over ``branch`` and ``value``: ``settled``,
+        ``drift`` [-], ``points`` and ``transient`` [-], the points kept and those cut before them, ``period``
+        [s] of the stroboscope, ``outcome`` and ``message``.
+
+    Raises:
+        FileFormatError: It is none, or damaged.
+    """
+    table = open_table(path, "bifurcation")
+    for name in ("outcome", "message"):
+        table[name] = table[name].astype(object)
+    table["settled"] = table["settled"].astype(bool)
+    return table
 
 
 # --- what a diagram has come to so far, on the disk: a journal with a line for each value that was made ---

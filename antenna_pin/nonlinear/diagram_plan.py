@@ -1,4 +1,4 @@
-"""The file of a bifurcation diagram: which scenario, over which parameter, looked at where."""
+"""The file of a bifurcation diagram: scenario, parameter, section, quantities."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from antenna_pin.base.capacity import check_count
 from antenna_pin.base.numerals import bare, whole_in
 from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear.branches import Branch
-from antenna_pin.nonlinear.surfaces import Section, section_of
+from antenna_pin.nonlinear.diagrams import Branch
+from antenna_pin.nonlinear.sections import Section, section_of
 from antenna_pin.scenario.runs_file import RunsFile
 from antenna_pin.scenario.spec import Count
 

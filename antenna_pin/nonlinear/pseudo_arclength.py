@@ -1,4 +1,4 @@
-"""One step along a branch of periodic solutions: where it leads, and the orbit an arc ahead."""
+"""Predictor and corrector of one step along a branch of periodic orbits."""
 
 from __future__ import annotations
 

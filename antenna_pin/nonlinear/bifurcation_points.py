@@ -1,0 +1,577 @@
+"""Bifurcation points located in a step along a branch: folds, crossings, flips, tori, grazes.
+
+Test functions that pass zero at a bifurcation have the same sign at both ends where they pass zero twice. So
+a step is checked for turns of the parameter's cubic through both ends, for a parabola of the test functions
+through a third orbit that comes near zero, and for the number of multipliers that left the unit circle.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import KroghInterpolator
+from scipy.optimize import brentq
+
+from antenna_pin.base.roots import root_between
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit
+from antenna_pin.nonlinear.pseudo_arclength import Follower, Node, Point
+
+__all__ = [
+    "Ahead",
+    "Located",
+    "Step",
+    "Test",
+    "bent",
+    "change_ahead",
+    "doubling",
+    "hidden",
+    "is_torus",
+    "pairs",
+    "shedding",
+    "where_crossed",
+    "where_passed",
+    "where_turned",
+    "where_zero",
+]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+# --- orbits within a step, and points located among them ----------------------------------------------------
+
+_ROUNDS = 60  # of halving, or of the secants of a fold
+# Orbits about a crossing are made at this share of where it may be, then at this share of that, so often; a
+# polynomial goes through so many of them.
+_SHARE, _STAGES, _THROUGH = 0.125, 5, 6
+
+
+# How far an orbit between others may be from the cubic through them, over how far they are from one another.
+_ASIDE = 0.1
+
+
+Test = Callable[[NDArray[np.complex128]], float]
+"""A number of an orbit's multipliers that passes zero where something happens to it."""
+
+
+class Located(NamedTuple):
+    """Where something happens.
+
+    Attributes:
+        value: Of the parameter.
+        doubt: Half of the interval that it is known to be in.
+        along: How far along the step.
+    """
+
+    value: float
+    doubt: float
+    along: float
+
+
+class Step:
+    """A step along a branch, from one orbit to the next, and the orbits between.
+
+    Args:
+        follower: Of the branch.
+        first: What it begins with; how far along is measured in the direction there.
+        last: What it comes to.
+        arc: How far that is.
+
+    Attributes:
+        beside: Orbits before its first and behind its last, by how far along they would be.
+    """
+
+    def __init__(self, follower: Follower, first: Node, last: Node, arc: float) -> None:
+        """Know both ends."""
+        self.follower, self.first, self.last, self.arc = follower, first, last, arc
+        self._points = {0.0: first.point, arc: last.point}
+        self._nodes = {0.0: first, arc: last}
+        self.beside: dict[float, Node] = {}
+
+    def point(self, along: float) -> Point:
+        """Return the orbit so far along.
+
+        Raises:
+            AntennaPinError: Newton's method finds none.
+        """
+        if along not in self._points:
+            first, guess = self.first, self._between(along)
+            point = self.follower.correct(first.point, first.way, along, guess, guess is not None)
+            if guess is not None:
+                before, behind = self._about(along)
+                if np.linalg.norm(self._place(point) - guess) > _ASIDE * (behind - before):
+                    raise NoOrbitError("branch: Newton's method comes back onto another one")
+            self._points[along] = point
+        return self._points[along]
+
+    def _place(self, point: Point) -> Array:
+        """Return an orbit's coordinates about the first, and how far the parameter is from there."""
+        origin, begin = self.follower.chart(self.first.point), self.first.point.value
+        return np.append(origin.coordinates(point.orbit.start), (point.value - begin) / self.follower.unit)
+
+    def _about(self, along: float) -> tuple[float, float]:
+        """Return the next orbits on both sides of a place at which the branch's direction is told."""
+        told = [one for one, node in self._nodes.items() if node.told or one in (0.0, self.arc)]
+        return max(one for one in told if one <= along), min(one for one in told if one > along)
+
+    def _between(self, along: float) -> Array | None:
+        """Return where the cubic through the next orbits with their directions is so far along.
+
+        Where branches are close to one another it is nearer to this one than what is straight ahead.
+        """
+        first, about, rows = self.first, self._about(along), []
+        for node in (self._nodes[one] for one in about):
+            if len(node.way) != len(first.way):
+                return None
+            way = self.follower.turned(node.way, node.point, first.point)
+            rows += [self._place(node.point), way / (way @ first.way)]
+        place = np.asarray(KroghInterpolator(np.repeat(about, 2), np.array(rows))(along))
+        return place + (along - place @ first.way) * first.way
+
+    def node(self, along: float) -> Node:
+        """Return the orbit so far along, and the branch's direction at it."""
+        if along not in self._nodes:
+            self._nodes[along] = self.follower.node(self.point(along), self.first)
+        return self._nodes[along]
+
+    def nodes(self) -> dict[float, Node]:
+        """Return the orbits at which the branch's direction is known, those beside it too, by place."""
+        return self.beside | self._nodes
+
+    def nearest(self, along: float) -> Point:
+        """Return that of the orbits that have been made which is nearest to a place."""
+        return self._points[min(self._points, key=lambda one: abs(one - along))]
+
+    def turns_at(self, along: float) -> bool:
+        """Whether the parameter turns back between the next orbits on both sides of a place."""
+        before, behind = self._about(along)
+        return bool(self.node(before).way[-1] * self.node(behind).way[-1] < 0.0)
+
+    def slope(self, along: float) -> float:
+        """Return the slope of the parameter over how far along, in the parameter's unit.
+
+        A step is measured along the direction it began with, which the branch has turned from since.
+        """
+        node = self.node(along)
+        ahead = self.follower.turned(self.first.way, self.first.point, node.point)
+        return float(node.way[-1]) / max(float(node.way @ ahead), 1e-3)
+
+
+def where_zero(step: Step, test: Test, low: float, high: float, precision: float) -> Located:
+    """Return where between two places of a step a number of the multipliers, which is smooth, passes zero.
+
+    By Brent's method along the branch, where no fold is in the way. It ends within the precision on both
+    sides, or upon the zero: of that no other side is known, and what is in doubt is by how much the number
+    would be another, had the multipliers been wrong by their doubt.
+    """
+    known = {along: test(step.point(along).orbit.multipliers) for along in (low, high)}
+
+    def at(along: float) -> float:
+        if along not in known:
+            known[along] = test(step.point(along).orbit.multipliers)
+        return known[along]
+
+    steepest = max(abs(step.slope(low)), abs(step.slope(high)), 1e-3)
+    near = precision / (steepest * abs(step.follower.unit))
+    with contextlib.suppress(AntennaPinError):  # what is known by then is all there is
+        brentq(at, low, high, xtol=0.5 * near, rtol=1e-14)
+    upon = [along for along, found in known.items() if found == 0.0]
+    before = max(along for along, found in known.items() if (found > 0.0) == (known[low] > 0.0))
+    behind = min(along for along in known if along > before)
+    if upon:
+        behind = upon[0]
+        value, along, left = step.point(behind).value, behind, 0.0
+    else:
+        one, other = step.point(before).value, step.point(behind).value
+        value, along, left = 0.5 * (one + other), 0.5 * (before + behind), 0.5 * abs(other - one)
+    # The nearest orbit at which the number is more than what it may be off by says how steep it is.
+    off = _off(test, step.point(behind).orbit)
+    rest = [one for one, found in known.items() if abs(found) > 4.0 * off]
+    aside = min(rest, key=lambda one: abs(one - along)) if rest else low
+    far = abs(step.point(aside).value - value)
+    steep = abs(known[aside]) / far if far else 0.0
+    doubt = left + (off / steep if steep else abs(step.point(high).value - step.point(low).value))
+    return Located(value, max(doubt, 0.5 * precision), along)
+
+
+def _off(test: Test, orbit: Orbit) -> float:
+    """Return by how much a number of multipliers may be wrong, as these are."""
+    values, doubt = orbit.multipliers, orbit.doubt
+    ways = doubt * np.eye(len(values))
+    return sum(abs(test(values + way) - test(values)) for way in ways)
+
+
+def where_turned(step: Step, begin: float, end: float, precision: float) -> Located:
+    """Return where between two places of a step the parameter turns back: an orbit next to it.
+
+    Orbits are made between them, by regula falsi (Illinois) for where the parameter's part of the
+    branch's direction is zero. From an orbit there the parameter goes on, to the fold, by no more than its
+    slope times what is left of the step in which that changes its sign: this is the doubt, and what orbits
+    are in doubt by.
+    """
+    low, high = begin, end
+    weights, before = [1.0, 1.0], None
+    ahead = step.node(begin).way[-1]
+    for _ in range(_ROUNDS):
+        nearest = min(low, high, key=lambda along: abs(step.slope(along)))
+        doubt = abs(step.slope(nearest) * (high - low) * step.follower.unit)
+        if doubt <= precision:
+            break
+        one, other = weights[0] * step.node(low).way[-1], weights[1] * step.node(high).way[-1]
+        along = float((low * other - high * one) / (other - one))
+        try:
+            on = bool(step.node(along).way[-1] * ahead > 0.0)
+        except AntennaPinError:
+            break  # what the two ends say is all there is
+        low, high = (along, high) if on else (low, along)
+        # An end that stays once more counts half: or else it would stay for ever.
+        replaced, stays = (0, 1) if on else (1, 0)
+        weights[replaced] = 1.0
+        weights[stays] *= 0.5 if before is on else 1.0
+        before = on
+    doubt += step.follower.tolerance * abs(step.follower.unit)
+    return Located(step.point(nearest).value, doubt, nearest)
+
+
+def where_crossed(step: Step, low: float, high: float, precision: float) -> Located:
+    """Return where between two places of a step another branch crosses.
+
+    There Newton's method has no direction to go back by: what its tolerance leaves grows like one over the
+    distance. So orbits are made about the place, not at it, nearer and nearer, and polynomials through them
+    say where the determinant that is zero there is so. The doubt is by how much the last orbits moved that,
+    and what multipliers are doubted by.
+    """
+    places = [low, high]
+    found = best = _zero(step, places, 0.5 * (low + high))._replace(doubt=math.inf)
+    width = high - low
+    for _ in range(_STAGES):
+        width *= _SHARE
+        about = [along for along in (found.along - width, found.along + width) if low < along < high]
+        for along in about:
+            with contextlib.suppress(AntennaPinError):  # what else is known is all there is
+                places += [along] if step.node(along).told else []
+        last, found = found, _zero(step, places, found.along)
+        found = found._replace(doubt=max(abs(found.value - last.value), found.doubt))
+        best = min(best, found, key=lambda one: one.doubt)
+        if best.doubt <= precision:
+            break
+    return best._replace(doubt=min(best.doubt, abs(step.point(high).value - step.point(low).value)))
+
+
+def _zero(step: Step, places: Sequence[float], about: float) -> Located:
+    """Return where the polynomial through what a step's orbits at some places have is zero, near one of them.
+
+    Through those at which the sign changes, and those next to it.
+    """
+    places = sorted(places)
+    signs = [step.node(along).crossing > 0.0 for along in places]
+    changes = [
+        pair for pair, (one, other) in zip(pairwise(places), pairwise(signs), strict=True) if one != other
+    ]
+    low, high = min(changes, key=lambda pair: abs(0.5 * (pair[0] + pair[1]) - about))
+    rest = sorted(
+        (along for along in places if not low <= along <= high), key=lambda along: abs(along - about)
+    )
+    through = np.array([low, high, *rest[: _THROUGH - 2]])
+    nodes = [step.node(along) for along in through]
+    crossing = KroghInterpolator(through, [one.crossing for one in nodes])
+    value = KroghInterpolator(through, [one.point.value for one in nodes])
+    ends = nodes[0].crossing, nodes[1].crossing
+    along = root_between(
+        lambda s: float(crossing(s)), low, high, absolute=1e-15 * step.arc, relative=1e-14, ends=ends
+    )
+    # The least singular value is wrong by what the matrix is, in itself and as the orbit is beside the true
+    # one, the determinant by as large a part of itself.
+    off = max(
+        abs(one.crossing) / one.margin * (one.point.orbit.doubt + one.point.orbit.residual / one.margin)
+        for one in nodes[:2]
+    )
+    steep = abs(float(crossing.derivative(along)))
+    return Located(float(value(along)), abs(float(value.derivative(along))) * off / steep, along)
+
+
+# --- test functions, and hidden changes of sign -------------------------------------------------------------
+
+# Places of a step at which its cubic is looked at; and how near to zero, over its values at the ends, a
+# parabola may come without a look.
+_PLACES = np.linspace(0.0, 1.0, 33)
+_NEAR = 0.3
+_ON = 1e-6  # how near to the unit circle a multiplier is on no side of it
+
+
+def pairs(multipliers: Complex) -> list[tuple[complex, complex]]:
+    """Return every two multipliers of an orbit."""
+    return list(itertools.combinations(multipliers.tolist(), 2))
+
+
+def doubling(multipliers: Complex) -> float:
+    """Return a number that passes zero where an orbit doubles its period, 1 in size at most at large ones.
+
+    It is the product of all 1 + multiplier, those that are larger than 1 taken over themselves.
+    """
+    return float(np.prod((multipliers + 1.0) / np.maximum(np.abs(multipliers), 1.0)).real)
+
+
+def shedding(multipliers: Complex) -> float:
+    """Return a number that passes zero where an orbit sheds a torus.
+
+    Likewise of the products of two multipliers, less 1.
+    """
+    products = [one * other for one, other in pairs(multipliers)]
+    return float(np.prod([(one - 1.0) / max(abs(one), 1.0) for one in products]).real) if products else 1.0
+
+
+def is_torus(multipliers: Complex) -> bool:
+    """Return whether the two multipliers whose product is nearest to 1 are complex, not two real ones."""
+    one, other = min(pairs(multipliers), key=lambda pair: abs(pair[0] * pair[1] - 1.0))
+    return abs(one.imag) > 1e-9 and abs(one - other.conjugate()) < 1e-6 * abs(one)
+
+
+def hidden(step: Step, low: float, high: float) -> float | None:
+    """Return where between two places of a step an orbit must be looked at; None where the ends tell all."""
+    one, other = step.node(low), step.node(high)
+    if len(one.way) != len(other.way) or one.point.orbit.onsets != other.point.orbit.onsets:
+        return None
+    middle = 0.5 * (low + high)
+    turns = _turns(step, low, high)
+    if turns is not None:
+        return turns
+    nodes = step.nodes()
+    aside = [along for along in nodes if not low <= along <= high]
+    if not aside:
+        return middle
+    third = min(aside, key=lambda along: abs(along - middle))
+    for test in (doubling, shedding):
+        values = [test(nodes[along].point.orbit.multipliers) for along in (low, high, third)]
+        dips = _dips((low, high, third), values)
+        if dips is not None:
+            return dips
+    return None if _told(one, other) else middle
+
+
+def _turns(step: Step, low: float, high: float) -> float | None:
+    """Return where the parameter turns more often than its slopes at two places say, by the cubic there."""
+    one, other = step.slope(low), step.slope(high)
+    rise = (step.point(high).value - step.point(low).value) / (step.follower.unit * (high - low))
+    u = _PLACES
+    slopes = one * (1.0 - 4.0 * u + 3.0 * u**2) + other * (3.0 * u**2 - 2.0 * u) + 6.0 * rise * (u - u**2)
+    if np.count_nonzero(np.diff(slopes > 0.0)) <= int((one > 0.0) != (other > 0.0)):
+        return None
+    far = float(u[1:-1][np.argmax(np.abs(slopes - one * (1.0 - u) - other * u)[1:-1])])
+    return low + min(max(far, 0.25), 0.75) * (high - low)
+
+
+def _dips(places: tuple[float, float, float], values: list[float]) -> float | None:
+    """Return where between the first two places a parabola through values of one sign comes near to zero."""
+    (low, high, _), (one, other, _) = places, values
+    if (one > 0.0) != (other > 0.0):
+        return None
+    bend, slope, _ = np.polyfit(np.array(places) - low, values, 2)
+    if bend == 0.0:
+        return None
+    turn = -0.5 * slope / bend
+    least = one - bend * turn**2
+    if not 0.0 < turn < high - low or least * np.sign(one) > _NEAR * min(abs(one), abs(other)):
+        return None
+    return low + float(np.clip(turn, 0.25 * (high - low), 0.75 * (high - low)))
+
+
+def _told(one: Node, other: Node) -> bool:
+    """Whether as many multipliers have passed the unit circle as signs of what happens at both ends say."""
+    outside = []
+    for node in (one, other):
+        orbit = node.point.orbit
+        sizes = np.abs(orbit.multipliers) - 1.0
+        if np.any(np.abs(sizes) <= max(orbit.doubt, _ON)):
+            return True  # it is on neither side
+        outside.append(int(np.count_nonzero(sizes > 0.0)))
+    ends = [node.point.orbit.multipliers for node in (one, other)]
+    if len(ends[0]) != len(ends[1]):
+        return True
+    real = [doubling(ends[0]) > 0.0, one.way[-1] > 0.0, one.crossing > 0.0]
+    then = [doubling(ends[1]) > 0.0, other.way[-1] > 0.0, other.crossing > 0.0]
+    ways: list[tuple[int, ...]] = [(-1, 1) for was, now in zip(real, then, strict=True) if was != now]
+    ways += [(-2, 0, 2)] if (shedding(ends[0]) > 0.0) != (shedding(ends[1]) > 0.0) else []
+    return outside[1] - outside[0] in {sum(each) for each in itertools.product(*ways)}
+
+
+# --- grazing ------------------------------------------------------------------------------------------------
+
+# Of looking ahead: each place over the one before it, how many there are at least, and at most as long as
+# all is different there; and halvings of what is left then.
+_DENSER, _LOOKS, _FARTHEST, _CLOSER = 0.7, 16, 100, 5
+_ROUNDS = 60  # of halving between two orbits
+# Distance of the orbits on both sides of where a branch passes a graze, over that of those it began with; and
+# by how much the interval between them must have shrunk to say so.
+_JUMP, _SHRUNK = 0.1, 1e-2
+
+
+class Ahead(NamedTuple):
+    """Where, ahead of an orbit, runs of a period have more contacts or events, or fewer.
+
+    Attributes:
+        arc: How far ahead.
+        value: Of the parameter there.
+    """
+
+    arc: float
+    value: float
+
+
+def bent(follower: Follower, node: Node, arc: float, passed: Step | None) -> Array:
+    """Return a place an arc ahead of an orbit, if the branch goes on to bend as it did in a step to it.
+
+    Returns:
+        Coordinates about the orbit, and how far the parameter is from there in its unit, (size + 1,).
+    """
+    point, way = node.point, node.way
+    if passed is None or passed.last is not node or len(passed.first.way) != len(way):
+        return arc * way
+    bend = (way - follower.turned(passed.first.way, passed.first.point, point)) / passed.arc
+    # What is along the way is so far ahead, as orbits are looked for.
+    return np.asarray(arc * way + 0.5 * arc**2 * (bend - (bend @ way) * way))
+
+
+def change_ahead(follower: Follower, node: Node, arc: float, passed: Step | None) -> Ahead | None:
+    """Return where ahead of an orbit, an arc at most, contacts or events come or go.
+
+    No orbits are made, only runs from where they would be if the branch went on as it does, to the third
+    order of the distance: so this says how far it is worth to go, and the nearer an orbit is the better it
+    does.
+
+    Args:
+        follower: Of the branch.
+        node: The orbit.
+        arc: How far to look.
+        passed: The step that has come to it, which says how the branch bends; None if there is none.
+    """
+    point, chart = node.point, follower.chart(node.point)
+
+    def other(s: float) -> bool | None:
+        to = bent(follower, node, s, passed)
+        try:
+            flow, period = follower.family(point.value + float(to[-1]) * follower.unit)
+            went = flow.went(chart.state(to[:-1], flow.system), period)
+        except AntennaPinError:
+            return None
+        return (went.onsets, went.events) != point.orbit.onsets
+
+    fading = _fading(follower, node, passed)
+    if fading is not None and fading <= arc and _stirred(follower, node, fading):
+        to = bent(follower, node, fading, passed)
+        return Ahead(fading, point.value + float(to[-1]) * follower.unit)
+    # What is farther may be as it was by accident: the first place at which it is not counts.
+    far, near, s, looks = 0.0, 0.0, arc, 0
+    while looks < _LOOKS or (near == 0.0 and looks < _FARTHEST):
+        found = other(s)
+        if found:
+            far, near = s, 0.0
+        elif found is False and far and not near:
+            near = s
+        s, looks = _DENSER * s, looks + 1
+    if not far:
+        return None
+    for _ in range(_CLOSER):
+        middle = 0.5 * (near + far)
+        near, far = (near, middle) if other(middle) else (middle, far)
+    return Ahead(far, point.value + float(bent(follower, node, far, passed)[-1]) * follower.unit)
+
+
+def _fading(follower: Follower, node: Node, passed: Step | None) -> float | None:
+    """Return how far ahead of an orbit an impact comes to have no speed, if derivatives say that one does.
+
+    On from there the branch would have it with the other sign, and runs along it have it still: none comes or
+    goes. But neighbours come later to an impact by one over its speed, so that one over the derivative of the
+    map goes with the speed, and that with the way along the branch.
+    """
+    if passed is None or passed.last is not node:
+        return None
+    one, other = (1.0 / float(np.linalg.norm(each.point.orbit.tangent)) for each in (passed.first, node))
+    return passed.arc * other / (one - other) if other < one else None
+
+
+def _stirred(follower: Follower, node: Node, arc: float) -> bool:
+    """Whether contacts or events come or go if only the parameter changes, by as much or less."""
+    point = node.point
+    for s in (arc, -arc, 0.1 * arc, -0.1 * arc):
+        value = point.value + s * follower.unit
+        try:
+            flow, period = follower.family(value)
+            start = follower.chart(point).state(np.zeros(len(node.way) - 1), flow.system)
+            went = flow.went(start, period)
+        except AntennaPinError:
+            continue
+        if (went.onsets, went.events) != point.orbit.onsets:
+            return True
+    return False
+
+
+class _Side(NamedTuple):
+    """The last orbit on one side of a graze, and the branch's direction that is known on that side."""
+
+    point: Point
+    node: Node
+
+
+def _orbit_from(follower: Follower, side: _Side, value: float) -> Point | None:
+    """Return the orbit at a value that is near to one on one side of a graze, if Newton's method finds it."""
+    point, node = side
+    ahead = (value - point.value) / (node.way[-1] * follower.unit)
+    try:
+        way = follower.turned(node.way, node.point, point)[:-1]
+        guess = follower.chart(point).state(ahead * way, follower.family(value)[0].system)
+        return Point(value, follower.orbit(guess, value, iterations=4))
+    except (AntennaPinError, ZeroDivisionError):
+        return None
+
+
+def where_passed(follower: Follower, one: Node, other: Node, precision: float) -> tuple[float, float]:
+    """Return where between two orbits of a branch contacts or events come or go, and half of what is left.
+
+    The interval is halved by orbits, which are looked for from both sides. What comes of it must be one
+    branch: orbits on both sides come to one another.
+
+    Raises:
+        NoOrbitError: They do not, or there are none.
+    """
+    low, high = _Side(one.point, one), _Side(other.point, other)
+    whole = abs(other.point.value - one.point.value)
+
+    def left() -> float:
+        return abs(high.point.value - low.point.value)
+
+    for _ in range(_ROUNDS):
+        if left() <= precision:
+            break
+        value = 0.5 * (low.point.value + high.point.value)
+        between = _apart(follower, low.point, high.point)
+        found = None
+        for side in (low, high):
+            found = _orbit_from(follower, side, value)
+            if found is not None and _apart(follower, side.point, found) <= between:
+                break
+            found = None
+        if found is None:
+            break
+        if found.orbit.onsets == one.point.orbit.onsets:
+            low = _Side(found, one)
+        else:
+            high = _Side(found, other)
+    if left() > max(precision, _SHRUNK * whole):
+        raise NoOrbitError("branch: a contact or an event comes or goes, and no orbit is found that near it")
+    if _apart(follower, low.point, high.point) > _JUMP * _apart(follower, one.point, other.point):
+        raise NoOrbitError("branch: where a contact or an event comes or goes it leaps onto another one")
+    return 0.5 * (low.point.value + high.point.value), 0.5 * left()
+
+
+def _apart(follower: Follower, one: Point, other: Point) -> float:
+    """Return how far two orbits are from one another."""
+    place = follower.chart(one).coordinates(other.orbit.start)
+    return math.hypot(float(np.linalg.norm(place)), (other.value - one.value) / follower.unit)

@@ -1,0 +1,628 @@
+"""Kinks of the rates within steps: their detection, and tangents with the full Jacobian between them.
+
+A step of an equation ``w' = A(t) w`` has the order of its quadrature where A is smooth, and none where A
+jumps between two of the nodes or behind the last of them. So A is also evaluated along one direction, at more
+places than the nodes and at both ends: the remainder of a polynomial fit is no larger than a step's error, or
+there is a jump, which is bracketed, or the step is too long. Near a kink central differences ramp from one
+derivative to the other, odd about the kink, so that the middle of the ramp is the time of the kink to the
+square of their step.
+
+A run whose step passes over a kink of a force is wrong by more than its error estimate, by thousands of its
+tolerances at worst. The error is found by repeating the step cut at the kink; it is a perturbation,
+propagated as all tangents are. A run that is off by e reaches a kink with the passing direction n later by
+``dt = -(n e) / g'``. For that time the derivative of the rates is that of the other side, ``b n'`` from its
+own, and tangents W miss ``b (n' W) dt``: a column that is propagated from there, with its share in each
+tangent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.dynamics import Workspace
+from antenna_pin.integrate import NODES, Propagated, Propagator, Stepper, method_named
+from antenna_pin.nonlinear.coordinates import Frame, way_between
+from antenna_pin.nonlinear.saltation import Carried
+from antenna_pin.nonlinear.vector_field import Field
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.steps import stepper_of
+
+__all__ = [
+    "BETWEEN",
+    "Break",
+    "ByMatrices",
+    "ENDS",
+    "HALVINGS",
+    "Kink",
+    "Missed",
+    "Piece",
+    "SAMPLES",
+    "StepAnew",
+    "Within",
+    "at_once",
+    "kink_in",
+    "left_over",
+    "located",
+    "wrong_by",
+]
+
+Array = NDArray[np.float64]
+
+# --- parts of a step ----------------------------------------------------------------------------------------
+
+# How often a step is halved; and the power of what is integrated over that time goes with next to where a
+# contact begins or ends.
+HALVINGS, _GRADE = 30, 4
+# In parts of a step, and in units of the last place of its time, what counts as the same instant.
+_AT_ONCE, _ULPS = 1e-12, 4.0
+
+
+class Piece(NamedTuple):
+    """A part of a step, which runs from 0 to 1.
+
+    Attributes:
+        a: Where it begins.
+        b: Where it ends.
+        graded: Whether the step begins where contacts or drives have changed.
+        falling: Whether it ends there.
+        known: Whether its first and its last end are breaks that are known.
+        halvings: How often it may be cut yet.
+    """
+
+    a: float
+    b: float
+    graded: bool = False
+    falling: bool = False
+    known: tuple[bool, bool] = (False, False)
+    halvings: int = HALVINGS
+
+    def at(self, places: Array) -> tuple[Array, Array]:
+        """Return fractions of the step and their slopes over places from 0 to 1.
+
+        Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time, and
+        likewise before a release: there time goes with a power of what is integrated over.
+        """
+        size = self.b - self.a
+        if self.graded:
+            return self.a + size * places**_GRADE, _GRADE * places ** (_GRADE - 1)
+        if self.falling:
+            rest = 1.0 - places
+            return self.b - size * rest**_GRADE, _GRADE * rest ** (_GRADE - 1)
+        return self.a + size * places, np.ones(len(places))
+
+    def cut(self, at: float, known: bool) -> tuple[Piece, Piece]:
+        """Return it in two, cut at a fraction of the step, which may be a break that is known."""
+        first, last = self.known
+        less = self.halvings - 1
+        return (
+            self._replace(b=at, falling=False, known=(first, known), halvings=less),
+            self._replace(a=at, graded=False, known=(known, last), halvings=less),
+        )
+
+
+def at_once(time: float, size: float) -> float:
+    """Return what part of a step counts as one instant.
+
+    Args:
+        time: When it begins [s].
+        size: How long it is [s].
+    """
+    return max(_AT_ONCE, _ULPS * float(np.spacing(time)) / size)
+
+
+# --- jumps of a derivative within a step --------------------------------------------------------------------
+
+# How near an end of a step it is looked at, as a part of the step: a jump beyond adds that much of itself.
+_EDGE = 1.0 - float(NODES[-1])
+#: Where a step is looked at besides at its nodes: the largest gap is a sixth of the step.
+BETWEEN = np.array([_EDGE, 0.02, 0.2, 0.5, 0.8, 0.98])
+#: Where it is looked at in all, the nodes first.
+SAMPLES = np.concatenate([NODES, BETWEEN])
+#: Which of these are the step's ends: first and last.
+ENDS = len(NODES), len(NODES) - 1
+# Degree of the polynomial.
+_DEGREE = 6
+# Part of a jump, and how the ramp of differences of sixth order rises in its middle, per step.
+_QUARTER, _RISE = 0.25, float(WEIGHTS[0].sum())
+# Of a bracket, half the part in which more than this part of the change happens if it is a jump.
+_NARROW, _CHANGE_OF_JUMP = 0.05, 0.5
+
+
+class Break(NamedTuple):
+    """A jump of a derivative.
+
+    Attributes:
+        place: Where.
+        beside: Places before it and behind it, near but apart from what is next to it.
+        later: By how much later it is for a neighbour a step of the ramps away.
+    """
+
+    place: float
+    beside: tuple[float, float]
+    later: float
+
+
+def _rests(places: Array) -> Array:
+    """Return what takes the nearest polynomial away from values at some places, (places, places)."""
+    basis = np.linalg.qr(np.polynomial.legendre.legvander(2.0 * places - 1.0, _DEGREE))[0]
+    return np.asarray(np.eye(len(places)) - basis @ basis.T)
+
+
+def _counting(known: tuple[bool, bool]) -> NDArray[np.intp]:
+    """Return which samples count, in the order of their places."""
+    left_out = {end for end, is_known in zip(ENDS, known, strict=True) if is_known}
+    return np.array([k for k in np.argsort(SAMPLES).tolist() if k not in left_out])
+
+
+_COUNTING = {(one, other): _counting((one, other)) for one in (False, True) for other in (False, True)}
+_REST = {known: _rests(SAMPLES[kept]) for known, kept in _COUNTING.items()}
+
+
+def left_over(values: Array, known: tuple[bool, bool]) -> tuple[float, tuple[int, int]]:
+    """Return how much a polynomial leaves of values at :data:`SAMPLES`, and between which two it breaks most.
+
+    Args:
+        values: (samples, n).
+        known: Whether its first and its last end are breaks that are known: values there do not count.
+    """
+    kept = _COUNTING[known]
+    rest = _REST[known] @ values[kept]
+    worst = int(np.argmax(np.linalg.norm(np.diff(rest, axis=0), axis=1)))
+    return float(np.linalg.norm(rest, axis=1).max()), (int(kept[worst]), int(kept[worst + 1]))
+
+
+def located(
+    ramps: Callable[[float], Array],
+    jumps: Callable[[float], Array],
+    low: float,
+    high: float,
+    before: Array,
+    after: Array,
+) -> Break | None:
+    """Return where a function of one number jumps between two places, or None if it does not jump there.
+
+    Args:
+        ramps: ``(place) -> values``, by steps that are the same everywhere.
+        jumps: The same by steps that straddle no kink.
+        low: Below the jump.
+        high: Above it.
+        before: Values there.
+        after: Likewise.
+    """
+    change = after - before
+    size = float(change @ change)
+
+    def past(function: Callable[[float], Array], place: float) -> float:
+        return float((function(place) - before) @ change) / size - 0.5
+
+    if not size > 0.0 or not past(ramps, low) < 0.0 < past(ramps, high):
+        return None
+    place = float(brentq(lambda there: past(ramps, there), low, high, xtol=1e-15, rtol=1e-15))
+    near = _NARROW * (high - low)
+    beside = max(place - near, low), min(place + near, high)
+    if not past(jumps, beside[1]) - past(jumps, beside[0]) > _CHANGE_OF_JUMP:
+        return None
+    # How the ramp rises tells how much later a neighbour comes to the kink.
+    there, rise = high, past(ramps, high)
+    if rise > _QUARTER > past(ramps, place):
+        there = float(brentq(lambda at: past(ramps, at) - _QUARTER, place, high, xtol=1e-15, rtol=1e-6))
+        rise = _QUARTER
+    return Break(place, beside, (there - place) / (rise / _RISE))
+
+
+# --- errors of a run at kinks -------------------------------------------------------------------------------
+
+# What a run is off by in units, over its tolerance, where nothing more is known.
+_OFF = 10.0
+# How many columns are kept of what was missed; then the two that are oldest are one.
+_MOST_DEFECTS = 16
+
+
+class Kink(NamedTuple):
+    """How a kink is passed.
+
+    Attributes:
+        force: b, a direction of the coordinates, (size,).
+        passing: n, likewise; the derivative of rates jumps by ``b n'`` [1/s].
+        later: By how much later a neighbour comes there that is off by n over its own square [s].
+    """
+
+    force: Array
+    passing: Array
+    later: float
+
+    @classmethod
+    def of(cls, jump: Array, way: Array, later: float) -> Kink:
+        """Return it.
+
+        Args:
+            jump: Of the derivative of the coordinates' rates, (size, size).
+            way: Some displacement, (size,).
+            later: By how much later a neighbour there comes to it [s].
+        """
+        forces, sizes, passings = np.linalg.svd(jump)
+        passing = sizes[0] * passings[0]
+        along = float(passing @ way)
+        return cls(forces[:, 0], passing, abs(later / along) if along != 0.0 else 0.0)
+
+
+class Missed:
+    """Counts what displacements miss, by columns behind them, and has the flow as one more displacement.
+
+    The columns are displacements, what the run is off by, the flow, what is missed.
+
+    Args:
+        count: How many displacements there are.
+        rtol: The run's tolerance.
+    """
+
+    def __init__(self, count: int, rtol: float) -> None:
+        """Begin with nothing."""
+        self._count, self._least = count, _OFF * rtol
+        self._parts: list[Array] = []
+
+    def begin(self, ways: Array) -> Array:
+        """Return displacements, (size, count), with what is behind them, which is nothing yet."""
+        return np.hstack([ways, np.zeros((len(ways), 2))])
+
+    @property
+    def flow(self) -> int:
+        """Which column the flow is, where it is carried; else it is zero."""
+        return self._count + 1
+
+    def own(self, carried: Carried) -> Carried:
+        """Return the displacements alone."""
+        matrix, other, books = (
+            one[:, : self._count] for one in (carried.matrix, carried.other, carried.books)
+        )
+        return Carried(matrix, other, carried.frame, books)
+
+    def error(self, carried: Carried) -> Array:
+        """Return what the run is off by, as a displacement, (size,)."""
+        return np.asarray(carried.matrix[:, self._count])
+
+    def off(self, carried: Carried, more: Array) -> Carried:
+        """Return displacements with a run that is off by more, (size,)."""
+        both = carried.matrix.copy(), carried.other.copy()
+        for one in both:
+            one[:, self._count] += more
+        return Carried(*both, carried.frame, carried.books)
+
+    def passed(self, kink: Kink, error: Array, carried: Carried) -> Carried:
+        """Return displacements with what they miss of a kink that a run passes which is off by an error."""
+        size = float(np.linalg.norm(kink.passing))
+        late = kink.later * (abs(float(kink.passing @ error)) + size * self._least)
+        self._parts.append(np.abs(kink.passing @ carried.matrix[:, : self._count]) * late)
+        column = kink.force[:, None]
+        matrix, other = (np.hstack([one, column]) for one in carried[:2])
+        return Carried(matrix, other, carried.frame, np.pad(carried.books, ((0, 0), (0, 1))))
+
+    def merged(self, carried: Carried) -> Carried:
+        """Return displacements with the oldest of what is missed in one column, where there are too many."""
+        while len(self._parts) > _MOST_DEFECTS:
+            first = self._count + 2
+            sizes = np.linalg.norm(carried.matrix[:, first : first + 2], axis=0)
+            kept = int(np.argmax(sizes))
+            if sizes[kept] > 0.0:
+                self._parts[1 - kept] = self._parts[1 - kept] * (sizes[1 - kept] / sizes[kept])
+            self._parts[:2] = [self._parts[0] + self._parts[1]]
+            matrix, other, books = (
+                np.delete(one, first + 1 - kept, axis=1)
+                for one in (carried.matrix, carried.other, carried.books)
+            )
+            carried = Carried(matrix, other, carried.frame, books)
+        return carried
+
+    def sizes(self, carried: Carried) -> Array:
+        """Return how much is missed of each displacement, (count,)."""
+        matrix = carried.matrix
+        out = np.linalg.norm(matrix[:, : self._count], axis=0) * float(np.linalg.norm(self.error(carried)))
+        for column, parts in zip(matrix.T[self._count + 2 :], self._parts, strict=True):
+            out += float(np.linalg.norm(column)) * parts
+        return np.asarray(out)
+
+
+class StepAnew:
+    """Makes a run's step anew, cut at kinks: what the run's own is off by.
+
+    Args:
+        field: The rates.
+        settings: Of the run.
+        scales: Of the run's errors.
+        source: Its contact memory and program are those of the step.
+    """
+
+    def __init__(self, field: Field, settings: RunSettings, scales: Array, source: Workspace) -> None:
+        """Allocate nothing: most runs come to no kink."""
+        self._field, self._settings, self._scales, self._source = field, settings, scales, source
+        self._made: tuple[Workspace, Stepper] | None = None
+        self._begun = False
+
+    def begin(self, time: float, y: Array) -> None:
+        """Begin a step in a state."""
+        self._start = time, y.copy()
+        self._begun = False
+
+    def to(self, time: float) -> Array:
+        """Return the state at a time within the step, to which it is cut [s]."""
+        workspace, stepper = self._made = self._made or self._make()
+        if not self._begun:
+            workspace.memory[:], workspace.program[:] = self._source.memory, self._source.program
+            stepper.restart(*self._start)
+            self._begun = True
+        if time > stepper.t:
+            stepper.attempt(time - stepper.t)
+            stepper.restart(time, stepper.y.copy())
+        return np.array(stepper.start)
+
+    def _make(self) -> tuple[Workspace, Stepper]:
+        workspace, method = Workspace(self._field.system), method_named(self._settings.method)
+        return workspace, stepper_of(workspace, method, self._scales, self._settings)
+
+    def off(self, time: float, y: Array) -> Array:
+        """Return by how much a state at a time is off, as a displacement; none where nothing was cut."""
+        out = np.zeros(self._field.displacement)
+        if not self._begun:
+            return out
+        nq, nv = self._field.system.model.nq, self._field.system.model.nv
+        there = self.to(time)
+        way, rate, bristles, *_ = self._field.parts
+        out[way] = way_between(self._field.system, there[:nq], y[:nq])
+        out[rate] = y[nq : nq + nv] - there[nq : nq + nv]
+        out[bristles] = (y - there)[nq + nv + self._field.bristles]
+        return out
+
+
+# --- states within a step -----------------------------------------------------------------------------------
+
+
+class Within:
+    """States within a step of a run: the step is made again where they are asked for.
+
+    Args:
+        run: The run.
+
+    Attributes:
+        workspace: Its contact memory and program are those of the step.
+        time: When the step begins [s].
+        size: How long it is [s].
+    """
+
+    def __init__(self, run: Run) -> None:
+        """Allocate once."""
+        self.workspace = Workspace(run.system)
+        method = method_named(run.settings.method)
+        self._dense = stepper_of(self.workspace, method, run.stepper.scales, run.settings)
+        self.time, self.size = run.stepper.t, 0.0
+        self._first = run.here.copy()
+        self._end: Array | None = None
+        self._made = False
+
+    @property
+    def touching(self) -> NDArray[Any]:
+        """Which contacts touch in the step, 0 or not, (contacts,)."""
+        return np.asarray(self.workspace.memory["touching"])
+
+    def take_over(self, run: Run) -> None:
+        """Take the contact memory and the program of a run, for the step that follows."""
+        memory, program = run.workspace.memory, run.workspace.program
+        self.workspace.memory[:], self.workspace.program[:] = memory, program
+
+    def begin(self, time: float, y: Array, size: float, end: Array | None) -> None:
+        """Take up a step.
+
+        Args:
+            time: When it begins [s].
+            y: State there.
+            size: Its size [s].
+            end: State at its end; None if that is not known but from the step.
+        """
+        self.time, self._first, self.size, self._end = time, y, size, end
+        self._made = False
+
+    def at(self, theta: float) -> Array:
+        """Return the state at a fraction of the step."""
+        if theta == 0.0:
+            return self._first
+        if theta == 1.0 and self._end is not None:
+            return self._end
+        if not self._made:
+            self._dense.restart(self.time, self._first)
+            self._dense.attempt(self.size)
+            self._dense.prepare_dense()
+            self._made = True
+        y = np.zeros_like(self._first)
+        self._dense.interpolate(theta, y)
+        return y
+
+
+def kink_in(
+    piece: Piece,
+    between: tuple[int, int],
+    seen: list[tuple[Array, float]],
+    within: Within,
+    by: tuple[Field, Frame, Array, Array],
+) -> tuple[float, Kink] | None:
+    """Return where rates break between two samples of a piece, as a fraction of the step, or None.
+
+    Args:
+        piece: The part of the step.
+        between: Which of :data:`antenna_pin.nonlinear.kinks.SAMPLES`.
+        seen: What rates are along a displacement at each of them, first.
+        within: States within the step.
+        by: The rates, the axes of coordinates, the displacement, and that in coordinates.
+    """
+    field, frame, way, unit = by
+
+    def looked(place: float, look: Callable[[float, Array, Array], tuple[Array, float]]) -> Array:
+        (theta,), (slope,) = piece.at(np.array([place]))
+        there = within.time + float(theta) * within.size, within.at(float(theta))
+        return float(slope) * look(*there, way)[0]
+
+    low, high = between
+    found = located(
+        lambda place: looked(place, field.across_kinks),
+        lambda place: looked(place, field.along_way),
+        float(SAMPLES[low]),
+        float(SAMPLES[high]),
+        seen[low][0],
+        seen[high][0],
+    )
+    if found is None:
+        return None
+    (cut, before, behind), (slope, *_) = piece.at(np.array([found.place, *found.beside]))
+    one, other = (
+        field.matrix(frame, within.time + s * within.size, within.at(s), way).sixth
+        for s in (float(before), float(behind))
+    )
+    step = field.across_kinks(within.time + cut * within.size, within.at(float(cut)), way)[1]
+    later = found.later * slope * (piece.b - piece.a) * within.size / step
+    return float(cut), Kink.of(other - one, unit, later)
+
+
+# --- tangents with the full Jacobian ------------------------------------------------------------------------
+
+# How often a step is halved to find where it breaks: what is wrong then is in the doubt.
+_SEARCHES = 8
+# In how many steps the round-off of rates is looked at once, where nothing changes.
+_LOOKS = 8
+# How often round-off may be what a piece's derivatives are off by.
+_NOISY = 30.0
+
+
+class ByMatrices:
+    """Carries displacements over parts of a step as short as they must be.
+
+    Args:
+        field: The rates.
+        within: States within the step.
+        again: Makes it anew, cut at kinks.
+        missed: Counts what displacements miss of these.
+        good: What a part may be wrong by, over the displacements.
+
+    Attributes:
+        made: Parts over which displacements were carried.
+        left_over: What is wrong by breaks that were not found, over the displacements.
+        opening: At the step's end the derivative of the gap of a contact that ends there over coordinates,
+            (size,); None if there is none.
+    """
+
+    def __init__(self, field: Field, within: Within, again: StepAnew, missed: Missed, good: float) -> None:
+        """Begin with nothing."""
+        self._field, self._within, self._again, self._missed = field, within, again, missed
+        self._good, self.made, self.left_over = good, 0, 0.0
+        self.opening: Array | None = None
+        self._looked_at = self._steps = 0
+        self._unseen: tuple[float, Array] | None = None
+        self._way: tuple[Frame, Array, Array] | None = None
+        self._propagator = Propagator(0)
+
+    def begin(self, time: float, y: Array, anew: bool) -> None:
+        """Begin a step in a state.
+
+        Args:
+            time: When [s].
+            y: State.
+            anew: Whether the round-off of rates may be another than it was.
+        """
+        self._steps += 1
+        if anew or self._steps > self._looked_at + _LOOKS:
+            self._unseen = time, y
+
+    def _along(self, frame: Frame) -> tuple[Array, Array]:
+        """Return the displacement along which breaks are looked for, some of every state, and its parts."""
+        if self._way is None or self._way[0] is not frame:
+            within = self._within
+            up = self._field.lift(frame, within.time, within.at(0.0)).up
+            some = np.asarray(np.random.default_rng(0).standard_normal(up.shape[1]))
+            *_, numbers, _, clock = self._field.parts
+            some[up[numbers].any(axis=0) | up[clock].any(axis=0)] = 0.0  # what breaks does so in states
+            unit = np.asarray(some / np.linalg.norm(some))
+            self._way = frame, up @ unit, unit
+        return self._way[1:]
+
+    def over(self, piece: Piece, carried: Carried) -> Carried:
+        """Return displacements behind a part of the step."""
+        self.made += 1
+        frame, (way, unit) = carried.frame, self._along(carried.frame)
+        if self._unseen is not None:
+            self._field.look_at(*self._unseen, way)
+            self._unseen, self._looked_at = None, self._steps
+        field, within, at = self._field, self._within, self._within.at
+        start, whole = within.time, within.size
+        length = (piece.b - piece.a) * whole
+        thetas, slopes = piece.at(NODES)
+        found = [field.matrix(frame, start + s * whole, at(s), way) for s in thetas.tolist()]
+        sixth, fourth, books = (
+            np.array([one * s for one, s in zip(each, slopes, strict=True)])
+            for each in ([f.sixth for f in found], [f.fourth for f in found], [f.books for f in found])
+        )
+        if self._propagator.size != sixth.shape[1]:
+            self._propagator = Propagator(sixth.shape[1])
+        step = self._propagator.step(length, sixth)
+        # What breaks at a place between the nodes, or behind the last, neither method sees.
+        seen = [(f.along * s, f.noise * s) for f, s in zip(found, slopes.tolist(), strict=True)]
+        for s, slope in zip(*(one.tolist() for one in piece.at(BETWEEN)), strict=True):
+            value, noise = field.along_way(start + s * whole, at(s), way)
+            seen.append((value * slope, noise * slope))
+        rest, (low, high) = left_over(np.array([value for value, _ in seen]), piece.known)
+        noise = _NOISY * length * max(one for _, one in seen)
+        off = length * rest if length * rest <= self._good else max(length * rest - noise, 0.0)
+        found_break = None
+        if off > self._good:
+            by = field, frame, way, unit
+            found_break = kink_in(piece, (low, high), seen, within, by)
+        searching = off > self._good and piece.halvings > HALVINGS - _SEARCHES
+        rough = not wrong_by(piece, step, carried, self._missed.flow, self.opening) <= self._good
+        if piece.halvings > 0 and (found_break is not None or searching or rough):
+            cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break[0]
+            before, behind = piece.cut(cut, found_break is not None)
+            carried = self.over(before, carried)
+            if found_break is not None:
+                carried = self._pass(*found_break, carried)
+            return self.over(behind, carried)
+        self.left_over += off
+        other = step.other + self._propagator.change(length, fourth - sixth)
+        booked = carried.books + self._propagator.integral(length, books) @ carried.matrix
+        return Carried(step.matrix @ carried.matrix, other @ carried.other, frame, booked)
+
+    def _pass(self, theta: float, kink: Kink, carried: Carried) -> Carried:
+        """Count what displacements miss of a kink at a fraction of the step."""
+        time, y = self._within.time + theta * self._within.size, self._within.at(theta)
+        self._again.to(time)
+        down = self._field.lift(carried.frame, time, y).down
+        error = self._missed.error(carried) + down @ self._again.off(time, y)
+        return self._missed.passed(kink, error, carried)
+
+
+def wrong_by(piece: Piece, step: Propagated, carried: Carried, flow: int, opening: Array | None) -> float:
+    """Return what a step of a piece is wrong by, over its size [-].
+
+    Next to onsets and releases it is what it does to what is carried, at the neighbours' own.
+
+    Args:
+        piece: The part of a step.
+        step: What it makes of the identity.
+        carried: Displacements before it.
+        flow: In which column the flow is, if it is carried.
+        opening: At the step's end the derivative of the gap of a contact that ends there over coordinates,
+            (size,); None if there is none.
+    """
+    if not (piece.graded or piece.falling) or not carried.frame.clock:
+        return step.off
+    ends, wrong = step.matrix @ carried.matrix, (step.matrix - step.other) @ carried.matrix
+    if piece.falling and opening is not None:
+        late = (opening @ ends) / (opening @ ends[:, flow])
+        late[flow] = 0.0
+        ends, wrong = (one - np.outer(one[:, flow], late) for one in (ends, wrong))
+        ends[:, flow] = 0.0
+    sizes = np.linalg.norm(ends, axis=0)
+    counts = sizes > 0.0
+    return float((np.linalg.norm(wrong, axis=0)[counts] / sizes[counts]).max(initial=0.0))

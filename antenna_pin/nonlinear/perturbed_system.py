@@ -1,0 +1,466 @@
+"""A system at perturbed states and parameters.
+
+A parameter s acts on a motion through the arrays that a system is made of: packed parameters of its elements,
+masses and placements of bodies, closures, gravity. Their derivatives N' over s are found by building the
+system at neighbouring values; then arrays N + N' s, in place, give the derivative of the rates over s with
+any step, as small as the depth of a contact requires.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import pickle
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from antenna_pin.base.differences import WEIGHTS, few
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.dynamics import System, Workspace, acting_in
+from antenna_pin.engine import Carrying, CompiledStepper, SystemSlopes, Tangents, moves_rows
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.integrate import method_named
+from antenna_pin.mechanism import BODY, body_tree
+from antenna_pin.nonlinear.coordinates import Kept, Units, parts_of
+from antenna_pin.simulation.steps import scale_vector, stepper_of
+
+__all__ = ["Beside", "Function", "InPlace", "Near", "Numbers", "STEP"]
+
+Array = NDArray[np.float64]
+
+# --- numbers of a system that parameters change -------------------------------------------------------------
+
+# Whole numbers among the words of a system read as floats below this; what changes them changes its kind.
+_WHOLE = 1e-290
+# Step of differences of builds, in a parameter's scale; and differences of their orders, over the derivative,
+# from which on they are no function that can be differentiated.
+_STEP, _ROUGH = 1e-3, 1e-6
+
+
+class Numbers:
+    """A system, and the derivatives of its numbers over some parameters, each in its scale.
+
+    Args:
+        system: The system.
+        built: Of each parameter what builds the system so many scales farther, ``(s) -> System``.
+        names: Of the parameters, for messages.
+
+    Raises:
+        InvalidParameterError: A parameter changes what the system is made of, not its numbers alone.
+    """
+
+    def __init__(
+        self, system: System, built: Sequence[Callable[[float], System]], names: Sequence[str]
+    ) -> None:
+        """Build the neighbours, and differentiate."""
+        self._system, self.count = system, len(built)
+        elements = list(_of_elements(system))
+        here = _arrays(system, elements)
+        slopes = [_slopes(here, elements, *one) for one in zip(built, names, strict=True)]
+        ends = np.cumsum([one.size for one in here.values()])
+        parts = np.split(np.array(slopes).reshape(self.count, ends[-1]), ends[:-1], axis=1)
+        self.slopes: dict[str, Array] = dict(zip(here, parts, strict=True))
+        #: Of each parameter, by the place of an element, its own numbers' derivatives.
+        self.of_elements: list[dict[str, dict[str, float]]] = [{} for _ in range(self.count)]
+        for own, changes in zip(self.of_elements, self.slopes.pop("elements").tolist(), strict=True):
+            for (place, name), change in zip(elements, changes, strict=True):
+                if change != 0.0:
+                    own.setdefault(place, {})[name] = change
+
+    def own_system(self) -> System:
+        """Return a copy of the system, whose numbers may be changed in place."""
+        copied: System = pickle.loads(pickle.dumps(self._system))
+        return copied
+
+
+class InPlace:
+    """Changes the numbers of a system's own copy, of a workspace and of a stepper, and back.
+
+    Args:
+        numbers: Which, and by how much.
+        workspace: Of the copy; its model and program are changed.
+        stepper: Its arrays are.
+        whole: Whether the copy's own program is changed as well, from which other workspaces take theirs.
+    """
+
+    def __init__(
+        self, numbers: Numbers, workspace: Workspace, stepper: CompiledStepper, *, whole: bool = False
+    ) -> None:
+        """Find what changes."""
+        self.count, model = numbers.count, workspace.model
+        self._of_elements = numbers.of_elements
+        own = stepper.numbers
+        bodies = workspace.bodies
+        arrays = {
+            "program": [workspace.program, workspace.system.program] if whole else [workspace.program],
+            "tree": [own.tree] if bodies is None else [own.tree, bodies],
+            "plan": [own.plan],
+            "gravity": [own.gravity],
+        }
+        #: Of the program, by parameter: what an event sets does not go with it any more.
+        self.program = numbers.slopes["program"].copy()
+        self._parts: list[tuple[Array, NDArray[np.int_], Array]] = []
+        for key, flats in arrays.items():
+            slopes = self.program if key == "program" else numbers.slopes[key]
+            at = np.flatnonzero(np.abs(slopes).any(axis=0))
+            if len(at):
+                self._parts += [(one.view(np.float64).reshape(-1), at, slopes) for one in flats]
+        self._model = model
+        joints = range(model.njoints)
+        self._inertias = numbers.slopes["inertias"].reshape(self.count, len(joints), 10)
+        self._places = numbers.slopes["placements"].reshape(self.count, len(joints), 12)
+        self._armature = numbers.slopes["armature"]
+        self._heavier = [i for i in joints if self._inertias[:, i].any()]
+        self._moved = [i for i in joints if self._places[:, i].any()]
+        #: Of the bodies' numbers, flat, of constraints', and of gravity, likewise.
+        self.tree, self.plan = numbers.slopes["tree"], numbers.slopes["plan"]
+        self.gravity = numbers.slopes["gravity"]
+        self._of_model = bool(self._heavier or self._moved or self._armature.any() or self.gravity.any())
+        #: How far each is displaced at present, (count,).
+        self.present = np.zeros(self.count)
+
+    def displace(self, s: Array) -> Callable[[], None]:
+        """Change the numbers by parameters, (count,) in their scales; return what changes them back."""
+        kept = []
+        for flat, at, slopes in self._parts:
+            values = flat[at]
+            kept.append((flat, at, values))
+            flat[at] = values + s @ slopes[:, at]
+        before, self.present = self.present, s
+        changed_back = self._displace_model(s) if self._of_model else None
+
+        def back() -> None:
+            for flat, at, values in kept:
+                flat[at] = values
+            self.present = before
+            if changed_back is not None:
+                changed_back()
+
+        return back
+
+    def _displace_model(self, s: Array) -> Callable[[], None]:
+        """Change Pinocchio's numbers likewise."""
+        model = self._model
+        inertias = [(i, model.inertias[i].copy()) for i in self._heavier]
+        for i, one in inertias:
+            numbers = one.toDynamicParameters() + s @ self._inertias[:, i]
+            model.inertias[i] = pin.Inertia.FromDynamicParameters(numbers)
+        places = [(i, model.jointPlacements[i].copy()) for i in self._moved]
+        for i, one in places:
+            change = s @ self._places[:, i]
+            rotation = one.rotation + change[3:].reshape(3, 3)
+            model.jointPlacements[i] = pin.SE3(rotation, one.translation + change[:3])
+        armature, gravity = model.armature.copy(), model.gravity.linear.copy()
+        if self._armature.any():
+            model.armature = armature + s @ self._armature
+        if self.gravity.any():
+            model.gravity.linear = gravity + s @ self.gravity
+
+        def back() -> None:
+            for i, one in inertias:
+                model.inertias[i] = one
+            for i, one in places:
+                model.jointPlacements[i] = one
+            model.armature, model.gravity.linear = armature, gravity
+
+        return back
+
+    def of_element(self, place: str) -> Mapping[str, float]:
+        """Return by how much the numbers of an element, by its place, are displaced at present."""
+        found: dict[str, float] = {}
+        for s, table in zip(self.present.tolist(), self._of_elements, strict=True):
+            for key, change in table.get(place, {}).items():
+                found[key] = found.get(key, 0.0) + s * change
+        return found
+
+    def let_go(self, words: NDArray[np.int_]) -> None:
+        """Let words of the program go with parameters no more: an event has set them."""
+        self.program[:, words] = 0.0
+
+
+def _arrays(system: System, elements: Sequence[tuple[str, str]]) -> dict[str, Array]:
+    """Return the arrays that a system's motion goes by, flat, by name, and numbers of elements."""
+    of_elements = _of_elements(system)
+    model, tree = system.model, body_tree(system.mechanism)
+    inertias = [one.toDynamicParameters() for one in model.inertias]
+    places = [np.append(one.translation, one.rotation.reshape(-1)) for one in model.jointPlacements]
+    return {
+        "program": system.program,
+        "tree": tree.view(np.float64).reshape(-1),
+        "plan": np.zeros(0) if system.plan is None else system.plan.words,
+        "gravity": np.array(model.gravity.linear),
+        "inertias": np.concatenate(inertias),
+        "placements": np.concatenate(places),
+        "armature": np.array(model.armature),
+        "elements": np.array([of_elements.get(one, math.nan) for one in elements], dtype=float),
+    }
+
+
+def _of_elements(system: System) -> dict[tuple[str, str], float]:
+    """Return the numbers of a system's elements, by place and name."""
+    return {
+        (one.place, field.name): float(value)
+        for one in acting_in(system)
+        if dataclasses.is_dataclass(one.element)
+        for field in dataclasses.fields(one.element)
+        if isinstance(value := getattr(one.element, field.name), float) and math.isfinite(value)
+    }
+
+
+def _slopes(
+    here: Mapping[str, Array],
+    elements: Sequence[tuple[str, str]],
+    build: Callable[[float], System],
+    name: str,
+) -> Array:
+    """Return the derivatives of all arrays, one behind the other, or refuse what has none."""
+    values = np.concatenate(list(here.values()))
+
+    def there(j: int) -> Array:
+        if j == 0:
+            return values
+        found = _arrays(build(j * _STEP), elements)
+        alike = all(found[key].shape == one.shape for key, one in here.items())
+        other = np.concatenate(list(found.values())) if alike else values
+        sizes = np.abs([values, other])
+        if not alike or ((values != other) & (sizes.max(axis=0) < _WHOLE)).any():
+            rule = "one that changes numbers of the mechanism alone, not what it is made of or how often"
+            raise InvalidParameterError("sensitivities", "key", rule, said=name)
+        return other
+
+    slope, apart = few(there, _STEP)
+    if (apart > _ROUGH * np.maximum(np.abs(values), np.abs(slope))).any():
+        rule = "one of which the mechanism's numbers are smooth functions near its value"
+        raise InvalidParameterError("sensitivities", "key", rule, said=name)
+    return slope
+
+
+# --- a system at perturbed states ---------------------------------------------------------------------------
+
+Function = Callable[[float, Array], Array]
+
+#: Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
+#: are finer, to be small beside the kinks of laws, but large beside the round-off of places: where a kink is
+#: nearer, or a contact is shallow, they are made finer yet.
+STEP = 1e-4
+_IN_PLAY = 1e-5
+
+
+class Near:
+    """Evaluates functions of time and state at displaced states.
+
+    Args:
+        system: The system.
+        settings: Of the run whose engine evaluates its rates.
+        numbers: Parameters of the system that displacements have, too; none if left out.
+        whole: Whether they displace all that others take from the system, too.
+
+    Attributes:
+        system: The system; of a copy of its own if parameters displace it.
+        workspace: Its contact memory and program are those of the moment.
+        stepper: Whose rates they are.
+        kept: What elements keep.
+        bristles: Where these stand in x, (bristles,).
+        parts: Of a displacement.
+        numbers: The system's numbers, if parameters displace them.
+    """
+
+    def __init__(
+        self, system: System, settings: RunSettings, numbers: Numbers | None = None, *, whole: bool = False
+    ) -> None:
+        """Allocate once."""
+        self.system = system = system if numbers is None else numbers.own_system()
+        self.workspace, self.kept = Workspace(system), Kept(system)
+        scales = scale_vector(system, settings.scales)
+        self.stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
+        self.bristles = np.asarray(system.bristle_x, dtype=int)
+        self.parts = parts_of(system, len(self.kept), 0 if numbers is None else numbers.count)
+        self.numbers = (
+            None if numbers is None else InPlace(numbers, self.workspace, self.stepper, whole=whole)
+        )
+        self._of_rows: list[int] = []  # numbers that constraints go with
+        self._y, self._memory = np.zeros(system.manifold.size), self.workspace.memory.copy()
+
+    def rates(self, time: float, y: Array) -> Array:
+        """Return [acceleration (nv), rate of x (nx)] with contacts and program of the moment."""
+        return self.stepper.rates(time, y)
+
+    def flow(self, time: float, y: Array) -> Array:
+        """Return the displacement per second that the system itself makes, (displacement,)."""
+        nq, nv = self.system.model.nq, self.system.model.nv
+        way, rate, bristles, *_, clock = self.parts
+        rates, out = self.rates(time, y), np.zeros(clock.stop)
+        out[way], out[rate], out[bristles] = y[nq : nq + nv], rates[:nv], rates[nv + self.bristles]
+        out[clock] = 1.0
+        return out
+
+    def tangents(self, units: Units) -> Tangents | None:
+        """Return derivatives put together from parts, of what is met at onsets at least; or None."""
+        if not Tangents.knows_contacts(self.system):
+            return None
+        return Tangents(self.system, self.stepper, np.concatenate(units), WEIGHTS)
+
+    def carrying(self, tangents: Tangents | None, coarse: Array) -> Carrying | None:
+        """Return what carries displacements by the stages of the run's method; None where nothing does.
+
+        Args:
+            tangents: Derivatives of the rates, which know the system's numbers; None if there are none.
+            coarse: :meth:`coarseness`.
+        """
+        if tangents is None or not Carrying.takes(self.stepper):
+            return None
+        steps = coarse.copy()
+        steps[self.parts[-1]] = 1.0 / STEP
+        return Carrying(self.stepper, tangents, steps)
+
+    def follows(self, tangents: Tangents | None, units: Units) -> bool:
+        """Let derivatives know the system's numbers and what elements keep; return whether they can."""
+        own, numbers = self.stepper.numbers, self.numbers
+        tree = own.tree.view(np.float64).reshape(-1)
+        if numbers is not None and self.system.plan is not None:
+            moved = moves_rows(self.system, numbers.program, numbers.plan)
+            self._of_rows = np.flatnonzero(moved).tolist()
+        program, bodies, plan, gravity = (
+            np.zeros((0, size)) for size in (len(own.program), len(tree), len(own.plan), 3)
+        )
+        if numbers is not None:
+            program, bodies, plan, gravity = numbers.program, numbers.tree, numbers.plan, numbers.gravity
+        kept = self.kept.words, self.kept.units(units.way, units.rate)
+        return tangents is not None and tangents.follow(SystemSlopes(program, bodies, plan, gravity, *kept))
+
+    def coarseness(self, units: Units, in_play: float | None = None) -> Array:
+        """Return over what a step of each part of a displacement must be one at most, (displacement,).
+
+        Args:
+            units: Of displacements.
+            in_play: Steps at joints with play, over their units; those of forces if left out.
+        """
+        way, rate, bristles, *_, numbers, kept, _ = self.parts
+        out = np.zeros(self.parts[-1].stop)
+        out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
+        out[kept] = 1.0 / (STEP * self.kept.units(units.way, units.rate))
+        steps, finer = np.full(self.system.model.nv, STEP), _IN_PLAY if in_play is None else in_play
+        for joint in self.system.clearances:
+            steps[self.system.mechanism.joint(joint.name).v] = finer
+        out[way] /= steps
+        out[rate] /= steps
+        out[bristles] /= finer
+        out[numbers] = 1.0 / STEP
+        return out
+
+    def at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
+        """Return a function's value at a neighbour."""
+        nq, nv = self.system.model.nq, self.system.model.nv
+        way, rate, bristles, speeds, masses, numbers, own, clock = (displacement[one] for one in self.parts)
+        memory, kept, program = self.workspace.memory, self._memory, self.workspace.program
+        back = self.numbers.displace(numbers) if self.numbers is not None and numbers.any() else None
+        words = program[self.kept.words]
+        self._y[:] = y
+        self.workspace.retract(self._y, way)
+        self._y[nq : nq + nv] += rate
+        self._y[nq + nv + self.bristles] += bristles
+        kept[:] = memory
+        memory["approach_speed"] *= np.exp(speeds)
+        memory["effective_mass"] *= np.exp(masses)
+        program[self.kept.words] += own
+        try:
+            return np.array(function(time + float(clock[0]), self._y))
+        finally:
+            memory[:], program[self.kept.words] = kept, words
+            if back is not None:
+                back()
+
+    def over(self, function: Function, time: float, y: Array, way: Array, step: float) -> Array:
+        """Return the derivative of a function along a displacement, of sixth and fourth order, (2, ...)."""
+        ahead, behind = (
+            np.array([self.at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
+            for side in (1, -1)
+        )
+        return np.asarray(WEIGHTS @ (ahead - behind) / step)
+
+    def over_numbers(self, time: float, y: Array, way: Array, step: float) -> Array:
+        """Return derivatives of the rates over the system's numbers, as :meth:`over`."""
+        assert self.numbers is not None
+        found = []
+        for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
+            back = self.numbers.displace(point * step * way)
+            try:
+                found.append(self.rates(time, y).copy())
+            finally:
+                back()
+        values = np.array(found)
+        return np.asarray(WEIGHTS @ (values[:3] - values[3:]) / step)
+
+    def rows_over_numbers(self, time: float, y: Array) -> Array:
+        """Return how far and how fast constraints are violated per number, (2, rows, numbers)."""
+        workspace, numbers, constraints = self.workspace, self.numbers, self.workspace.constraints
+        assert constraints is not None
+        count = 0 if numbers is None else numbers.count
+        out = np.zeros((2, len(constraints.every_gap), count))
+        if numbers is None:
+            return out
+        for k in self._of_rows:
+            found, way = [], np.zeros(count)
+            for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
+                way[k] = point * STEP
+                back = numbers.displace(way)
+                try:
+                    workspace.prepare_motions(time, y)
+                    constraints.residuals(time, y, workspace.program)
+                    found.append([constraints.every_gap.copy(), constraints.every_speed.copy()])
+                finally:
+                    back()
+            values = np.array(found)
+            out[:, :, k] = np.tensordot(WEIGHTS[0], values[:3] - values[3:], 1) / STEP
+        return out
+
+
+# --- a system at perturbed parameters -----------------------------------------------------------------------
+
+
+class Beside:
+    """A system's own copy that stands, one at a time, for its neighbours along parameters.
+
+    What is told of states goes by the arrays that rates go by, so that a copy with these displaced has its
+    derivatives; a neighbour's other digits are of second order. Two things are in no array, and there the
+    neighbour is built: what Python is asked for, and the axes of joints in Pinocchio's model.
+
+    Args:
+        system: The system.
+        settings: Of the run whose engine evaluates its rates.
+        numbers: How its numbers go with the parameters.
+        built: What builds a neighbour, ``(parameter, s)`` in its scale.
+    """
+
+    def __init__(
+        self, system: System, settings: RunSettings, numbers: Numbers, built: Callable[[int, float], System]
+    ) -> None:
+        """Copy the system."""
+        self._settings, self._built = settings, built
+        self._near = near = Near(system, settings, numbers, whole=True)
+        bodies = numbers.slopes["tree"].view(BODY)
+        asked = bool(near.workspace.paths or near.system.callables)
+        #: Of each parameter, whether its neighbours are built.
+        self.builds = (bodies["axis"] != 0.0).any(axis=(1, 2)) | asked
+        others = [one.any(axis=1) for key, one in numbers.slopes.items() if key != "program"]
+        #: Of each, whether its neighbours differ in their programs alone, which go with their states.
+        self.by_program = ~(np.any(others, axis=0) | self.builds)
+
+    @contextmanager
+    def at(self, k: int, s: float) -> Iterator[Near]:
+        """Let the copy be the system with a parameter so many scales farther; yield what evaluates it."""
+        if s != 0.0 and self.builds[k]:
+            yield Near(self._built(k, s), self._settings)
+            return
+        own, far = self._near.numbers, np.zeros(len(self.builds))
+        assert own is not None
+        far[k] = s
+        back = own.displace(far)
+        try:
+            yield self._near
+        finally:
+            back()
