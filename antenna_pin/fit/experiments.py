@@ -1,8 +1,8 @@
-"""Experiments that could be made: what each would tell of a fit's parameters, at values known by now.
+"""Candidate experiments of a fit, and the derivatives of their residuals at known values.
 
-An experiment is like one of the fit's records, with keys of the scenario set anew, and other columns or times
-if it has them. What it would tell hangs on its residuals' derivatives only, and these on no measured number:
-so it is run as a record of what the model itself reads.
+An experiment resembles one of the fit's records, with keys of the scenario set anew, and other columns or
+times if given. Its information depends on the derivatives of its residuals only, and these on no measured
+number: so it is run as a record of the model's own readings.
 """
 
 from __future__ import annotations
@@ -22,15 +22,12 @@ from antenna_pin.base.files import absence
 from antenna_pin.base.tables import write_csv
 from antenna_pin.base.units import shown
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
-from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.designs import Criterion
-from antenna_pin.fit.expressions import names_in
-from antenna_pin.fit.laboratory import Laboratory
-from antenna_pin.fit.layout import LayoutSpec
-from antenna_pin.fit.parameter_specs import FitParameterSpec
+from antenna_pin.fit.identifiability import Criterion
 from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.record_file import read_columns
+from antenna_pin.fit.run_service import Laboratory
+from antenna_pin.fit.specs import ColumnSpec, FitParameterSpec, LayoutSpec, names_in
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import nested
 from antenna_pin.scenario.shipped import read_toml

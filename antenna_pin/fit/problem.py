@@ -1,4 +1,4 @@
-"""A fit as a problem of least squares: residuals of all records as functions of what is unknown."""
+"""A fit as a problem of least squares: residuals of all records as functions of the unknowns."""
 
 from __future__ import annotations
 
@@ -14,19 +14,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.laboratory import Laboratory
-from antenna_pin.fit.plan import FitPlan
-from antenna_pin.fit.prepared import Prepared, prepared
-from antenna_pin.fit.rows import Rows
+from antenna_pin.fit.plan import FitPlan, Unknowns
+from antenna_pin.fit.preparation import Prepared, prepare_records
+from antenna_pin.fit.residuals import Rows
+from antenna_pin.fit.run_service import Laboratory
 from antenna_pin.fit.runs import Asked, NoRunError, Readings, scenario_with
-from antenna_pin.fit.unknowns import Unknowns
 from antenna_pin.scenario import Scenario
 
 __all__ = ["NoRunError", "Problem"]
 
-
 Array = NDArray[np.float64]
-
 
 # --- derivatives of a fit's residuals by its unknowns: by central differences of runs, or by what else ---
 
@@ -180,7 +177,7 @@ class Problem:
     def __init__(self, plan: FitPlan, laboratory: Laboratory | None = None) -> None:
         """Read and check all."""
         self.plan = plan
-        self._prepared: Prepared = prepared(plan)
+        self._prepared: Prepared = prepare_records(plan)
         self.laboratory = laboratory or Laboratory()
         self.unknowns = Unknowns.of(plan, sum(self._prepared.sizes_of_states()))
         self.states = np.zeros(self.unknowns.states)

@@ -1,9 +1,10 @@
-"""What a fit has found: values with their bands, records beside the model, the scenario that is theirs."""
+"""Result of a fit: values with confidence intervals, records beside the model, validation."""
 
 from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,26 +12,102 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy import stats
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.brief import brief
 from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.fit.covariance import Bands
-from antenna_pin.fit.expressions import evaluate
-from antenna_pin.fit.problem import Problem
-from antenna_pin.fit.sureness import student
-from antenna_pin.fit.validation import ValidationResult
+from antenna_pin.fit.confidence_bands import BEYOND_CHANCE, Bands
+from antenna_pin.fit.plan import FitPlan
+from antenna_pin.fit.problem import NoRunError, Problem
+from antenna_pin.fit.run_service import Laboratory
+from antenna_pin.fit.specs import evaluate
+from antenna_pin.fit.uncertainty import student
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
+from antenna_pin.sweep import Executor
 from antenna_pin.trajectory import open_table, save_table, table_attributes
+
+__all__ = ["Fit", "Search", "Validation", "ValidationResult", "open_fit", "said_of_value"]
+
+Array = NDArray[np.float64]
+
+# --- validation ---------------------------------------------------------------------------------------------
+
+
+class ValidationResult(NamedTuple):
+    """A record that was not fitted, beside the model with the values found.
+
+    Attributes:
+        record: Its name.
+        chi2: Sum of the squares of its residuals [-]; NaN if the model has no run.
+        numbers: How many residuals that are.
+        failed: Why there is no run, in words.
+    """
+
+    record: str
+    chi2: float
+    numbers: int
+    failed: str = ""
+
+    @property
+    def chance(self) -> float:
+        """Share of records of the stated noise that would be farther from the model [-]."""
+        return float(stats.chi2.sf(self.chi2, self.numbers))
+
+    def words(self) -> str:
+        """Return it as a line."""
+        if self.failed:
+            return f"validation by {self.record}: no run: {self.failed}"
+        holds = (
+            "" if self.chance >= BEYOND_CHANCE else ": the values do not hold for it, or its sd is too small"
+        )
+        return f"validation by {self.record}: chi2 {number(self.chi2)} for {self.numbers} numbers{holds}"
+
+
+class Validation:
+    """Records for validation, read and checked.
+
+    Args:
+        plan: The fit's file.
+        executor: Who makes the runs: this process if left out.
+
+    Raises:
+        AntennaPinError: Something of records or scenarios is not valid.
+    """
+
+    def __init__(self, plan: FitPlan, executor: Executor | None = None) -> None:
+        """Read and check all."""
+        other = plan.unfitted()
+        self._problem = None if other is None else Problem(other, Laboratory(executor))
+
+    def at(self, names: Sequence[str], values: Array) -> tuple[ValidationResult, ...]:
+        """Return each record beside the model.
+
+        Args:
+            names: Of the fit's parameters.
+            values: Theirs, (p,) [SI].
+        """
+        if self._problem is None:
+            return ()
+        every = dict(zip(names, values, strict=True))
+        here = np.array([every[name] for name in self._problem.names])
+        try:
+            residuals = self._problem.residuals(here)
+        except NoRunError as error:
+            return tuple(ValidationResult(name, np.nan, 0, str(error)) for name in self._problem.plan.records)
+        curves, found = self._problem.rows.by_curve(residuals), []
+        for record in self._problem.plan.records:
+            own = np.concatenate([one for name, one in curves.items() if name.partition(".")[0] == record])
+            found.append(ValidationResult(record, float(own @ own), len(own)))
+        return tuple(found)
+
+
+# --- result of a fit ----------------------------------------------------------------------------------------
 
 if TYPE_CHECKING:
     from lmfit.minimizer import Minimizer, MinimizerResult
-
-__all__ = ["Fit", "Search", "open_fit", "said_of_value"]
-
-Array = NDArray[np.float64]
 
 
 class Search(NamedTuple):

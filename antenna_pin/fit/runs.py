@@ -1,44 +1,262 @@
-"""What a record's sensors would read for values of what is unknown: one run, or one of each piece."""
+"""Runs of a record's test, whole or in pieces (multiple shooting), and the readings of its sensors.
+
+A motion with impacts forgets its start: over a long record the sum of squares has a valley for each order in
+which impacts can follow one another. Over a piece it does not, and the gaps between pieces are further
+residuals (Bock 1981, Springer Series in Chemical Physics 18, 102-125).
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.base.interruption import is_interruption
+from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.base.interruption import interruptible, is_interruption
+from antenna_pin.base.state import OpenContact, State
+from antenna_pin.dynamics import System, contact_memory
 from antenna_pin.errors import AntennaPinError, ScenarioError
-from antenna_pin.fit.bench import Bench, Ran, at_times
-from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.expressions import evaluate
-from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.sensors import instants, reading
+from antenna_pin.fit.specs import ColumnSpec, evaluate
+from antenna_pin.nonlinear import Chart, Flow
+from antenna_pin.nonlinear.coordinates import way_between
 from antenna_pin.scenario import Scenario
+from antenna_pin.simulation.inputs import RunStart, controllers_of, events_of, prepared, settings_of
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.recorder import labelled_at, open_ledger
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.sweep.design import put_value
+from antenna_pin.trajectory import ENDED_WELL, Outcome
 
 __all__ = [
-    "WHOLE",
     "Asked",
+    "Bench",
     "NoRunError",
+    "Ran",
     "Readings",
     "Rig",
     "Slopes",
+    "WHOLE",
+    "at_times",
     "bench_of",
+    "from_origin",
+    "instants_of",
     "make",
     "nothing",
+    "piece_start",
+    "reason_of",
     "rows_of",
     "scenario_with",
     "sensed",
+    "touching",
     "until_of",
-    "reason_of",
+    "ways_of",
 ]
 
 Array = NDArray[np.float64]
+
+# --- a scenario set up once ---------------------------------------------------------------------------------
+
+_ROUND_OFF = 1e-12  # by which a run may end before its end [s]
+
+
+class Ran(NamedTuple):
+    """One run.
+
+    Attributes:
+        chunk: Its samples.
+        end: The state that it came to.
+        failed: Why it did not come to its end, in words; "" if it did.
+        unbalanced: How its energy or momentum does not balance, in words; "" if both do.
+    """
+
+    chunk: Chunk
+    end: State
+    failed: str
+    unbalanced: str = ""
+
+
+class Bench:
+    """A scenario with its system, which is built once.
+
+    Args:
+        scenario: What is run.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Build the system."""
+        self.scenario, self.system = scenario, build_system(scenario)
+        self._latest: Run | None = None
+
+    @cached_property
+    def _first(self) -> RunStart:
+        q, v = initial_state(self.scenario, self.system)
+        return RunStart(q, v, initial_angles(self.scenario, self.system))
+
+    @cached_property
+    def flow(self) -> Flow:
+        """The system's flow, as its runs are integrated."""
+        return Flow(self.system, settings_of(self.scenario), events_of(self.scenario), self.scenario)
+
+    @cached_property
+    def first(self) -> State:
+        """The state that the scenario starts from."""
+        q, v = initial_state(self.scenario, self.system)
+        return self.flow.first(q, v, initial_angles(self.scenario, self.system))
+
+    def run(self, times: Array, until: float, start: State | None = None) -> Ran:
+        """Make a run that is sampled at times, rising [s], and goes on until an instant [s].
+
+        Args:
+            times: Of its samples, beside its start and end; those of the run's span count.
+            until: Its end [s].
+            start: From where; the scenario's start if left out.
+
+        Raises:
+            AntennaPinError: It cannot begin.
+            KeyboardInterrupt: It was interrupted.
+        """
+        begin = 0.0 if start is None else start.reached
+        settings = dataclasses.replace(
+            settings_of(self.scenario),
+            accuracy=None,
+            output_rate=0.5 / (until - begin),
+            output_times=tuple(times[(times >= begin) & (times <= until)].tolist()),
+            output_form="full",
+        )
+        given = self._first if start is None else RunStart(start=start)
+        events, controllers = events_of(self.scenario), controllers_of(self.scenario)
+        ready = prepared("fit", self.system, given, settings, events, until - begin, None, controllers)
+        run = Run(self.system, ready.first, until, settings, events, begin, controllers=controllers)
+        with interruptible() as interrupted:
+            run.advance(interrupted=interrupted)
+        if run.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        self._latest = run
+        ended = run.outcome in ENDED_WELL and run.stepper.t >= until - _ROUND_OFF
+        unbalanced = open_ledger(run) if ended else ""
+        return Ran(run.samples.held, run.present(), "" if ended else run.message, unbalanced)
+
+    def counted(self, chunk: Chunk) -> Chunk:
+        """Return one state twice, all that is integrated along a run larger by 1 in the second.
+
+        What is not the same of both counts from a run's start on, as work does: pieces of a run, and states
+        displaced, do not have it.
+        """
+        both = Chunk.joined([chunk.part(0, 1), chunk.part(0, 1)])
+        system, first = self.system, self.system.model.nq + self.system.model.nv
+        books = np.ones(system.manifold.nx, dtype=bool)
+        books[np.asarray(system.bristle_x, dtype=int)] = False
+        books[list(system.turn_x.values())] = False
+        states = both.states.copy()
+        states[1, first:][books] += 1.0
+        return both._replace(states=states)
+
+    def data(self, chunk: Chunk) -> xr.Dataset:
+        """Return what states of this system show, as a result has it; they may be of several of its runs.
+
+        What is integrated along a run, as work is, counts from the first of them.
+        """
+        if self._latest is None:
+            first, settings = np.ascontiguousarray(chunk.states[0]), settings_of(self.scenario)
+            self._latest = Run(self.system, first, 1.0, settings)
+        return labelled_at(self._latest, chunk)
+
+
+def at_times(chunk: Chunk, times: Array) -> NDArray[np.intp]:
+    """Return the places of samples at times that are among them; of two at an instant, the later one."""
+    return np.searchsorted(chunk.times, times, side="right") - 1
+
+
+# --- pieces of a record -------------------------------------------------------------------------------------
+
+
+def instants_of(length: float, until: float) -> tuple[float, ...]:
+    """Return when pieces of a length [s] begin and the last one ends [s]; it may be shorter, or longer."""
+    count = max(1, round(until / length))
+    return (*(k * length for k in range(count)), until)
+
+
+@functools.lru_cache(maxsize=4)
+def _system(begun: str) -> System:
+    return build_system(Scenario.model_validate_json(begun))
+
+
+@functools.lru_cache(maxsize=1024)
+def _chart(begun: str, origin: str) -> Chart:
+    """Return the coordinates about an origin; their units are those of the start values, and stay."""
+    return Chart(_system(begun), State.from_json(origin))
+
+
+def ways_of(begun: str, origin: str) -> int:
+    """Return in how many coordinates a piece's start is told: its ways and as many rates.
+
+    Args:
+        begun: The scenario with the start values, as JSON.
+        origin: A state of it, as text.
+    """
+    return 2 * _chart(begun, origin).ways
+
+
+def piece_start(begun: str, origin: str, z: Array, system: System) -> State:
+    """Return the state at coordinates z about an origin, (ways,), in error scales, of a system.
+
+    A journal that is in the wall there, and was not touching at the origin, touches as one does that a
+    scenario starts from: with its speed there as that of its approach.
+    """
+    chart = _chart(begun, origin)
+    whole = np.zeros(chart.size)
+    whole[: len(z)] = z
+    return touching(chart.state(whole, system), system)
+
+
+def touching(state: State, system: System) -> State:
+    """Return a state in which contacts without a gap touch: those that did not before as if they began.
+
+    Without it a run from inside the wall would find them begun in its first step, at an instant that no
+    neighbour's depth and speed there move.
+    """
+    if not system.contact_names:
+        return state
+    first, books = contact_memory(system, state.y), state.x
+    new = np.flatnonzero((first[:, 0] != 0.0) & (state.memory[:, 0] == 0.0)).tolist()
+    if not new:
+        return state
+    memory = state.memory.copy()
+    memory[new] = first[new]
+    contacts = [
+        OpenContact(
+            contact=c,
+            onset=state.time,
+            approach_speed=float(first[c, 1]),
+            effective_mass=float(first[c, 2]),
+            impulse=-float(books[system.impulse_x[c]]),
+            dissipated=-float(books[system.lost_normal_x[c]] + books[system.lost_friction_x[c]]),
+            peak=(0.0, state.time, 0.0),
+            peak_state=np.zeros(0),
+            peak_memory=np.zeros((0, 3)),
+        )
+        for c in new
+    ]
+    every = sorted((*state.contacts, *contacts), key=lambda one: one.contact)
+    return dataclasses.replace(state, memory=memory, contacts=tuple(every))
+
+
+def from_origin(begun: str, origin: str, q: Array, v: Array) -> Array:
+    """Return the way from an origin to a configuration and velocity, (2 nv,), in error scales."""
+    chart = _chart(begun, origin)
+    way = way_between(chart.system, chart.origin.q, q) / chart.units.way
+    return np.concatenate([way, (v - chart.origin.v) / chart.units.rate])
+
+
+# --- readings of runs ---------------------------------------------------------------------------------------
 
 
 class NoRunError(AntennaPinError, RuntimeError):

@@ -47,7 +47,7 @@ Complex = NDArray[np.complex128]
 
 # --- orbits within a step, and points located among them ----------------------------------------------------
 
-_ROUNDS = 60  # of halving, or of the secants of a fold
+_ROUNDS = 60  # of halving between two orbits, or of the secants of a fold
 # Orbits about a crossing are made at this share of where it may be, then at this share of that, so often; a
 # polynomial goes through so many of them.
 _SHARE, _STAGES, _THROUGH = 0.125, 5, 6
@@ -407,7 +407,6 @@ def _told(one: Node, other: Node) -> bool:
 # Of looking ahead: each place over the one before it, how many there are at least, and at most as long as
 # all is different there; and halvings of what is left then.
 _DENSER, _LOOKS, _FARTHEST, _CLOSER = 0.7, 16, 100, 5
-_ROUNDS = 60  # of halving between two orbits
 # Distance of the orbits on both sides of where a branch passes a graze, over that of those it began with; and
 # by how much the interval between them must have shrunk to say so.
 _JUMP, _SHRUNK = 0.1, 1e-2

@@ -204,8 +204,8 @@ def largest_exponent(
 
     The neighbour locates its own contacts and events, and remembers its own approach speeds, but for those
     of contacts that last from then on to the end: nothing changes these, and neighbours share them, as those
-    of an orbit do (:func:`antenna_pin.nonlinear.coordinates.own_state`). Where other contacts touch at the end
-    of an interval than at the trajectory's own, both go on until they are alike.
+    of an orbit do (:func:`antenna_pin.nonlinear.coordinates.own_state`). Where other contacts touch at the
+    end of an interval than at the trajectory's own, both go on until they are alike.
 
     Args:
         flow: The flow.

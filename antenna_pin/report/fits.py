@@ -10,9 +10,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number, readable
-from antenna_pin.fit.covariance import BEYOND_CHANCE
-from antenna_pin.fit.profile_words import from_to, profile_interval
-from antenna_pin.fit.sureness import hang_together, persistence
+from antenna_pin.fit.confidence_bands import BEYOND_CHANCE
+from antenna_pin.fit.profile_likelihood import from_to, profile_interval
+from antenna_pin.fit.uncertainty import hang_together, persistence
 from antenna_pin.plot import correlations, table_figures
 from antenna_pin.report._findings import Finding, Judged
 from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table

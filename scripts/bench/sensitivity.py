@@ -28,7 +28,7 @@ from antenna_pin.nonlinear.perturbed_system import Numbers
 from antenna_pin.nonlinear.vector_field import Field
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity import sensitivities
-from antenna_pin.sensitivity.by_equation import ByEquation
+from antenna_pin.sensitivity.forward_sensitivity import ByEquation
 from antenna_pin.sensitivity.parameters import Parameter, parameters_of
 from antenna_pin.simulation.loop import Run
 

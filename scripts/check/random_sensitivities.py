@@ -36,8 +36,8 @@ from scenario_generator import draw_scenario
 from antenna_pin import AntennaPinError, Scenario, simulate
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.sensitivity import GrazeError
-from antenna_pin.sensitivity.by_equation import ByEquation
-from antenna_pin.sensitivity.by_runs import ByRuns
+from antenna_pin.sensitivity.finite_differences import ByRuns
+from antenna_pin.sensitivity.forward_sensitivity import ByEquation
 from antenna_pin.sensitivity.parameters import parameters_of
 from antenna_pin.simulation.inputs import settings_of
 

@@ -5,8 +5,8 @@ import pytest
 from known_curves import decay, line, oscillator
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.bands import along_jacobian, by_sampling, draws
-from antenna_pin.fit.sureness import sure
+from antenna_pin.fit.confidence_bands import along_jacobian, by_sampling, draws
+from antenna_pin.fit.uncertainty import sure
 
 
 def _line(times):

@@ -9,9 +9,8 @@ from planar_joint import record
 from antenna_pin.base.state import State
 from antenna_pin.contact.onset import NO_APPROACH
 from antenna_pin.fit import Problem, load_fit
-from antenna_pin.fit.pieces import from_origin, piece_start
 from antenna_pin.fit.problem import by_differences
-from antenna_pin.fit.runs import bench_of
+from antenna_pin.fit.runs import bench_of, from_origin, piece_start
 
 from .joint import FIT, TIMES, TRUTH, write_record
 

@@ -5,16 +5,20 @@ import pytest
 
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.fit import Problem, run_fit
-from antenna_pin.fit.certainty import certain, sizes_of, slopes_at, tells, values_in
-from antenna_pin.fit.designs import design
-from antenna_pin.fit.experiments import Trial, load_experiments, without
-from antenna_pin.fit.laboratory import Laboratory
-from antenna_pin.fit.tell_tables import (
+from antenna_pin.fit.assessment import (
+    certain,
     experiments_table,
     identifiability_table,
     open_experiments,
     open_identifiability,
+    sizes_of,
+    slopes_at,
+    tells,
+    values_in,
 )
+from antenna_pin.fit.experiments import Trial, load_experiments, without
+from antenna_pin.fit.identifiability import design
+from antenna_pin.fit.run_service import Laboratory
 from antenna_pin.plot import table_figures
 from antenna_pin.report import report
 from antenna_pin.trajectory import save_table

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from antenna_pin.fit import load_fit, run_fit
-from antenna_pin.fit.solve import growth_of
+from antenna_pin.fit.diagnostics import growth_of
 
 from .conftest import INERTIA
 

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from antenna_pin.fit.covariance import bands_of
-from antenna_pin.fit.unknowns import Unknowns
+from antenna_pin.fit.confidence_bands import bands_of
+from antenna_pin.fit.plan import Unknowns
 
 SD = 0.1
 TIMES = np.linspace(0.0, 3.0, 31)

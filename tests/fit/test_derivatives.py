@@ -5,9 +5,9 @@ import pytest
 
 from antenna_pin.errors import ScenarioError
 from antenna_pin.fit import Problem, load_fit, run_fit
-from antenna_pin.fit.columns import ColumnSpec
 from antenna_pin.fit.problem import Derived
-from antenna_pin.fit.statistics import compared, slopes_of
+from antenna_pin.fit.sensors import compared, slopes_of
+from antenna_pin.fit.specs import ColumnSpec
 
 from .conftest import DAMPING, STIFFNESS, closed_form
 from .test_fitted import DAMPER

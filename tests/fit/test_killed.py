@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from antenna_pin.fit import open_fit, run_fit
-from antenna_pin.fit.certainty import certain
+from antenna_pin.fit.assessment import certain
 from antenna_pin.sweep import Cluster
 from antenna_pin.trajectory import save_table
 

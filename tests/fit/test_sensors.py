@@ -6,11 +6,18 @@ from scipy import signal
 
 from antenna_pin import load_scenario
 from antenna_pin.analysis import quantity
-from antenna_pin.fit.bench import Bench
-from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.filters import filter_response, input_of_acceleration, input_of_values
-from antenna_pin.fit.sensors import instants, noise_of, reading
-from antenna_pin.fit.statistics import compared, target_of
+from antenna_pin.fit.runs import Bench
+from antenna_pin.fit.sensors import (
+    compared,
+    filter_response,
+    input_of_acceleration,
+    input_of_values,
+    instants,
+    noise_of,
+    reading,
+    target_of,
+)
+from antenna_pin.fit.specs import ColumnSpec
 
 TIME = np.linspace(0.01, 0.3, 59)
 

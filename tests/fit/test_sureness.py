@@ -5,8 +5,7 @@ import pytest
 from known_curves import Curve, decay, line, oscillator
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.losses import LOSSES, cost, curvature, influence
-from antenna_pin.fit.sureness import persistence, sure
+from antenna_pin.fit.uncertainty import LOSSES, cost, curvature, influence, persistence, sure
 
 
 def _noisy_line(times, seed, sd=0.1):

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import InvalidParameterError, ScenarioError
-from antenna_pin.fit.plan import SurfaceSpec
-from antenna_pin.fit.surface import Surface, on_surface
-from antenna_pin.fit.unknowns import Unknowns
+from antenna_pin.fit.plan import SurfaceSpec, Unknowns
+from antenna_pin.fit.search import Surface, on_surface
 
 from .conftest import FIT
 

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-import antenna_pin.fit.bench as bench
-import antenna_pin.fit.solve as solve
+import antenna_pin.fit.runs as bench
+import antenna_pin.fit.search as solve
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit import Problem, load_fit, open_fit, run_fit
-from antenna_pin.fit.solve import Growth
+from antenna_pin.fit.diagnostics import Growth
 
 from .conftest import closed_form
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from antenna_pin.sensitivity import SensitivityError
-from antenna_pin.sensitivity.by_runs import Slopes
-from antenna_pin.sensitivity.made import _held_against
+from antenna_pin.sensitivity.finite_differences import Slopes
+from antenna_pin.sensitivity.methods import _held_against
 
 # Of three instants; the second is displaced most and in doubt by 0.6 %, the third by chance in none.
 BY_RUNS = np.array([1.0, 100.0, 50.0])

@@ -16,8 +16,8 @@ from antenna_pin.elements import CallableDrive, CallableForce, Motor
 from antenna_pin.geometry import CylindricalClearance
 from antenna_pin.nonlinear.chart import Displacer
 from antenna_pin.nonlinear.perturbed_system import Beside, Numbers
-from antenna_pin.sensitivity.along import Displaced
-from antenna_pin.sensitivity.of_states import OfStates
+from antenna_pin.sensitivity.state_series import OfStates
+from antenna_pin.sensitivity.tangent_run import Displaced
 from antenna_pin.simulation.loop import Run
 from antenna_pin.trajectory.schema import VARIABLES
 from tests.reference import every_kind

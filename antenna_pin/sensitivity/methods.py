@@ -1,4 +1,4 @@
-"""Sensitivities of a scenario's results to its numbers."""
+"""Sensitivities of a scenario's results by runs, by the variational equation, and over pieces."""
 
 from __future__ import annotations
 
@@ -19,17 +19,19 @@ from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Flow
 from antenna_pin.scenario import Scenario
-from antenna_pin.sensitivity.by_equation import ByEquation
-from antenna_pin.sensitivity.by_runs import ByRuns, Slopes
-from antenna_pin.sensitivity.found import Sensitivities, dataset_of
-from antenna_pin.sensitivity.largest import moments_of
-from antenna_pin.sensitivity.named import by_names
-from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError, parameters_of
-from antenna_pin.sensitivity.starts import check_start_keys
+from antenna_pin.sensitivity.finite_differences import ByRuns, Slopes
+from antenna_pin.sensitivity.forward_sensitivity import ByEquation, by_names, moments_of
+from antenna_pin.sensitivity.parameters import (
+    GrazeError,
+    Parameter,
+    SensitivityError,
+    check_start_keys,
+    parameters_of,
+)
+from antenna_pin.sensitivity.result import Sensitivities, dataset_of
 from antenna_pin.simulation.inputs import check_without_controllers, events_of, settings_of
 
 __all__ = ["Method", "sensitivities"]
-
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,23 @@
-"""The search: least squares from one start or the best of many, kept on the disk as it goes."""
+r"""The search of a fit: least squares from one start or many, or response surfaces of statistics.
+
+Statistics of a chaotic motion jump with the smallest change of any number, as a record's would from another
+start: their derivatives are noise, and a search by them stays at its start. The mean does follow the numbers.
+So runs are made at points of a box about a centre, and a surface of second order is laid through each
+statistic r by least squares,
+
+.. math:: r(u) = b + B u + u^T C u + \epsilon,
+
+with u the distance from the centre in half widths of the box (Box and Wilson 1951, J. R. Stat. Soc. B 13,
+1-45). The scatter of runs about it, :math:`S = \mathrm{cov}\,\epsilon`, is that of records as well, each of
+which is one more such run at the true numbers: so S, with the covariances of statistics, weighs them and
+makes the bands (Wood 2010, Nature 466, 1102-1104). The box follows the least of :math:`r^T S^{-1} r` and
+shrinks.
+
+S is of n runs less t terms, f = n - t, and of m statistics: its inverse is too large by f / (f - m - 1)
+(Hartlap, Simon and Schneider 2007, Astron. Astrophys. 464, 399-404); the error of the surface itself is a
+share h, the leverage of its least, of S; and weights that are known from so few runs make p numbers less
+certain by (m - p) / (f - m) (Dodelson and Schneider 2013, Phys. Rev. D 88, 063537).
+"""
 
 from __future__ import annotations
 
@@ -6,7 +25,7 @@ import dataclasses
 import importlib
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,181 +33,192 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable
-from antenna_pin.base.readable import number, prefixed
-from antenna_pin.errors import MissingToolError
-from antenna_pin.fit.covariance import WITHHELD, Bands, bands_of
-from antenna_pin.fit.laboratory import Laboratory
-from antenna_pin.fit.losses import cost
-from antenna_pin.fit.notebook import Notebook
-from antenna_pin.fit.plan import FitPlan
+from antenna_pin.base.readable import number
+from antenna_pin.errors import InvalidParameterError, MissingToolError
+from antenna_pin.fit.confidence_bands import WITHHELD, Bands, bands_of
+from antenna_pin.fit.diagnostics import Growth, advises_starts, growth_of, notes_on_residuals, verdict_of
+from antenna_pin.fit.plan import FitPlan, SurfaceSpec
 from antenna_pin.fit.problem import Problem
-from antenna_pin.fit.result import Fit, Search
+from antenna_pin.fit.result import Fit, Search, Validation
+from antenna_pin.fit.run_service import Laboratory, Notebook
 from antenna_pin.fit.runs import NoRunError
-from antenna_pin.fit.sureness import hang_together, persistence
-from antenna_pin.fit.surface import on_surface
-from antenna_pin.fit.validation import Validation
-from antenna_pin.fit.verdict import advises_starts, verdict_of
+from antenna_pin.fit.uncertainty import cost, hang_together
 from antenna_pin.sweep import Executor
 
-__all__ = ["run_fit"]
-
+__all__ = ["Surface", "on_surface", "run_fit"]
 
 Array = NDArray[np.float64]
 
+# --- search by response surfaces ----------------------------------------------------------------------------
 
-# Fewest residuals of which tests tell something; chance below which they are said to fail; and the excess
-# kurtosis from which on tails matter to a least squares fit.
-_FEWEST, _RARE, _TAILS = 20, 1e-4, 1.0
-
-
-# --- tests of residuals: whiteness by their correlation, randomness by runs of sign, normality by moments ---
-#
-# References:
-#     Wald and Wolfowitz (1940), Ann. Math. Stat. 11, 147-162: runs.
-#     D'Agostino and Pearson (1973), Biometrika 60, 613-622: normality.
+# How many standard errors a half width of the last box is, to a factor; its least share of the one before;
+# and where in a box the least is taken to be inside.
+_ERRORS, _NEAR, _SHRINKS, _INSIDE = 3.0, 1.5, 0.4, 0.95
 
 
-class ResidualTests(NamedTuple):
-    """Tests of the residuals of one column, chances being those that noise does as badly.
+class Surface(NamedTuple):
+    """Statistics over a box, by runs at points of it.
 
     Attributes:
-        correlation: Of each residual with the next [-].
-        runs: Stretches of one sign, about the mean.
-        runs_chance: That independent residuals have a number as far from the expected one [-].
-        excess_kurtosis: Fourth moment over the squared variance, less 3 [-].
-        normal_chance: That normal residuals have skewness and kurtosis as far from theirs [-].
+        terms: Coefficients, (terms, m).
+        scatter: Of one run about it, with what the sensors' noise adds, (m, m).
+        inner: Inverse of the sum of squares of the terms over the points, (terms, terms).
+        freedom: Runs less terms.
     """
 
-    correlation: float
-    runs: int
-    runs_chance: float
-    excess_kurtosis: float
-    normal_chance: float
+    terms: Array
+    scatter: Array
+    inner: Array
+    freedom: int
+
+    @classmethod
+    def through(cls, points: Array, found: Array, noise: Array) -> Surface:
+        """Return the one through statistics at points.
+
+        Args:
+            points: In half widths of the box, (n, p).
+            found: Statistics there, (n, m).
+            noise: What sensors add to a statistic's variance, (m,).
+        """
+        table = np.array([_terms(one) for one in points])
+        terms, *_ = np.linalg.lstsq(table, found, rcond=None)
+        off, freedom = found - table @ terms, len(table) - table.shape[1]
+        return cls(terms, off.T @ off / freedom + np.diag(noise), np.linalg.inv(table.T @ table), freedom)
+
+    def at(self, u: Array) -> Array:
+        """Return the mean of the statistics, (m,)."""
+        return np.asarray(_terms(u) @ self.terms)
+
+    def slopes(self, u: Array) -> Array:
+        """Return their derivatives, (m, p): of second order as it is, differences are exact."""
+        return np.column_stack([0.5 * (self.at(u + one) - self.at(u - one)) for one in np.eye(len(u))])
+
+    def root(self, u: Array) -> Array:
+        """Return what makes statistics at a point independent of one another, each of variance 1, (m, m)."""
+        m, p, f = len(self.scatter), len(u), self.freedom
+        leverage = float(_terms(u) @ self.inner @ _terms(u))
+        factor = (f / (f - m - 1.0)) * (1.0 + leverage) * (1.0 + max(m - p, 0) / (f - m))
+        return np.linalg.inv(np.linalg.cholesky(factor * self.scatter))
+
+    def least(self, lower: Array, upper: Array) -> Array:
+        """Return where within bounds the statistics are nearest to zero, (p,)."""
+        from scipy.optimize import least_squares
+
+        middle = 0.5 * (lower + upper)
+        root = self.root(middle)
+
+        def off(u: Array) -> Array:
+            return np.asarray(root @ self.at(u))
+
+        def slopes(u: Array) -> Array:
+            return np.asarray(root @ self.slopes(u))
+
+        made = [
+            least_squares(off, start, jac=slopes, bounds=(lower, upper))
+            for start in (middle, *(middle + 0.25 * sign * (upper - lower) for sign in (-1.0, 1.0)))
+        ]
+        return np.asarray(min(made, key=lambda one: float(one.cost)).x)
 
 
-def tests_of(residuals: Array) -> ResidualTests | None:
-    """Return the tests of residuals in the order of time, (n,); None of fewer than 20, or all the same."""
-    from scipy import stats
+def _terms(u: Array) -> Array:
+    """Return one, u and the products of two of them."""
+    return np.concatenate([[1.0], u, np.outer(u, u)[np.triu_indices(len(u))]])
 
-    if len(residuals) < _FEWEST or not np.ptp(residuals) > 0.0:
-        return None
-    above = residuals > residuals.mean()
-    runs, (a, b) = 1 + int(np.count_nonzero(np.diff(above))), (int(above.sum()), int((~above).sum()))
-    expected = 1.0 + 2.0 * a * b / (a + b)
-    variance = (expected - 1.0) * (expected - 2.0) / (a + b - 1.0)
-    apart = abs(runs - expected) / math.sqrt(variance)
-    return ResidualTests(
-        persistence(residuals),
-        runs,
-        float(2.0 * stats.norm.sf(apart)),
-        float(stats.kurtosis(residuals)),
-        float(stats.normaltest(residuals).pvalue),
+
+def count_of(p: int) -> int:
+    """Return how many terms a surface over p numbers has."""
+    return 1 + p + p * (p + 1) // 2
+
+
+def on_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
+    """Return the fit of statistics by surfaces over boxes.
+
+    Args:
+        problem: Without pieces, all its columns statistics.
+        spec: How many runs, over how wide a box.
+
+    Raises:
+        InvalidParameterError: There are too few runs for so many statistics.
+    """
+    from scipy.stats import qmc
+
+    unknowns, plan = problem.unknowns, problem.plan
+    p, m = unknowns.count, problem.count
+    if spec.runs <= count_of(p) + 2 * m:
+        rule = f"more than {count_of(p) + 2 * m}, for {m} statistics of {p} numbers"
+        raise InvalidParameterError(f"fit {plan.name}", "surface.runs", rule, spec.runs)
+    (lower, upper), noise = unknowns.bounds(), problem.rows.noise_of_statistics()
+    centre, half = unknowns.searched(unknowns.start), np.full(p, spec.width)
+    points, found, done = np.zeros((0, p)), np.zeros((0, m)), False
+    for turn in range(spec.rounds):
+        below, above = np.maximum(lower, centre - half), np.minimum(upper, centre + half)
+        centre, half = 0.5 * (below + above), 0.5 * (above - below)
+        new = qmc.Sobol(p, scramble=True, rng=np.random.default_rng([spec.seed, turn])).random(spec.runs)
+        at = below + new * (above - below)
+        made = problem.tried([unknowns.natural(one) for one in at])
+        good = [k for k, one in enumerate(made) if one is not None]
+        points = np.vstack([points, at[good]])
+        found = np.vstack([found, *(made[k][np.newaxis] for k in good)])  # type: ignore[index]
+        inside = np.all(np.abs(points - centre) <= half * (1.0 + 1e-9), axis=1)
+        if inside.sum() <= count_of(p) + m + 2:
+            rule = f"such that more than {count_of(p) + m + 2} runs come to their end"
+            raise InvalidParameterError(f"fit {plan.name}", "surface", rule, int(inside.sum()))
+        surface = Surface.through((points[inside] - centre) / half, found[inside], noise)
+        u = surface.least(-np.ones(p), np.ones(p))
+        residuals, slopes = surface.root(u) @ surface.at(u), surface.root(u) @ surface.slopes(u) / half
+        x, error = centre + half * u, _errors(slopes)
+        at_bound = (x <= lower) | (x >= upper)
+        done = bool(np.all((np.abs(u) <= _INSIDE) | at_bound))
+        if done and np.all(half <= _NEAR * np.maximum(_ERRORS * error, 1e-12)):
+            break
+        if turn + 1 < spec.rounds:
+            centre = x
+            if done:
+                half = np.clip(_ERRORS * error, _SHRINKS * half, half)
+    whole = unknowns.natural(x)
+    # Statistics are no curves: none goes on from another.
+    bands = bands_of(plan, unknowns, whole, residuals, slopes, np.arange(m))
+    cost = 0.5 * float(residuals @ residuals)
+    words = "the least of its surface is within its box" if done else "given up: the least is at a box's edge"
+    return Fit(
+        problem=problem,
+        values=whole,
+        states=np.zeros(0),
+        bands=bands,
+        residuals=residuals,
+        slopes=slopes * unknowns.rates(whole),
+        converged=done,
+        message=words,
+        evaluations=len(points),
+        searches=(Search(unknowns.start, whole, cost),),
+        verdict=verdict_of(problem, whole, bands),
+        notes=(
+            *problem.notes,
+            *problem.failed(),
+            *problem.unbalanced(whole),
+            *_odd(bands.chi2, bands.freedoms),
+        ),
     )
 
 
-def notes_on_residuals(curves: Mapping[str, Array]) -> Iterator[str]:
-    """Yield a line for each column whose residuals are no noise, though their correlation is that of noise.
-
-    Args:
-        curves: Residuals of each column that is compared row by row, in the order of time.
-    """
-    for name, residuals in curves.items():
-        found = None if hang_together(residuals) else tests_of(residuals)
-        if found is not None and found.runs_chance < _RARE:
-            yield (
-                f"note: residuals of {name} have {found.runs} stretches of one sign, as by chance "
-                f"{number(found.runs_chance, 1)} of records would: the model lacks something"
-            )
-        if found is not None and found.normal_chance < _RARE and found.excess_kurtosis > _TAILS:
-            yield (
-                f"note: residuals of {name} have tails that normal noise has not, an excess kurtosis of "
-                f'{number(found.excess_kurtosis, 2)}: outliers count less by loss = "soft_l1"'
-            )
+def _errors(slopes: Array) -> Array:
+    """Return standard errors, (p,); those of numbers that are not told are without bounds."""
+    values, axes = np.linalg.eigh(slopes.T @ slopes)
+    return np.asarray(np.sqrt((axes**2 / np.maximum(values, 1e-300)).sum(axis=1)))
 
 
-# In how many parts a record is looked at; the bend of a difference over the difference from which on it is
-# none that is straight; and over how many growths by e a piece is to go.
-_PARTS, _BENT, _FOLDS = 24, 0.5, 1.0
-# --- whether one run can hold a record: how differences between neighbours grow along it ---
-#
-# A search goes by derivatives. Along a chaotic motion differences grow with its exponent: behind some instant
-# neighbours a small step away have nothing in common but their statistics, and derivatives, true as they may
-# be, tell nothing of where the sum of squares is smaller. Over pieces that are short enough they do.
+def _odd(chi2: float, freedoms: int) -> Sequence[str]:
+    from scipy.stats import chi2 as distribution
 
-_AT_LEAST = 3.0  # growths by e that have been, where one cannot be told
-_ROUND_OFF = 1e-9  # of what runs read [-]
-
-
-class Growth(NamedTuple):
-    """How differences grow along a record that one run does not hold.
-
-    Attributes:
-        since: From when on neighbours differ by more than is straight [s].
-        fold: In what time a difference grows by e [s].
-    """
-
-    since: float
-    fold: float
-
-    @property
-    def length(self) -> float:
-        """Length of pieces over which it does not grow by much [s]."""
-        return _FOLDS * self.fold
-
-    def words(self, record: str, parameter: str, step: float) -> str:
-        """Return a line on it.
-
-        Args:
-            record: Name of the record.
-            parameter: Name of the parameter that neighbours differ by.
-            step: By how much of its size [-].
-        """
-        since, fold, length = (_time(one) for one in (self.since, self.fold, self.length))
+    if freedoms > 0 and math.isfinite(chi2) and distribution.sf(chi2, freedoms) < 1e-3:
         return (
-            f"note: records.{record}: one run does not hold it: from {since} on the effect of {step:g} of "
-            f"{parameter} is not straight any more, and it grows by e in {fold}; give it "
-            f'pieces = {{ length = "{length}" }}'
+            "note: the record's statistics are farther from the model's than runs are from one another: chi2 "
+            f"{chi2:.3g} for {freedoms} degrees of freedom; the model lacks something",
         )
+    return ()
 
 
-def _time(value: float) -> str:
-    factor, unit = prefixed("s", [value])
-    return f"{factor * value:.2g} {unit.replace('µ', 'u')}"
-
-
-def growth_of(time: Array, below: Array, here: Array, above: Array, reach: float = 1.0) -> Growth | None:
-    """Return how differences of neighbours grow along a record; None where they stay small.
-
-    Args:
-        time: Of its rows [s].
-        below: What is read in a run on one side, over the noise, (columns, rows).
-        here: Likewise in the run itself.
-        above: On the other side.
-        reach: How much farther neighbours are looked for than these are, by how the difference bends.
-    """
-    if len(time) < 2 * _PARTS:
-        return None
-    bends, sizes = np.zeros(_PARTS), np.zeros(_PARTS)
-    for k, rows in enumerate(np.array_split(np.arange(len(time)), _PARTS)):
-        bends[k] = np.linalg.norm(above[:, rows] + below[:, rows] - 2.0 * here[:, rows])
-        sizes[k] = np.linalg.norm(above[:, rows] - below[:, rows])
-    floor = _ROUND_OFF * np.linalg.norm(here)  # differences of next to nothing are bent by round-off
-    bent = (reach * bends > _BENT * sizes) & (sizes > floor)
-    # Where it begins for good: a single part of nothing but crossings is none.
-    first = next((k for k in range(_PARTS) if bent[k] and bent[k:].mean() > _BENT), None)
-    if first is None or not sizes[first] > 0.0:
-        return None
-    middles = np.array([one.mean() for one in np.array_split(time, _PARTS)])
-    grown = np.flatnonzero(sizes[: first + 1] > 0.0)
-    since = float(middles[first] - time[0])
-    fold = since / _AT_LEAST
-    if len(grown) > 2:
-        rate = float(np.polyfit(middles[grown], np.log(sizes[grown]), 1)[0])
-        if not rate > 0.0:
-            return None
-        fold = min(fold, 1.0 / rate)
-    return Growth(float(middles[first]), fold) if fold > 0.0 else None
-
+# --- search by least squares --------------------------------------------------------------------------------
 
 # By what joints of pieces count more in the next search, and at most in the first: one that is open by a
 # hundredth of an error scale is as a row that is off by its noise; and the relative change of the sum below

@@ -1,7 +1,11 @@
-"""A run whose displacements are carried, with what is integrated along it: works, losses, impulses.
+"""A run with its tangents: samples, events, contacts, element transitions and their integrals.
 
-What a blow takes at an instant is a function of the state before it, at the neighbour's own instant; what
-goes on between is carried with displacements (:mod:`antenna_pin.nonlinear.variational`).
+The loss of an impact is a function of the state before it, at the perturbed time; what is integrated between
+events is propagated with the tangents (:mod:`antenna_pin.nonlinear.variational`). An event at which g passes
+zero comes later by ``-(dg w) / g'``. Its energy is what is stored behind it, at the perturbed time, less what
+was stored before, and the losses of impacts. An element reports its integrals since its last change: a loss,
+an impulse. Perturbed integrals are those at the perturbed times, ``B + L dt`` of what is integrated at a rate
+L and perturbed by B at equal times.
 """
 
 from __future__ import annotations
@@ -17,25 +21,73 @@ from numpy.typing import NDArray
 from antenna_pin.base.records import CONTACT
 from antenna_pin.base.roots import root_between
 from antenna_pin.dynamics import System, Workspace, acting_in, audit, kernels
-from antenna_pin.elements import LOSS
+from antenna_pin.elements import LOSS, Change, Met
 from antenna_pin.nonlinear.coordinates import Kept
 from antenna_pin.nonlinear.kinks import Within
 from antenna_pin.nonlinear.perturbed_system import Numbers
-from antenna_pin.nonlinear.saltation import Passed, Replay
+from antenna_pin.nonlinear.saltation import Meeting, Passed, Replay
 from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.nonlinear.vector_field import Field
 from antenna_pin.sensitivity.parameters import GrazeError
-from antenna_pin.sensitivity.taken import Taken
 from antenna_pin.simulation.element_events import EventEffect, ImpulseEffect, ModeEffect
 from antenna_pin.simulation.events import Jump, Moment, Set, Switch, Time
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.simulation.steps import LoggedStep
 
-__all__ = ["Along", "Change", "Displaced", "Lasting"]
-
+__all__ = ["Along", "Displaced", "Lasting", "Taken", "TransitionShift"]
 
 Array = NDArray[np.float64]
+
+# --- integrals of elements between two changes --------------------------------------------------------------
+
+
+class Taken:
+    """Differentiates what elements tell of their integrals where they change.
+
+    Args:
+        system: The system.
+    """
+
+    def __init__(self, system: System) -> None:
+        """Begin before any change."""
+        self._first = {
+            one.place: int(system.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["x"])
+            for one in acting_in(system)
+        }
+        #: Of each element how its integrals were displaced when it last kept them, (integrals, parameters).
+        self._kept: dict[str, Array] = {}
+
+    def of(self, one: ModeEffect, met: Meeting, time: float, x: Array, books: Array) -> Array:
+        """Return by how much more is lost, and what impulse is given, of a change, (2, parameters).
+
+        Args:
+            one: The change.
+            met: How its joint was met.
+            time: When [s].
+            x: What is integrated, so far, (nx,).
+            books: How that is displaced, at the neighbours' own instants, (nx, parameters).
+        """
+        first, count = self._first[one.place], len(one.before.integrals)
+        here = slice(first, first + count)
+
+        def changed(more: Array) -> Change | None:
+            own = tuple((x[here] + more).tolist())
+            return one.change(one.before, Met(time, met.angle, met.rate, 0.0, own))
+
+        out, base = np.zeros((2, books.shape[1])), changed(np.zeros(count))
+        if base is None:
+            return out
+        for k, more in enumerate(np.eye(count)):
+            other = changed(more)  # all of it is linear in integrals
+            if other is None:
+                continue
+            if other.memory != base.memory:
+                self._kept[one.place] = books[here]
+            kept = self._kept.get(one.place, np.zeros((count, books.shape[1])))
+            for row, name in zip(out, ("loss", "impulse"), strict=True):
+                row += (getattr(other, name) - getattr(base, name)) * (books[here] - kept)[k]
+        return out
 
 
 # --- what events of a run come to in neighbours: when they happen, and the energy that they bring in ---
@@ -200,7 +252,7 @@ class Displaced(NamedTuple):
     words: Array
 
 
-class Change(NamedTuple):
+class TransitionShift(NamedTuple):
     """How an element's meeting of its joint is displaced.
 
     Attributes:
@@ -283,7 +335,7 @@ class Along:
         self._seen: list[tuple[Any, ...]] = []
         self._table, self._gaps = np.zeros(len(workspace.table), CONTACT), list[Array]()
         self._marks: dict[float, _Mark] = {}
-        self.changes: list[Change] = []
+        self.changes: list[TransitionShift] = []
         self.happened: list[Happened] = []
         self._happenings, self._taken = Happenings(self._field, self._replay), Taken(system)
         self.lasting: list[Lasting] = []
@@ -455,7 +507,7 @@ class Along:
         # A passage of rigid parts takes no time: rates before it do not jump at a neighbour's own instant.
         struck = sum(isinstance(step, ImpulseEffect) for step in one.done)
         for found, step, slope in zip(elements, turned, slopes, strict=True):
-            self.changes.append(Change(found.place, time, found.angle, late.copy(), slope))
+            self.changes.append(TransitionShift(found.place, time, found.angle, late.copy(), slope))
             if struck and found.place in self._losses:
                 self.carrier.book(self._losses[found.place], slope[3])
             slope[3:5] += self._taken.of(step, found, time, y[-len(own) :], own)

@@ -1,14 +1,21 @@
-r"""How sure fitted values are: covariance, correlations, intervals by Student's t.
+r"""Uncertainty of least-squares estimates: losses, rank of the Jacobian, covariance, confidence intervals.
+
+A fit minimizes :math:`\tfrac12 \sum_i s^2 \rho(r_i^2 / s^2)`, with the scale s at which a residual begins to
+count less. Its slope in a residual is :math:`\psi(r) = \rho'(z)\, r` with :math:`z = r^2 / s^2`, and its
+curvature :math:`\psi'(r) = \rho'(z) + 2 z \rho''(z)`.
+
+Parameters have units of their own, so that the columns of a Jacobian cannot be compared by size. Columns are
+scaled to length 1 first: what is left between them is how similar two changes of the record are.
 
 About the best values the weighted residuals are :math:`r + J \Delta`, and the values have the covariance
 :math:`\phi\,(J^T J)^{-1}`, with :math:`\phi = 1` where the noise of the record is known and the residuals are
-in units of it, and :math:`\phi = r^T r / (m - p)` where the residuals themselves are to say how large it is.
-Of a robust loss, and of residuals that hang together in time, it is the sandwich :math:`H^{-1} M H^{-1}` with
-the curvature :math:`H = J^T \mathrm{diag}(\psi') J` and the variance M of the slope :math:`J^T \psi`.
+in units of it, and :math:`\phi = r^T r / (m - p)` where it is estimated from the residuals. Of a robust loss,
+and of residuals correlated in time, it is the sandwich :math:`H^{-1} M H^{-1}` with the curvature :math:`H =
+J^T \mathrm{diag}(\psi') J` and the variance M of the slope :math:`J^T \psi`.
 
 References:
     Bates and Watts (1988), Nonlinear Regression Analysis and Its Applications, chapter 2.
-    Huber (1981), Robust Statistics, section 7.6.
+    Huber (1981), Robust Statistics, sections 7.5 and 7.6.
     Newey and West (1987), Econometrica 55(3), 703-708; Andrews (1991), Econometrica 59(3), 817-858.
 """
 
@@ -23,22 +30,177 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.fit.losses import Loss, curvature, influence
-from antenna_pin.fit.rank import DOUBT, Rank, rank_of
 
 __all__ = [
+    "DOUBT",
+    "LOSSES",
+    "Loss",
     "NOISES",
     "Noise",
+    "Rank",
     "Residuals",
     "Sure",
+    "cost",
+    "curvature",
     "hang_together",
+    "influence",
     "persistence",
+    "rank_of",
     "student",
     "sure",
     "variance_factor",
 ]
 
 Array = NDArray[np.float64]
+
+# --- losses -------------------------------------------------------------------------------------------------
+
+Loss = Literal["linear", "soft_l1", "huber", "cauchy", "arctan"]
+"""What scipy.optimize.least_squares calls them."""
+
+LOSSES: tuple[Loss, ...] = get_args(Loss)
+
+
+def _terms(residuals: Array, loss: Loss, scale: float) -> tuple[Array, Array, Array, Array]:
+    """Return z, and rho with its two derivatives there, (m,) each."""
+    if loss not in LOSSES:
+        raise UnknownNameError("fit", "loss", loss, LOSSES)
+    if not scale > 0.0:
+        raise InvalidParameterError("fit", "loss_scale", "positive [-]", scale)
+    z = (residuals / scale) ** 2
+    one = np.ones_like(z)
+    if loss == "linear":
+        return z, z, one, 0.0 * z
+    if loss == "soft_l1":
+        root = np.sqrt(1.0 + z)
+        return z, 2.0 * (root - 1.0), 1.0 / root, -0.5 / root**3
+    if loss == "huber":
+        far = z > 1.0
+        size = np.sqrt(np.where(far, z, 1.0))
+        return z, np.where(far, 2.0 * size - 1.0, z), 1.0 / size, np.where(far, -0.5 / size**3, 0.0)
+    if loss == "cauchy":
+        return z, np.log1p(z), 1.0 / (1.0 + z), -1.0 / (1.0 + z) ** 2
+    return z, np.arctan(z), 1.0 / (1.0 + z**2), -2.0 * z / (1.0 + z**2) ** 2
+
+
+def cost(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> float:
+    """Return twice what the fit makes small: of the linear loss the sum of squares [-]."""
+    _, rho, _, _ = _terms(residuals, loss, scale)
+    return float(scale**2 * rho.sum())
+
+
+def influence(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> Array:
+    """Return the slope psi of the loss in each residual, (m,) [-]; the residual itself of the linear one."""
+    _, _, slope, _ = _terms(residuals, loss, scale)
+    return np.asarray(slope * residuals)
+
+
+def curvature(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> Array:
+    """Return the curvature psi' of the loss in each residual, (m,) [-]; 1 of the linear one.
+
+    That of ``cauchy`` and ``arctan`` is negative far out.
+    """
+    z, _, slope, bend = _terms(residuals, loss, scale)
+    return np.asarray(slope + 2.0 * z * bend)
+
+
+# --- rank of a Jacobian -------------------------------------------------------------------------------------
+
+DOUBT = 1e-7
+"""Relative error that a column of a Jacobian is taken to have: that of good differences of runs [-]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rank:
+    """What a Jacobian tells of its parameters.
+
+    Attributes:
+        felt: Whether a parameter changes the record at all, (p,).
+        determined: Whether it can be told from the record, all others free, (p,).
+        lengths: Of the columns, each times its parameter's scale, (p,) [-].
+        singular: Singular values of the columns at length 1, falling, those of parameters that are not felt
+            left out, (felt,) [-].
+        told: Directions of the scaled parameters that the record tells, a row each, (rank, p).
+        null: Directions along which the record stays as it is, a row each with a 1 in a place where the
+            others have a 0, (p - rank, p) in scales of the parameters: as few parameters together as can be.
+    """
+
+    felt: NDArray[np.bool_]
+    determined: NDArray[np.bool_]
+    lengths: Array
+    singular: Array
+    told: Array
+    null: Array
+
+    @property
+    def full(self) -> bool:
+        """Whether every parameter can be told."""
+        return bool(self.determined.all())
+
+
+def rank_of(jacobian: Array, scale: Array, doubt: float = DOUBT) -> Rank:
+    """Return what a Jacobian tells of its parameters.
+
+    A direction is one that cannot be told if what it does to the record is within the error of the Jacobian
+    itself: a singular value below ``doubt`` times the root of the number of parameters, of columns of length
+        1. A
+    parameter is not felt if one scale of it does less than ``doubt`` squared of what one of the strongest
+    does.
+
+    Args:
+        jacobian: Derivatives of the weighted residuals, (m, p).
+        scale: Typical size of each parameter, (p,).
+        doubt: Relative error of its columns [-].
+
+    Raises:
+        InvalidParameterError: The Jacobian holds what is no number, or has another shape.
+    """
+    count = len(scale)
+    if jacobian.ndim != 2 or jacobian.shape[1] != count or not len(jacobian):
+        raise InvalidParameterError(
+            "fit", "jacobian", f"of {count} columns, one a parameter", said=f"shape {jacobian.shape}"
+        )
+    if not np.isfinite(jacobian).all():
+        row, column = np.argwhere(~np.isfinite(jacobian))[0].tolist()
+        raise InvalidParameterError(
+            "fit", "jacobian", "finite", said=f"{jacobian[row, column]} in row {row}, column {column}"
+        )
+    scaled = jacobian * scale
+    lengths = np.linalg.norm(scaled, axis=0)
+    felt = lengths > doubt**2 * lengths.max(initial=0.0)
+    places = np.flatnonzero(felt)
+    unit = scaled[:, places] / lengths[places]
+    _, singular, right = np.linalg.svd(unit, full_matrices=len(unit) < len(places))
+    kept = int(np.count_nonzero(singular > doubt * np.sqrt(max(len(places), 1))))
+    told, null = np.zeros((kept, count)), np.zeros((count - kept, count))
+    told[:, places] = right[:kept] / lengths[places]  # scaled @ told.T has orthogonal columns
+    determined = felt.copy()
+    # Singular vectors are as far off as the columns are, over the gap between their singular values.
+    determined[places] = np.linalg.norm(right[kept:], axis=0) <= 100.0 * doubt * np.sqrt(len(places))
+    null[: len(places) - kept, places] = right[kept:] / lengths[places]
+    null[len(places) - kept :, ~felt] = np.eye(count - len(places))
+    null[:, determined] = 0.0
+    null = _echelon(null)
+    null = null[np.argsort(np.abs(null).argmax(axis=1), kind="stable")] if len(null) else null
+    return Rank(felt, determined, lengths, singular, told, null)
+
+
+def _echelon(rows: Array) -> Array:
+    """Return rows of the same span, each with a 1 where all others have a 0, the largest entry first."""
+    found = rows.copy()
+    free = np.ones(found.shape[1], dtype=bool)
+    for k in range(len(found)):
+        sizes = np.where(free, np.abs(found[k:]), 0.0)
+        row, column = np.unravel_index(int(sizes.argmax()), sizes.shape)
+        found[[k, k + int(row)]] = found[[k + int(row), k]]
+        found[k] /= found[k, column]
+        free[column] = False
+        others = np.arange(len(found)) != k
+        found[others] -= np.outer(found[others, column], found[k])
+    return found
+
+
+# --- covariance and confidence intervals --------------------------------------------------------------------
 
 Noise = Literal["given", "estimated", "correlated"]
 """What is known of the noise: its size; that residuals are it; that they hang together in time as well."""

@@ -1,4 +1,4 @@
-"""From what sensors read to a fit's residuals: gains, offsets, statistics, and how far pieces are apart."""
+"""Residuals of a fit from readings of its runs: calibration, statistics, gaps between pieces."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.fit.plan import FitPlan, place_in_record
-from antenna_pin.fit.prepared import Prepared
+from antenna_pin.fit.preparation import Prepared
 from antenna_pin.fit.runs import NoRunError, Readings, Rig
-from antenna_pin.fit.statistics import compared, slopes_of
+from antenna_pin.fit.sensors import compared, slopes_of
 
 __all__ = ["Number", "Rows"]
 
 Array = NDArray[np.float64]
+
 Fitted = NDArray[np.int_]
 
 

@@ -1,15 +1,18 @@
-"""Derivatives of what a record's sensors read by the variational equation, along one run of each piece.
+"""Runs of a fit: made with derivatives where requested, remembered in memory and on the disk.
 
-Fitted numbers of the scenario and coordinates of a piece's start are carried together along its run, through
-onsets, releases and events (:mod:`antenna_pin.nonlinear.variational`). What sensors read of a state is then
-differentiated along the displacement: states next to those of the run are read, none is run to. So filters,
-which are linear, and whatever else a sensor makes of a motion are in it.
+By the variational equation fitted parameters and coordinates of a piece's start are propagated together along
+its run, through onsets, releases and events (:mod:`antenna_pin.nonlinear.variational`). Readings are then
+differentiated along the tangents: states next to those of the run are read, none is run to. So filters, which
+are linear, and all else that a sensor does are included.
 """
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,15 +20,18 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.differences import few
 from antenna_pin.base.state import State
-from antenna_pin.fit.bench import Bench
-from antenna_pin.fit.pieces import from_origin, piece_start
+from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.runs import (
     Asked,
+    Bench,
     Readings,
     Rig,
     Slopes,
     bench_of,
+    from_origin,
+    make,
     nothing,
+    piece_start,
     reason_of,
     rows_of,
     sensed,
@@ -39,10 +45,16 @@ from antenna_pin.nonlinear.variational import Carrier
 from antenna_pin.sensitivity import GrazeError, SensitivityError
 from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.simulation.samples import Chunk
+from antenna_pin.sweep import Executor, Here
+from antenna_pin.sweep.here import Lost
+from antenna_pin.sweep.journal import Journal, begun
+from antenna_pin.trajectory import library_versions
 
-__all__ = ["with_slopes"]
+__all__ = ["Laboratory", "Notebook", "with_slopes"]
 
 Array = NDArray[np.float64]
+
+# --- derivatives by the variational equation ----------------------------------------------------------------
 
 # Step of differences of first states, in a number's size or in an error scale; and of what is read of states,
 # in error scales of the displacement: a thousandth of the depth of a light contact, about.
@@ -298,3 +310,236 @@ def _fourth(values: Sequence[Array], h: float) -> Array:
     """Return a derivative of fourth order from values at h, -h, 2 h and -2 h."""
     ahead, behind, farther, farthest = values
     return np.asarray((_FOURTH[0] * (ahead - behind) + _FOURTH[1] * (farther - farthest)) / h)
+
+
+# --- store of runs on the disk ------------------------------------------------------------------------------
+
+_SUFFIX = ".parts"
+_FORM = 3  # of a line
+
+
+class Notebook:
+    """A fit's runs beside the file that it is to be saved in, in the folder ``FILE.parts``.
+
+    A line is for good: what was written under other records, parameters' keys, scenarios or versions is
+    refused; other starts, bounds and losses ask for other runs, and share those that are the same.
+
+    Args:
+        target: Of the fit's result.
+
+    Raises:
+        OutputError: The folder is of another fit, or cannot be written, or another process has it.
+    """
+
+    def __init__(self, target: Path) -> None:
+        """Name the folder."""
+        self.folder = target.with_name(target.name + _SUFFIX)
+        self._entries: dict[tuple[Any, ...], dict[str, Any]] = {}
+        self._journal: Journal | None = None
+        self._next = 0
+
+    def open(self, plan: FitPlan, rigs: tuple[Rig, ...]) -> None:
+        """Begin a fit's notebook, or go on with it."""
+        entries, self._journal = begun(self.folder, _about(plan, rigs), "fit")
+        self._entries = {_key(entry["asked"]): entry for entry in entries.values()}
+        self._next = max(entries, default=-1) + 1
+
+    def read(self, asked: Asked) -> tuple[Readings, ...] | None:
+        """Return what runs came to; None if they were not made."""
+        entry = self._entries.get(_key(asked))
+        if entry is None:
+            return None
+        return tuple(_readings(one) for one in entry["found"])
+
+    def write(self, asked: Asked, found: Sequence[Readings]) -> None:
+        """Keep what runs came to."""
+        entry = {
+            "run": self._next,
+            "asked": list(asked),
+            "found": [_lists(one) for one in found],
+        }
+        if self._journal is not None:
+            self._journal.add(entry)
+        self._entries[_key(asked)] = entry
+        self._next += 1
+
+    def close(self) -> None:
+        """Put all on the disk, and let others have it."""
+        if self._journal is not None:
+            self._journal.close()
+            self._journal = None
+
+    def remove(self) -> None:
+        """Remove the folder: the fit is done, and saved."""
+        self.close()
+        for name in ("journal", "fit.json", ".lock"):
+            (self.folder / name).unlink(missing_ok=True)
+        self.folder.rmdir()
+
+
+def _lists(found: Readings) -> dict[str, Any]:
+    """Return what came of a run as JSON takes it."""
+    lists: dict[str, Any] = _plain({name: getattr(found, name) for name in ("columns", "lead", "end")})
+    lists |= {"failed": found.failed, "unbalanced": found.unbalanced}
+    if found.slopes is not None:
+        lists["slopes"] = _plain(found.slopes._asdict())
+        lists["fitted"] = found.slopes.lead.shape[1]
+    return lists
+
+
+def _plain(found: Any) -> Any:
+    if isinstance(found, dict):
+        return {name: _plain(one) for name, one in found.items()}
+    if isinstance(found, tuple):
+        return [_plain(one) for one in found]
+    return found.tolist() if isinstance(found, np.ndarray) else found
+
+
+def _readings(lists: dict[str, Any]) -> Readings:
+    """Return what came of a run from what was kept."""
+    found = Readings(_arrays(lists["columns"]), np.array(lists["lead"]), np.array(lists["end"]))
+    slopes = lists.get("slopes")
+    if slopes is not None:
+        lead, end = (np.array(slopes[name]).reshape(-1, lists["fitted"]) for name in ("lead", "end"))
+        columns = tuple(one.reshape(-1, lists["fitted"]) for one in _arrays(slopes["columns"]))
+        clock = None if slopes["clock"] is None else _arrays(slopes["clock"])
+        found = found._replace(slopes=Slopes(columns, lead, end, clock))
+    return found._replace(failed=lists["failed"], unbalanced=lists.get("unbalanced", ""))
+
+
+def _arrays(lists: list[Any]) -> tuple[np.ndarray, ...]:
+    return tuple(np.array(one) for one in lists)
+
+
+def _key(asked: Any) -> tuple[Any, ...]:
+    record, values, shift, starts, *rest = asked
+    return record, tuple(values), shift, tuple((piece, tuple(start)) for piece, start in starts), *rest
+
+
+def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
+    """Return what the readings of runs depend on, as JSON takes it."""
+    records = {}
+    for rig in rigs:
+        scenario = json.loads(rig.scenario)
+        for name in ("name", "folder", "overrides", "description"):
+            scenario.pop(name, None)
+        columns = {name: one.model_dump(mode="json") for name, one in rig.columns.items()}
+        for one in columns.values():
+            for number in (
+                "gain",
+                "offset",
+                "sd",
+                "weight",
+                "compare",
+                "spectrum",
+                "blows",
+                "column",
+                "unit",
+            ):
+                one.pop(number)
+        time = hashlib.sha256(rig.time.tobytes()).hexdigest()
+        made_of = [scenario, rig.keys, rig.units, rig.derived]
+        records[rig.name] = [*made_of, columns, time, rig.pieces, rig.origins]
+    return {"form": _FORM, "records": records, "versions": library_versions()}
+
+
+# --- runs made and remembered -------------------------------------------------------------------------------
+
+# --- what an executor calls to have the runs of a fit made ---
+
+
+def make_all(rigs: tuple[Rig, ...], batch: list[Asked]) -> list[tuple[Readings, ...]]:
+    """Make what is asked for, one after the other."""
+    return [(with_slopes if one.slopes else make)(rigs[one.record], one) for one in batch]
+
+
+_REMEMBERED = 512  # answers that stay in memory
+
+
+class Laboratory:
+    """Makes runs that have not been made yet.
+
+    A search that was interrupted asks, begun anew, for the same runs in the same order; what stands in the
+    notebook is not run again, so that it goes on bit for bit as if it had never stopped.
+
+    Args:
+        executor: Who makes them: this process if left out, or a cluster.
+        notebook: What was made before and what is made, on the disk; none if left out.
+        progress: Called after each run with how many there are.
+    """
+
+    def __init__(
+        self,
+        executor: Executor | None = None,
+        notebook: Notebook | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> None:
+        """Begin without rigs."""
+        self.executor, self.notebook, self.progress = executor or Here(), notebook, progress
+        self.made = 0
+        #: How the energy or momentum of runs does not balance, in words, one entry a run.
+        self.unbalanced: list[str] = []
+        #: Why runs could not be made, one entry a run; those that derivatives were asked of do not count.
+        self.failed: list[str] = []
+        self._rigs: tuple[Rig, ...] = ()
+        self._known: dict[Asked, tuple[Readings, ...]] = {}
+
+    def take(self, plan: FitPlan, rigs: tuple[Rig, ...]) -> None:
+        """Take up the tests that runs are asked of.
+
+        Raises:
+            OutputError: The notebook is of another fit.
+        """
+        self._rigs = rigs
+        if self.notebook is not None:
+            self.notebook.open(plan, rigs)
+
+    def readings(self, asked: Sequence[Asked]) -> list[tuple[Readings, ...]]:
+        """Return what each run's sensors read; those not known are made, side by side if there are hands.
+
+        Raises:
+            KeyboardInterrupt: It was interrupted; what was made is kept.
+        """
+        missing = [one for one in dict.fromkeys(asked) if one not in self._known]
+        found: dict[Asked, tuple[Readings, ...]] = {}
+        for one in list(missing):
+            old = None if self.notebook is None else self.notebook.read(one)
+            if old is not None:
+                found[one] = old
+                self.made += len(old)
+                missing.remove(one)
+        if missing:
+            self.executor.start()
+        batches: Iterator[list[Asked]] = ([one] for one in missing)
+        for (one,), answer in self.executor.each(make_all, self._rigs, batches):
+            lost = isinstance(answer, Lost)
+            found[one] = tuple(nothing(str(answer)) for _ in one.starts) if lost else answer[0]
+            self.made += len(one.starts)
+            if self.notebook is not None:
+                self.notebook.write(one, found[one])
+            if self.progress is not None:
+                self.progress(self.made)
+        self.unbalanced += [one.unbalanced for made in found.values() for one in made if one.unbalanced]
+        self.failed += [
+            one.failed for key, made in found.items() if not key.slopes for one in made if one.failed
+        ]
+        self._known |= found
+        answers = [self._known[one] for one in asked]
+        for one in list(self._known)[: max(0, len(self._known) - _REMEMBERED)]:
+            del self._known[one]
+        return answers
+
+    def said_of_unbalanced(self, last: Sequence[Readings]) -> list[str]:
+        """Return a line if the energy or momentum of runs does not balance.
+
+        Args:
+            last: Of the runs with the fitted values.
+        """
+        if not self.unbalanced:
+            return []
+        mine = [one.unbalanced for one in last if one.unbalanced]
+        which = "those with the fitted values among them" if mine else "none with the fitted values"
+        return [
+            f"note: the energy or momentum of {len(self.unbalanced)} of {self.made} runs does not balance, "
+            f"{which}: {[*mine, *self.unbalanced][0]}"
+        ]

@@ -1,4 +1,4 @@
-"""Derivatives of a result by differences of runs, each of which finds its own contacts and events."""
+"""Derivatives of a result by finite differences of runs, each with its own contacts and events."""
 
 from __future__ import annotations
 
@@ -18,14 +18,20 @@ from antenna_pin.base.side_by_side import side_by_side
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario, with_number
-from antenna_pin.sensitivity.parameters import GrazeError, Parameter, SensitivityError
-from antenna_pin.sensitivity.starts import begun_from, is_of_start
+from antenna_pin.sensitivity.parameters import (
+    GrazeError,
+    Parameter,
+    SensitivityError,
+    begun_from,
+    is_of_start,
+)
 from antenna_pin.simulation import simulate
 from antenna_pin.simulation.inputs import controllers_of, events_of
 from antenna_pin.trajectory import Column, Outcome, Trajectory, columns_of
 
 __all__ = ["ByRuns", "Slopes", "numbers_at"]
 
+Array = NDArray[np.float64]
 
 # --- when two runs part: the first contact, event or change of mode that only one of them has ---
 
@@ -122,8 +128,6 @@ def check_alike(ours: Mapping[str, Column], theirs: Mapping[str, Column], what: 
                 time,
             )
 
-
-Array = NDArray[np.float64]
 
 # Steps of differences of each order, over a parameter's scale, the largest first; the first with which two
 # orders agree so well counts, else the one with which they agree best. Where contacts come to rest by ever

@@ -1,24 +1,32 @@
-"""Sensitivities as rows for people, and as a dataset with its file."""
+"""Sensitivities as results: derivatives with their growth, rows for people, dataset and file."""
 
 from __future__ import annotations
 
 import json
 import math
 import os
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.brief import brief
+from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
-from antenna_pin.sensitivity.found import Sensitivities
-from antenna_pin.trajectory import open_table, table_attributes
+from antenna_pin.sensitivity.parameters import Parameter
+from antenna_pin.trajectory import Trajectory, open_table, table_attributes
 
 __all__ = [
     "Changed",
+    "Growth",
+    "Sensitivities",
+    "dataset_of",
+    "growth_of",
     "growth_said",
     "open_sensitivities",
     "refused_in",
@@ -27,6 +35,199 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+# --- growth of derivatives ----------------------------------------------------------------------------------
+
+# Samples with a derivative below which nothing is said of how fast it grows.
+_FEWEST = 5
+
+
+class Growth(NamedTuple):
+    """How a displacement of the velocities by one parameter grows along a run.
+
+    Attributes:
+        key: Of the parameter.
+        largest: Velocities change by this at most per scale of it [m/s] ([rad/s]).
+        when: At this time [s].
+        exponent: By which it grows like exp(exponent t), a straight line through its logarithm over all
+            samples: the exponent of this motion over this span, not of an attractor. NaN of fewer than five
+            samples [1/s].
+        believed: From when on, to the end, doubt is more than the asked share of the largest so far; infinity
+            if it is not at the end [s].
+    """
+
+    key: str
+    largest: float
+    when: float
+    exponent: float
+    believed: float
+
+
+def growth_of(
+    times: Array, slopes: Array, doubts: Array, keys: tuple[str, ...], share: float
+) -> tuple[Growth, ...]:
+    """Return how the derivatives of velocities grow.
+
+    Args:
+        times: Of samples, (n,) [s].
+        slopes: Per scale of each parameter, (n, nv, parameters).
+        doubts: Likewise.
+        keys: Of the parameters.
+        share: Of doubt over the derivative, that is believed.
+    """
+    found = []
+    for k, key in enumerate(keys):
+        sizes, rest = (np.linalg.norm(one[..., k], axis=1) for one in (slopes, doubts))
+        known = np.isfinite(sizes) & (sizes > 0.0)
+        if not known.any():
+            found.append(Growth(key, 0.0, math.nan, math.nan, math.inf))
+            continue
+        top = int(np.argmax(np.where(known, sizes, -1.0)))
+        told = known & (rest < sizes)
+        exponent = math.nan
+        if np.count_nonzero(told) >= _FEWEST:
+            exponent = float(np.polyfit(times[told], np.log(sizes[told]), 1)[0])
+        # A derivative that goes back to zero is known if its doubt is small beside what it has been.
+        been = np.maximum.accumulate(np.where(known, sizes, 0.0))
+        sure = np.flatnonzero(known & (rest <= share * been))
+        last = int(sure[-1]) if len(sure) else 0
+        believed = math.inf if known[last + 1 :].sum() == 0 and len(sure) else float(times[last])
+        found.append(Growth(key, float(sizes[top]), float(times[top]), exponent, believed))
+    return tuple(found)
+
+
+# --- sensitivities ------------------------------------------------------------------------------------------
+
+# Step along derivatives of what is made of samples, in a parameter's scale.
+_STEP = 1e-4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensitivities:
+    """Derivatives of all that a run gives, over numbers of its scenario.
+
+    Attributes:
+        run: The run itself.
+        parameters: The numbers, in the order of ``parameter``.
+        data: By the names of the result's variables, at the times that were asked for: ``NAME``, its
+            derivatives ``d_NAME`` over (..., parameter), and ``doubt_NAME``, by how much these are in doubt.
+    """
+
+    run: Trajectory
+    parameters: tuple[Parameter, ...]
+    data: xr.Dataset
+
+    __repr__ = brief
+
+    def derivative(self, variable: str) -> Array:
+        """Return the derivatives of a variable of the result, (time, ..., parameter), in SI units.
+
+        Args:
+            variable: Its name, as in the result.
+
+        Raises:
+            UnknownNameError: The result has no such number.
+        """
+        return self._of("d_", variable)
+
+    def doubt(self, variable: str) -> Array:
+        """Return by how much :meth:`derivative` is in doubt, likewise."""
+        return self._of("doubt_", variable)
+
+    def relative(self, variable: str) -> Array:
+        """Return by how much a variable changes per scale of each parameter, (time, ..., parameter).
+
+        A hundredth of it is the change per 1 %, where scales are the parameters' values.
+        """
+        return np.asarray(self.derivative(variable) * np.array([one.scale for one in self.parameters]))
+
+    def growth(self, share: float = 0.01) -> tuple[Growth, ...]:
+        """Return how far derivatives can be believed: how those of the velocities grow over the samples.
+
+        Args:
+            share: Of doubt over a derivative, up to which it is believed [-].
+
+        Raises:
+            InvalidParameterError: There is no such share.
+        """
+        if not 0.0 < share < 1.0:
+            raise InvalidParameterError("sensitivities", "share", "above 0 and below 1", share)
+        scales = np.array([one.scale for one in self.parameters])
+        slopes, doubts = self.derivative("v") * scales, self.doubt("v") * scales
+        keys = tuple(one.key for one in self.parameters)
+        return growth_of(self.data["time"].values, slopes, doubts, keys, share)
+
+    def of(self, quantity: Callable[[xr.Dataset], Any]) -> tuple[Array, Array]:
+        """Return the derivatives of what is made of samples, such as a pointing index, and their doubts.
+
+        Samples are displaced by their derivatives, whatever made these, and the quantity is differentiated
+        along: it is to be smooth but for what does not switch near by, as a largest value does.
+
+        Args:
+            quantity: Of a dataset as the result has it, at the times that were asked for: numbers, (...).
+
+        Returns:
+            (..., parameter) each; doubts are those of the samples, all on one side.
+        """
+        names = [str(one)[2:] for one in self.data.data_vars if str(one).startswith("d_")]
+        here = self.data[names]
+
+        def displaced(k: int, s: float, kind: str) -> Array:
+            slopes = {name: self.data[f"{kind}{name}"].isel(parameter=k, drop=True) for name in names}
+            parts = {name: here[name] + s * slope for name, slope in slopes.items()}
+            return np.asarray(quantity(here.assign(parts)), dtype=float)
+
+        slopes, doubts = [], []
+        for k, one in enumerate(self.parameters):
+            step = _STEP * one.scale
+            ahead, behind = (
+                np.array([displaced(k, side * j * step, "d_") for j in (1, 2, 3)]) for side in (1, -1)
+            )
+            sixth, fourth = np.tensordot(WEIGHTS, ahead - behind, 1) / step
+            carried = np.abs(displaced(k, step, "doubt_") - displaced(k, -step, "doubt_")) / (2.0 * step)
+            slopes.append(sixth)
+            doubts.append(np.abs(sixth - fourth) + carried)
+        return np.stack(slopes, axis=-1), np.stack(doubts, axis=-1)
+
+    def _of(self, kind: str, variable: str) -> Array:
+        if f"d_{variable}" not in self.data:
+            known = [str(name)[2:] for name in self.data if str(name).startswith("d_")]
+            raise UnknownNameError("sensitivities", "variable with derivatives", variable, known)
+        return np.asarray(self.data[f"{kind}{variable}"].values)
+
+
+def dataset_of(
+    here: xr.Dataset, slopes: dict[str, Array], doubts: dict[str, Array], parameters: tuple[Parameter, ...]
+) -> xr.Dataset:
+    """Return variables and derivatives side by side.
+
+    Args:
+        here: The variables.
+        slopes: Derivatives by variable, (..., parameter).
+        doubts: Likewise.
+        parameters: The parameters.
+    """
+    found: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
+    for name, slope in slopes.items():
+        dims = (*map(str, here[name].dims), "parameter")
+        unit, words = (str(here[name].attrs.get(one, "")) for one in ("units", "long_name"))
+        about = {"units": f"{unit} per unit of the parameter", "long_name": f"derivative of {words or name}"}
+        found[f"d_{name}"] = dims, slope, about
+        found[f"doubt_{name}"] = (
+            dims,
+            doubts[name],
+            about | {"long_name": f"doubt of the {about['long_name']}"},
+        )
+    labels = {
+        "parameter": [one.key for one in parameters],
+        "parameter_value": ("parameter", [one.value for one in parameters]),
+        "parameter_scale": ("parameter", [one.scale for one in parameters]),
+        "parameter_unit": ("parameter", [one.unit for one in parameters]),
+    }
+    return here.assign(found).assign_coords(labels)
+
+
+# --- rows, dataset and file ---------------------------------------------------------------------------------
 
 # What is told of contacts: of all of them together.
 _OF_CONTACTS = {

@@ -1,0 +1,510 @@
+"""Confidence intervals of a fit's parameters, and pointwise bands of its curves, in SI units.
+
+Along the Jacobian the variance of a curve is that of the values, to first order, without further runs. By
+sampling, the model is run at values drawn about the best ones; each draw is weighted by its likelihood
+(importance sampling), so that a band follows a loss that is no parabola, and one-sided ones.
+
+In search coordinates a parameter is over its size, or its logarithm, and the starts of a record's pieces are
+unknown beside the parameters: an interval of a parameter includes their uncertainty, and one of a logarithm
+is even in the logarithm, not about the value.
+
+References:
+    Bates and Watts (1988), section 2.3.2. Robert and Casella (2004), Monte Carlo Statistical Methods, section
+    3.3.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.fit.plan import FitPlan, Unknowns
+from antenna_pin.fit.profile_likelihood import Profile
+from antenna_pin.fit.uncertainty import Loss, Noise, Residuals, Sure, cost, sure
+
+__all__ = [
+    "BEYOND_CHANCE",
+    "Bands",
+    "CurveBands",
+    "DOUBT",
+    "Fitted",
+    "Natural",
+    "Searched",
+    "WITHHELD",
+    "along_jacobian",
+    "band_columns",
+    "bands_of",
+    "by_sampling",
+    "draws",
+    "names_of",
+    "natural",
+    "profile_columns",
+]
+
+Array = NDArray[np.float64]
+
+# --- bands of curves ----------------------------------------------------------------------------------------
+
+# Freedom of the t distribution that draws are from at most: its tails are to be heavier than what is sought.
+_TAILS = 6.0
+# How often a draw beyond a bound is drawn again, per draw that is wanted.
+_TRIES = 200
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveBands:
+    """Pointwise bands of the weighted residuals: model less record, over the standard deviation of the noise.
+
+    Attributes:
+        low: Lower end of the model's curve, (m,) [-].
+        high: Upper end, (m,).
+        new_low: Lower end of where a new measurement may be, (m,).
+        new_high: Upper end, (m,).
+        level: Of each point [-].
+        seed: Of the draws; -1 where there were none.
+        drawn: Draws that the model could be run at [-].
+        failed: Draws that it could not be run at [-].
+        effective: How many draws of equal weight they are worth [-].
+    """
+
+    low: Array
+    high: Array
+    new_low: Array
+    new_high: Array
+    level: float
+    seed: int = -1
+    drawn: int = 0
+    failed: int = 0
+    effective: float = math.nan
+
+
+def along_jacobian(problem: Residuals, found: Sure) -> CurveBands:
+    """Return bands to first order in the standard errors.
+
+    Directions that the record does not tell do not move its curves, and count for nothing.
+
+    Args:
+        problem: What was fitted.
+        found: How sure its values are.
+    """
+    residuals, jacobian = problem.residuals(found.values), problem.jacobian(found.values)
+    along = (jacobian * problem.scale) @ found.rank.told.T
+    spread = np.maximum(np.einsum("ij,jk,ik->i", along, found.along, along), 0.0)
+    curve = found.quantile * np.sqrt(spread)
+    new = found.quantile * np.sqrt(spread + found.factor)
+    return CurveBands(residuals - curve, residuals + curve, residuals - new, residuals + new, found.level)
+
+
+def draws(problem: Residuals, found: Sure, count: int, seed: int) -> tuple[Array, Array]:
+    """Return values drawn about the best ones, (n, p), and the logarithms of their densities, (n,).
+
+    They lie within their bounds, and are from Student's t of six degrees of freedom, or fewer where the
+    record has fewer, with the fit's covariance; what lies beyond a bound is drawn again.
+
+    Args:
+        problem: What was fitted.
+        found: How sure its values are.
+        count: How many.
+        seed: Of the draws.
+
+    Raises:
+        InvalidParameterError: A parameter cannot be told, so that nothing says from where to draw it, or
+            hardly a draw is within bounds.
+    """
+    if count < 2:
+        raise InvalidParameterError("fit", "draws", "2 or more [-]", count)
+    unclear = [name for name, error in zip(found.names, found.error, strict=True) if not math.isfinite(error)]
+    if unclear:
+        rule = "of parameters that the record tells; hold, or bound by a prior record, those that it does not"
+        raise InvalidParameterError("fit", "bands", rule, said=", ".join(unclear))
+    free = np.flatnonzero(found.error > 0.0)
+    sizes = found.error[free]
+    correlation = found.covariance[np.ix_(free, free)] / np.outer(sizes, sizes)
+    value, vector = np.linalg.eigh(correlation)
+    root = vector * np.sqrt(np.maximum(value, 0.0))
+    tails = min(_TAILS, float(found.freedom))
+    random = np.random.default_rng(seed)
+    rows: list[Array] = []
+    logs: list[float] = []
+    for _ in range(_TRIES * count):
+        if len(rows) == count:
+            break
+        normal = random.standard_normal(len(free))
+        stretch = math.sqrt(tails / random.chisquare(tails))
+        one = found.values.copy()
+        one[free] += sizes * (root @ normal) * stretch
+        if np.all((one >= problem.lower) & (one <= problem.upper)):
+            rows.append(one)
+            distance = float(normal @ normal) * stretch**2
+            logs.append(-0.5 * (tails + len(free)) * math.log1p(distance / tails))
+    if len(rows) < count:
+        rule = (
+            f"such that one draw in {_TRIES} lies within them; widen them, or hold the parameter at its bound"
+        )
+        raise InvalidParameterError("fit", "bounds", rule, said=f"{len(rows)} of {count}")
+    return np.stack(rows), np.array(logs)
+
+
+def by_sampling(
+    problem: Residuals,
+    found: Sure,
+    count: int = 200,
+    seed: int = 0,
+    *,
+    loss: Loss = "linear",
+    loss_scale: float = 1.0,
+    progress: Callable[[int], None] | None = None,
+) -> CurveBands:
+    """Return bands by runs of the model at values drawn about the best ones.
+
+    Args:
+        problem: What was fitted.
+        found: How sure its values are.
+        count: Draws, each a run of the model [-].
+        seed: Of the draws, and of the noise of new measurements.
+        loss: That the fit used.
+        loss_scale: The residual at which it begins to count less [-].
+        progress: Is told how many draws are done.
+
+    Raises:
+        InvalidParameterError: Nothing can be drawn, or the model runs at fewer than half of the draws.
+    """
+    values, logs = draws(problem, found, count, seed)
+    curves: list[Array] = []
+    weights: list[float] = []
+    phi = found.factor * float(np.max(found.stretch[found.error > 0.0], initial=1.0))
+    for k, one in enumerate(values):
+        try:
+            residuals = problem.residuals(one)
+        except AntennaPinError:  # a run that cannot be made there
+            residuals = None
+        if residuals is not None and np.isfinite(residuals).all():
+            curves.append(residuals)
+            grown = cost(residuals, loss, loss_scale)
+            weights.append(_log_likelihood(grown, phi, found) - logs[k])
+        if progress is not None:
+            progress(k + 1)
+    if 2 * len(curves) < count:
+        rule = "such that the model runs at half of the draws or more; narrow the bounds"
+        raise InvalidParameterError("fit", "draws", rule, said=f"{len(curves)} of {count}")
+    share = np.exp(np.array(weights) - max(weights))
+    share /= share.sum()
+    every = np.stack(curves)
+    noise = math.sqrt(found.factor) * np.random.default_rng([seed, 1]).standard_normal(every.shape)
+    ends = (0.5 - 0.5 * found.level, 0.5 + 0.5 * found.level)
+    low, high = (_quantile(every, share, one) for one in ends)
+    new_low, new_high = (_quantile(every + noise, share, one) for one in ends)
+    effective = 1.0 / float(share @ share)
+    return CurveBands(
+        low, high, new_low, new_high, found.level, seed, len(curves), count - len(curves), effective
+    )
+
+
+def _log_likelihood(grown: float, phi: float, found: Sure) -> float:
+    """Return the logarithm of how well a draw does: of known noise a normal one's, else Student's t."""
+    if found.noise == "given":
+        return -0.5 * grown / phi
+    # With the noise's size integrated out: (S / S_least)^(-m / 2), which of a linear model is Student's t.
+    count = found.freedom + len(found.rank.told)
+    return -0.5 * count * math.log(max(grown, 1e-300) / (found.freedom * phi))
+
+
+def _quantile(every: Array, share: Array, at: float) -> Array:
+    """Return a quantile of weighted rows, (m,)."""
+    order = np.argsort(every, axis=0, kind="stable")
+    rising = np.take_along_axis(every, order, axis=0)
+    below = np.cumsum(share[order], axis=0) - 0.5 * share[order]
+    return np.array([np.interp(at, below[:, k], rising[:, k]) for k in range(every.shape[1])])
+
+
+# --- search coordinates and SI units ------------------------------------------------------------------------
+
+Columns = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
+
+#: Relative error that columns of a Jacobian are taken to have [-]: differences of runs at 1e-4 of a size lose
+#: four digits of what runs are good to. Those of the equation are nearer; by how much is not known of each.
+DOUBT = 1e-5
+
+_SIDES = ("below", "above")
+
+
+def names_of(unknowns: Unknowns) -> tuple[str, ...]:
+    """Return the names of all that is unknown, (p + h,): parameters, then states."""
+    return (*unknowns.names, *(f"state {k + 1}" for k in range(unknowns.states)))
+
+
+class Fitted(Protocol):
+    """What the search of a fit is over."""
+
+    @property
+    def unknowns(self) -> Unknowns:
+        """Parameters and the pieces' starts."""
+
+    def residuals(self, values: Array) -> Array:
+        """Return weighted residuals at values with states, (m,)."""
+
+    def slopes(self, searched: Array) -> Array:
+        """Return their derivatives by what is searched for, (m, p + h)."""
+
+
+class Searched:
+    """Residuals over what is searched for; :class:`antenna_pin.fit.uncertainty.Residuals` of it.
+
+    Args:
+        problem: The fit's problem.
+        whole: Values with states that the search starts from, (p + h,) [SI].
+    """
+
+    def __init__(self, problem: Fitted, whole: Array) -> None:
+        """Take bounds and start."""
+        self._problem, self._unknowns = problem, problem.unknowns
+        self.names = names_of(self._unknowns)
+        self.start = self._unknowns.searched(whole)
+        self.lower, self.upper = self._unknowns.bounds()
+        self.scale = np.ones(len(self.start))
+
+    def residuals(self, values: Array) -> Array:
+        """Return model less record, and what pieces are apart, (m,) [-]."""
+        return self._problem.residuals(self._unknowns.natural(values))
+
+    def jacobian(self, values: Array) -> Array:
+        """Return their derivatives, (m, p + h)."""
+        return self._problem.slopes(values)
+
+
+def _natural(unknowns: Unknowns, values: Array, place: int) -> Array:
+    """Return numbers of one parameter in SI units, bounds or no bounds."""
+    with np.errstate(over="ignore"):
+        found = np.exp(values) if unknowns.logarithmic[place] else values * unknowns.sizes()[place]
+    return np.asarray(found)
+
+
+class Natural(NamedTuple):
+    """How sure the parameters of a fit are, in SI units.
+
+    Attributes:
+        covariance: (p, p), to first order.
+        low: Lower ends of their intervals, (p,).
+        high: Upper ends.
+    """
+
+    covariance: Array
+    low: Array
+    high: Array
+
+
+def natural(found: Sure, unknowns: Unknowns) -> Natural:
+    """Return how sure the parameters of a fit are, in SI units.
+
+    Args:
+        found: In the coordinates of the search.
+        unknowns: What these are.
+    """
+    p = unknowns.count
+    whole = np.array([_natural(unknowns, found.values[k], k) for k in range(p)])
+    values = np.concatenate([whole, found.values[p:]])
+    rates = unknowns.rates(values)[:p]
+    low, high = (
+        np.array([float(_natural(unknowns, ends[k], k)) for k in range(p)])
+        for ends in (found.low, found.high)
+    )
+    return Natural(found.covariance[:p, :p] / np.outer(rates, rates), low, high)
+
+
+def profile_columns(found: Sequence[Profile], unknowns: Unknowns) -> Columns:
+    """Return profiles as columns of a fit's dataset, in SI units; NaN of parameters that have none.
+
+    Args:
+        found: In the coordinates of the search.
+        unknowns: What these are.
+    """
+    p, most = unknowns.count, max((len(one.values) for one in found), default=0)
+    values, roots = np.full((2, p, most), np.nan)
+    ends, words = np.full((p, 2), np.nan), np.full((p, 2), "", dtype=object)
+    for one in found:
+        k = unknowns.names.index(one.name)
+        values[k, : len(one.values)] = _natural(unknowns, one.values, k)
+        roots[k, : len(one.root)] = one.root
+        ends[k] = _natural(unknowns, np.array([one.low, one.high]), k)
+        words[k] = one.ends
+    steps, sides = ("parameter", "step"), ("parameter", "side")
+    return {
+        "profile_value": (steps, values, {"long_name": "value at which the parameter was held"}),
+        "profile_root": (steps, roots, {"units": "1", "long_name": "signed root of the growth of the loss"}),
+        "profile_end": (sides, ends, {"long_name": "end of the profile's interval"}),
+        "profile_reach": (
+            (),
+            found[0].threshold if found else np.nan,
+            {"units": "1", "long_name": "root at an end"},
+        ),
+        "profile_how": (sides, words, {"long_name": "how it ends: crossed, bounded, open, stopped"}),
+    }
+
+
+def band_columns(found: CurveBands, predicted: xr.Dataset, weights: Array) -> Columns:
+    """Return bands of a fit's curves as columns of its dataset, in the units of its rows.
+
+    Args:
+        found: Of the weighted residuals, those of pieces' joints behind those of rows.
+        predicted: Rows of the fit: ``model``, ``data`` and ``noise``.
+        weights: By which a row's residual counts beside others, (rows,) [-].
+    """
+    count, rows = predicted.sizes["row"], ("row",)
+    one = predicted["noise"].values / np.asarray(weights)
+    return {
+        name: (rows, predicted["data"].values + ends[:count] * one, {"long_name": words})
+        for name, ends, words in (
+            ("band_low", found.low, "lower end of where the model's curve may be"),
+            ("band_high", found.high, "upper end"),
+            ("new_low", found.new_low, "lower end of where a new measurement may be"),
+            ("new_high", found.new_high, "upper end"),
+        )
+    }
+
+
+# --- bands of parameters ------------------------------------------------------------------------------------
+
+#: Share of records of the stated noise below which a chi2 is beyond chance [-].
+BEYOND_CHANCE = 1e-6
+#: Chi2 over degrees of freedom from which on a fit beyond chance has no bands; below they are widened [-].
+WITHHELD = 4.0
+
+
+class Bands(NamedTuple):
+    """What is known of p parameters at 95 %.
+
+    Attributes:
+        covariance: (p, p) [SI], to first order; infinite where the records say nothing, NaN where a bound
+            holds a parameter.
+        sd: (p,) [SI].
+        low: Lower ends of the bands, (p,) [SI].
+        high: Upper ends.
+        chi2: Sum of the squares of the residuals [-].
+        freedoms: Residuals less directions of the unknowns that they tell [-].
+        without: Why there are no bands, in words; "" if there are.
+        wider: How many times as wide they would be at most if what hangs together in time of the residuals
+            counted [-].
+        chance: Share of records of the stated noise that would be farther from the model [-]; NaN where the
+            noise is not given, or the loss not linear.
+        noise: What the bands take to be known of the noise: ``estimated`` where chi2 is beyond chance.
+    """
+
+    covariance: Array
+    sd: Array
+    low: Array
+    high: Array
+    chi2: float
+    freedoms: int
+    without: str = ""
+    wider: float = 1.0
+    chance: float = math.nan
+    noise: Noise = "given"
+
+    @property
+    def beyond_chance(self) -> bool:
+        """Whether noise of the stated size does not explain the residuals."""
+        return self.chance < BEYOND_CHANCE
+
+    @property
+    def excess(self) -> float:
+        """Chi2 over degrees of freedom [-]."""
+        return self.chi2 / max(self.freedoms, 1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _End:
+    """The end of a search as what is made small there, in its coordinates."""
+
+    names: tuple[str, ...]
+    start: Array
+    lower: Array
+    upper: Array
+    scale: Array
+    left: Array
+    slopes: Array
+
+    def residuals(self, values: Array) -> Array:
+        return self.left
+
+    def jacobian(self, values: Array) -> Array:
+        return self.slopes
+
+
+def bands_of(
+    plan: FitPlan,
+    unknowns: Unknowns,
+    whole: Array,
+    residuals: Array,
+    slopes: Array,
+    curves: NDArray[np.intp],
+) -> Bands:
+    """Return what is known of the parameters at 95 %.
+
+    A parameter at one of its bounds has the others' bands, and none itself: it is where it was kept. Where
+    the noise is given and chi2 beyond chance, bands are widened as if the residuals said how large the noise
+    is; where they are far beyond (:data:`WITHHELD`) there are none.
+
+    Args:
+        plan: Which says whether the noise is known.
+        unknowns: Of the fit.
+        whole: Values with states, (p + h,) [SI].
+        residuals: There, (m,).
+        slopes: Their derivatives by what is searched for, (m, p + h).
+        curves: The number of the curve that each residual is of, (m,).
+    """
+    at = unknowns.searched(whole)
+    end = _End(names_of(unknowns), at, *unknowns.bounds(), np.ones(len(at)), residuals, slopes)
+    p, chi2 = unknowns.count, float(residuals @ residuals)
+
+    def known_of(noise: Noise) -> Sure:
+        return sure(
+            end,
+            at,
+            noise=noise,
+            loss=plan.loss,
+            loss_scale=plan.loss_scale,
+            curves=curves,
+            doubt=DOUBT,
+        )
+
+    try:
+        found = known_of(plan.noise)
+        judged = plan.noise == "given" and plan.loss == "linear" and found.freedom > 0
+        chance = found.chance if judged else math.nan
+        if chance < BEYOND_CHANCE:
+            found = known_of("estimated")
+    except InvalidParameterError as error:  # what was found stays, whatever can be said of it
+        return _none(p, chi2, len(residuals) - len(whole), str(error))
+    if chance < BEYOND_CHANCE and chi2 > WITHHELD * found.freedom:
+        said = "residuals are too large for noise, and the model's slopes hold near a fit only"
+        return _none(p, chi2, found.freedom, said)._replace(chance=chance, noise=found.noise)
+    known = natural(found, unknowns)
+    held = found.held[:p]
+    covariance, low, high = known.covariance.copy(), known.low.copy(), known.high.copy()
+    covariance[held, :] = covariance[:, held] = np.nan
+    low[held] = high[held] = np.nan
+    sd = np.sqrt(np.diag(covariance))
+    wider = _wider(found, known_of, p)
+    return Bands(covariance, sd, low, high, chi2, found.freedom, "", wider, chance, found.noise)
+
+
+def _none(count: int, chi2: float, freedoms: int, why: str) -> Bands:
+    """Return that there are no bands."""
+    none = np.full(count, np.nan)
+    return Bands(np.full((count, count), np.nan), none, none, none, chi2, freedoms, why)
+
+
+def _wider(found: Sure, known_of: Callable[[Noise], Sure], count: int) -> float:
+    """Return by how much intervals of the first values would be wider at most, as :class:`Bands` has it."""
+    if found.noise == "correlated" or found.freedom < 1:
+        return 1.0
+    told = found.error[:count]
+    there = np.isfinite(told) & (told > 0.0)
+    return float(np.max(known_of("correlated").error[:count][there] / told[there], initial=1.0))
