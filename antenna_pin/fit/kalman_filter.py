@@ -20,7 +20,7 @@ from antenna_pin.errors import ScenarioError
 from antenna_pin.fit.plan import Unknowns
 from antenna_pin.fit.runs import Bench, Ran, Rig, bench_of, reason_of, rows_of, sensed, touching
 from antenna_pin.nonlinear import Chart
-from antenna_pin.nonlinear.coordinates import way_between
+from antenna_pin.nonlinear.coordinates import configuration_difference
 
 __all__ = ["Along", "Curve", "Found", "Known", "Piece", "estimate_starts"]
 
@@ -119,7 +119,7 @@ class Piece:
         self._calibrated = [k for one in curves for _, k in (one.gain, one.offset) if k >= 0]
         self._at, self._origin = at, origin
         self._chart = None if origin is None else Chart(self._bench(at).system, origin)
-        self.size = 0 if self._chart is None else 2 * self._chart.ways
+        self.size = 0 if self._chart is None else 2 * self._chart.positions
 
     def found(self, covariance: Array) -> Found:
         """Return numbers and start for which a run is near to the rows, as far as they are not known yet.
@@ -222,7 +222,7 @@ class Piece:
         p = self._unknowns.count
         lower, upper = (one[:p] for one in self._unknowns.bounds())
         chart = Chart(self._bench(x[:p]).system, here.end)
-        rows, ends = np.zeros((len(here.off), len(x))), np.zeros((2 * chart.ways, len(x)))
+        rows, ends = np.zeros((len(here.off), len(x))), np.zeros((2 * chart.positions, len(x)))
         numbers, places = list(dict.fromkeys([*self._own, *self._calibrated])), list(range(p, len(x)))
         there = {(k, sign): x.copy() for k in (*numbers, *places) for sign in (-1.0, 1.0)}
         for (k, sign), one in there.items():
@@ -248,7 +248,7 @@ class Piece:
 def _ways(chart: Chart, there: State) -> Array:
     """Return how far a state is from a chart's origin along its freedoms, ways and rates, in error scales."""
     origin, units, free = chart.origin, chart.units, chart.frame.free
-    way = way_between(chart.system, origin.q, there.q) / units.way
+    way = configuration_difference(chart.system, origin.q, there.q) / units.position
     rate = (there.v - origin.v) / units.rate
     return np.concatenate([np.linalg.lstsq(free, one, rcond=None)[0] for one in (way, rate)])
 

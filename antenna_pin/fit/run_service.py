@@ -38,10 +38,10 @@ from antenna_pin.fit.runs import (
     until_of,
 )
 from antenna_pin.fit.sensors import instants
-from antenna_pin.nonlinear.chart import Chart, Displacer
+from antenna_pin.nonlinear.chart import Chart, StatePerturbation
 from antenna_pin.nonlinear.coordinates import Lift, Units
-from antenna_pin.nonlinear.perturbed_system import Numbers
-from antenna_pin.nonlinear.variational import Carrier
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.nonlinear.variational import TangentPropagation
 from antenna_pin.sensitivity import GrazeError, SensitivityError
 from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.simulation.samples import Chunk
@@ -103,10 +103,10 @@ class _Equation:
         self._scales = np.fmax(np.abs(asked.values), rig.sizes)
         names = [keys[0] if keys else name for keys, name in zip(rig.keys, rig.names, strict=True)]
         builds = [functools.partial(self._system, k) for k in range(self._count)]
-        self._next = Displacer(system, self._count)
-        self._numbers = Numbers(system, builds, names)
+        self._next = StatePerturbation(system, self._count)
+        self._numbers = ParameterSlopes(system, builds, names)
         # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
-        self._numbers.slopes["program"][:, self._next.kept.words] = 0.0
+        self._numbers.slopes["program"][:, self._next.memory.words] = 0.0
 
     def _neighbour(self, k: int, s: float) -> Bench:
         """Return the test with one of its numbers so many sizes farther."""
@@ -166,10 +166,10 @@ class _Equation:
 
         seen: list[tuple[Any, ...]] = []
 
-        def see(carrier: Carrier, time: float, y: Array, ways: Array) -> None:
+        def see(carrier: TangentPropagation, time: float, y: Array, ways: Array) -> None:
             field = carrier.field
             if not np.isfinite(ways).all():
-                when = max((one.time for one in carrier.passed if one.time <= time), default=time)
+                when = max((one.time for one in carrier.event_shifts if one.time <= time), default=time)
                 said = (
                     "a contact or an event comes with no speed, or blows that feel each other come together"
                 )
@@ -181,7 +181,7 @@ class _Equation:
         flow = self._here.flow
         frame = Chart(flow.system, first).frame
         looks = np.unique(np.append(times[times >= first.time], until)).tolist()
-        flow.carry(first, until - first.time, frame, start, numbers=self._numbers, looks=looks, seen=see)
+        flow.propagate(first, until - first.time, frame, start, numbers=self._numbers, looks=looks, seen=see)
         when, states, memories, programs, found, words = zip(*seen, strict=True)
         chunk = Chunk(np.array(when), np.array(states), np.array(memories), list(programs))
         return _Carried(chunk, np.array(found), np.array(words)), first
@@ -199,7 +199,7 @@ class _Equation:
         way, rate = self._next.parts[:2]
         sizes = [
             np.abs(carried.ways[:, part, column]) / unit
-            for part, unit in ((way, units.way), (rate, units.rate))
+            for part, unit in ((way, units.position), (rate, units.rate))
         ]
         return _READ / max(1.0, *(float(one.max(initial=0.0)) for one in sizes))
 

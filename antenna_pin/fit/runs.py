@@ -26,7 +26,7 @@ from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.fit.sensors import instants, reading
 from antenna_pin.fit.specs import ColumnSpec, evaluate
 from antenna_pin.nonlinear import Chart, Flow
-from antenna_pin.nonlinear.coordinates import way_between
+from antenna_pin.nonlinear.coordinates import configuration_difference
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.inputs import RunStart, controllers_of, events_of, prepared, settings_of
 from antenna_pin.simulation.loop import Run
@@ -202,7 +202,7 @@ def ways_of(begun: str, origin: str) -> int:
         begun: The scenario with the start values, as JSON.
         origin: A state of it, as text.
     """
-    return 2 * _chart(begun, origin).ways
+    return 2 * _chart(begun, origin).positions
 
 
 def piece_start(begun: str, origin: str, z: Array, system: System) -> State:
@@ -252,7 +252,7 @@ def touching(state: State, system: System) -> State:
 def from_origin(begun: str, origin: str, q: Array, v: Array) -> Array:
     """Return the way from an origin to a configuration and velocity, (2 nv,), in error scales."""
     chart = _chart(begun, origin)
-    way = way_between(chart.system, chart.origin.q, q) / chart.units.way
+    way = configuration_difference(chart.system, chart.origin.q, q) / chart.units.position
     return np.concatenate([way, (v - chart.origin.v) / chart.units.rate])
 
 

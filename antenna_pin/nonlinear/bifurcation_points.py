@@ -22,24 +22,23 @@ from scipy.optimize import brentq
 from antenna_pin.base.roots import root_between
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit
-from antenna_pin.nonlinear.pseudo_arclength import Follower, Node, Point
+from antenna_pin.nonlinear.pseudo_arclength import BranchStepper, Node, Point
 
 __all__ = [
-    "Ahead",
+    "GrazeAhead",
     "Located",
-    "Step",
+    "BranchStep",
     "Test",
-    "bent",
-    "change_ahead",
-    "doubling",
-    "hidden",
+    "curved_predictor",
+    "graze_ahead",
+    "flip_test",
+    "hidden_change",
     "is_torus",
-    "pairs",
-    "shedding",
-    "where_crossed",
-    "where_passed",
-    "where_turned",
-    "where_zero",
+    "torus_test",
+    "locate_crossing",
+    "locate_graze",
+    "locate_fold",
+    "locate_zero",
 ]
 
 Array = NDArray[np.float64]
@@ -62,7 +61,7 @@ Test = Callable[[NDArray[np.complex128]], float]
 
 
 class Located(NamedTuple):
-    """Where something happens.
+    """Location of a bifurcation in a step.
 
     Attributes:
         value: Of the parameter.
@@ -75,11 +74,11 @@ class Located(NamedTuple):
     along: float
 
 
-class Step:
-    """A step along a branch, from one orbit to the next, and the orbits between.
+class BranchStep:
+    """Step along a branch between two orbits, with the orbits computed between them.
 
     Args:
-        follower: Of the branch.
+        stepper: Of the branch.
         first: What it begins with; how far along is measured in the direction there.
         last: What it comes to.
         arc: How far that is.
@@ -88,22 +87,22 @@ class Step:
         beside: Orbits before its first and behind its last, by how far along they would be.
     """
 
-    def __init__(self, follower: Follower, first: Node, last: Node, arc: float) -> None:
+    def __init__(self, stepper: BranchStepper, first: Node, last: Node, arc: float) -> None:
         """Know both ends."""
-        self.follower, self.first, self.last, self.arc = follower, first, last, arc
+        self.stepper, self.first, self.last, self.arc = stepper, first, last, arc
         self._points = {0.0: first.point, arc: last.point}
         self._nodes = {0.0: first, arc: last}
         self.beside: dict[float, Node] = {}
 
     def point(self, along: float) -> Point:
-        """Return the orbit so far along.
+        """Return the orbit at a place of the step.
 
         Raises:
             AntennaPinError: Newton's method finds none.
         """
         if along not in self._points:
             first, guess = self.first, self._between(along)
-            point = self.follower.correct(first.point, first.way, along, guess, guess is not None)
+            point = self.stepper.correct(first.point, first.tangent, along, guess, guess is not None)
             if guess is not None:
                 before, behind = self._about(along)
                 if np.linalg.norm(self._place(point) - guess) > _ASIDE * (behind - before):
@@ -113,62 +112,62 @@ class Step:
 
     def _place(self, point: Point) -> Array:
         """Return an orbit's coordinates about the first, and how far the parameter is from there."""
-        origin, begin = self.follower.chart(self.first.point), self.first.point.value
-        return np.append(origin.coordinates(point.orbit.start), (point.value - begin) / self.follower.unit)
+        origin, begin = self.stepper.chart(self.first.point), self.first.point.value
+        return np.append(origin.coordinates(point.orbit.start), (point.value - begin) / self.stepper.unit)
 
     def _about(self, along: float) -> tuple[float, float]:
-        """Return the next orbits on both sides of a place at which the branch's direction is told."""
-        told = [one for one, node in self._nodes.items() if node.told or one in (0.0, self.arc)]
+        """Return the nearest orbits with a regular direction on both sides of a place."""
+        told = [one for one, node in self._nodes.items() if node.regular or one in (0.0, self.arc)]
         return max(one for one in told if one <= along), min(one for one in told if one > along)
 
     def _between(self, along: float) -> Array | None:
-        """Return where the cubic through the next orbits with their directions is so far along.
+        """Return the point of the cubic through the nearest orbits and directions at a place.
 
         Where branches are close to one another it is nearer to this one than what is straight ahead.
         """
         first, about, rows = self.first, self._about(along), []
         for node in (self._nodes[one] for one in about):
-            if len(node.way) != len(first.way):
+            if len(node.tangent) != len(first.tangent):
                 return None
-            way = self.follower.turned(node.way, node.point, first.point)
-            rows += [self._place(node.point), way / (way @ first.way)]
+            way = self.stepper.transported(node.tangent, node.point, first.point)
+            rows += [self._place(node.point), way / (way @ first.tangent)]
         place = np.asarray(KroghInterpolator(np.repeat(about, 2), np.array(rows))(along))
-        return place + (along - place @ first.way) * first.way
+        return place + (along - place @ first.tangent) * first.tangent
 
     def node(self, along: float) -> Node:
-        """Return the orbit so far along, and the branch's direction at it."""
+        """Return the orbit at a place of the step, with the branch's direction."""
         if along not in self._nodes:
-            self._nodes[along] = self.follower.node(self.point(along), self.first)
+            self._nodes[along] = self.stepper.node(self.point(along), self.first)
         return self._nodes[along]
 
     def nodes(self) -> dict[float, Node]:
-        """Return the orbits at which the branch's direction is known, those beside it too, by place."""
+        """Return all orbits with a direction, adjacent ones too, by place."""
         return self.beside | self._nodes
 
     def nearest(self, along: float) -> Point:
-        """Return that of the orbits that have been made which is nearest to a place."""
+        """Return the computed orbit nearest to a place."""
         return self._points[min(self._points, key=lambda one: abs(one - along))]
 
     def turns_at(self, along: float) -> bool:
-        """Whether the parameter turns back between the next orbits on both sides of a place."""
+        """Return whether the parameter turns back between the nearest orbits about a place."""
         before, behind = self._about(along)
-        return bool(self.node(before).way[-1] * self.node(behind).way[-1] < 0.0)
+        return bool(self.node(before).tangent[-1] * self.node(behind).tangent[-1] < 0.0)
 
     def slope(self, along: float) -> float:
-        """Return the slope of the parameter over how far along, in the parameter's unit.
+        """Return the slope of the parameter over the place, in the parameter's unit.
 
         A step is measured along the direction it began with, which the branch has turned from since.
         """
         node = self.node(along)
-        ahead = self.follower.turned(self.first.way, self.first.point, node.point)
-        return float(node.way[-1]) / max(float(node.way @ ahead), 1e-3)
+        ahead = self.stepper.transported(self.first.tangent, self.first.point, node.point)
+        return float(node.tangent[-1]) / max(float(node.tangent @ ahead), 1e-3)
 
 
-def where_zero(step: Step, test: Test, low: float, high: float, precision: float) -> Located:
-    """Return where between two places of a step a number of the multipliers, which is smooth, passes zero.
+def locate_zero(step: BranchStep, test: Test, low: float, high: float, precision: float) -> Located:
+    """Return the zero of a smooth test function of the multipliers between two places.
 
     By Brent's method along the branch, where no fold is in the way. It ends within the precision on both
-    sides, or upon the zero: of that no other side is known, and what is in doubt is by how much the number
+    sides, or upon the zero: of that no other side is known, and what is uncertain is by how much the number
     would be another, had the multipliers been wrong by their doubt.
     """
     known = {along: test(step.point(along).orbit.multipliers) for along in (low, high)}
@@ -179,7 +178,7 @@ def where_zero(step: Step, test: Test, low: float, high: float, precision: float
         return known[along]
 
     steepest = max(abs(step.slope(low)), abs(step.slope(high)), 1e-3)
-    near = precision / (steepest * abs(step.follower.unit))
+    near = precision / (steepest * abs(step.stepper.unit))
     with contextlib.suppress(AntennaPinError):  # what is known by then is all there is
         brentq(at, low, high, xtol=0.5 * near, rtol=1e-14)
     upon = [along for along, found in known.items() if found == 0.0]
@@ -192,7 +191,7 @@ def where_zero(step: Step, test: Test, low: float, high: float, precision: float
         one, other = step.point(before).value, step.point(behind).value
         value, along, left = 0.5 * (one + other), 0.5 * (before + behind), 0.5 * abs(other - one)
     # The nearest orbit at which the number is more than what it may be off by says how steep it is.
-    off = _off(test, step.point(behind).orbit)
+    off = _test_error(test, step.point(behind).orbit)
     rest = [one for one, found in known.items() if abs(found) > 4.0 * off]
     aside = min(rest, key=lambda one: abs(one - along)) if rest else low
     far = abs(step.point(aside).value - value)
@@ -201,33 +200,33 @@ def where_zero(step: Step, test: Test, low: float, high: float, precision: float
     return Located(value, max(doubt, 0.5 * precision), along)
 
 
-def _off(test: Test, orbit: Orbit) -> float:
-    """Return by how much a number of multipliers may be wrong, as these are."""
+def _test_error(test: Test, orbit: Orbit) -> float:
+    """Return the error of a test function due to that of the multipliers."""
     values, doubt = orbit.multipliers, orbit.doubt
     ways = doubt * np.eye(len(values))
     return sum(abs(test(values + way) - test(values)) for way in ways)
 
 
-def where_turned(step: Step, begin: float, end: float, precision: float) -> Located:
-    """Return where between two places of a step the parameter turns back: an orbit next to it.
+def locate_fold(step: BranchStep, begin: float, end: float, precision: float) -> Located:
+    """Return the fold between two places of a step: an orbit next to it.
 
     Orbits are made between them, by regula falsi (Illinois) for where the parameter's part of the
     branch's direction is zero. From an orbit there the parameter goes on, to the fold, by no more than its
     slope times what is left of the step in which that changes its sign: this is the doubt, and what orbits
-    are in doubt by.
+    are uncertain by.
     """
     low, high = begin, end
     weights, before = [1.0, 1.0], None
-    ahead = step.node(begin).way[-1]
+    ahead = step.node(begin).tangent[-1]
     for _ in range(_ROUNDS):
         nearest = min(low, high, key=lambda along: abs(step.slope(along)))
-        doubt = abs(step.slope(nearest) * (high - low) * step.follower.unit)
+        doubt = abs(step.slope(nearest) * (high - low) * step.stepper.unit)
         if doubt <= precision:
             break
-        one, other = weights[0] * step.node(low).way[-1], weights[1] * step.node(high).way[-1]
+        one, other = weights[0] * step.node(low).tangent[-1], weights[1] * step.node(high).tangent[-1]
         along = float((low * other - high * one) / (other - one))
         try:
-            on = bool(step.node(along).way[-1] * ahead > 0.0)
+            on = bool(step.node(along).tangent[-1] * ahead > 0.0)
         except AntennaPinError:
             break  # what the two ends say is all there is
         low, high = (along, high) if on else (low, along)
@@ -236,12 +235,12 @@ def where_turned(step: Step, begin: float, end: float, precision: float) -> Loca
         weights[replaced] = 1.0
         weights[stays] *= 0.5 if before is on else 1.0
         before = on
-    doubt += step.follower.tolerance * abs(step.follower.unit)
+    doubt += step.stepper.tolerance * abs(step.stepper.unit)
     return Located(step.point(nearest).value, doubt, nearest)
 
 
-def where_crossed(step: Step, low: float, high: float, precision: float) -> Located:
-    """Return where between two places of a step another branch crosses.
+def locate_crossing(step: BranchStep, low: float, high: float, precision: float) -> Located:
+    """Return the crossing of another branch between two places of a step.
 
     There Newton's method has no direction to go back by: what its tolerance leaves grows like one over the
     distance. So orbits are made about the place, not at it, nearer and nearer, and polynomials through them
@@ -256,7 +255,7 @@ def where_crossed(step: Step, low: float, high: float, precision: float) -> Loca
         about = [along for along in (found.along - width, found.along + width) if low < along < high]
         for along in about:
             with contextlib.suppress(AntennaPinError):  # what else is known is all there is
-                places += [along] if step.node(along).told else []
+                places += [along] if step.node(along).regular else []
         last, found = found, _zero(step, places, found.along)
         found = found._replace(doubt=max(abs(found.value - last.value), found.doubt))
         best = min(best, found, key=lambda one: one.doubt)
@@ -265,8 +264,8 @@ def where_crossed(step: Step, low: float, high: float, precision: float) -> Loca
     return best._replace(doubt=min(best.doubt, abs(step.point(high).value - step.point(low).value)))
 
 
-def _zero(step: Step, places: Sequence[float], about: float) -> Located:
-    """Return where the polynomial through what a step's orbits at some places have is zero, near one of them.
+def _zero(step: BranchStep, places: Sequence[float], about: float) -> Located:
+    """Return the zero of the polynomial through the crossing determinants nearest to a place.
 
     Through those at which the sign changes, and those next to it.
     """
@@ -306,41 +305,41 @@ _NEAR = 0.3
 _ON = 1e-6  # how near to the unit circle a multiplier is on no side of it
 
 
-def pairs(multipliers: Complex) -> list[tuple[complex, complex]]:
-    """Return every two multipliers of an orbit."""
+def _pairs(multipliers: Complex) -> list[tuple[complex, complex]]:
+    """Return all pairs of an orbit's multipliers."""
     return list(itertools.combinations(multipliers.tolist(), 2))
 
 
-def doubling(multipliers: Complex) -> float:
-    """Return a number that passes zero where an orbit doubles its period, 1 in size at most at large ones.
+def flip_test(multipliers: Complex) -> float:
+    """Return the test function of period doubling, zero where a multiplier is -1.
 
     It is the product of all 1 + multiplier, those that are larger than 1 taken over themselves.
     """
     return float(np.prod((multipliers + 1.0) / np.maximum(np.abs(multipliers), 1.0)).real)
 
 
-def shedding(multipliers: Complex) -> float:
-    """Return a number that passes zero where an orbit sheds a torus.
+def torus_test(multipliers: Complex) -> float:
+    """Return the test function of a torus, zero where two multipliers have the product 1.
 
     Likewise of the products of two multipliers, less 1.
     """
-    products = [one * other for one, other in pairs(multipliers)]
+    products = [one * other for one, other in _pairs(multipliers)]
     return float(np.prod([(one - 1.0) / max(abs(one), 1.0) for one in products]).real) if products else 1.0
 
 
 def is_torus(multipliers: Complex) -> bool:
-    """Return whether the two multipliers whose product is nearest to 1 are complex, not two real ones."""
-    one, other = min(pairs(multipliers), key=lambda pair: abs(pair[0] * pair[1] - 1.0))
+    """Return whether the pair of multipliers with the product nearest to 1 is complex."""
+    one, other = min(_pairs(multipliers), key=lambda pair: abs(pair[0] * pair[1] - 1.0))
     return abs(one.imag) > 1e-9 and abs(one - other.conjugate()) < 1e-6 * abs(one)
 
 
-def hidden(step: Step, low: float, high: float) -> float | None:
-    """Return where between two places of a step an orbit must be looked at; None where the ends tell all."""
+def hidden_change(step: BranchStep, low: float, high: float) -> float | None:
+    """Return a place between two others that needs one more orbit, or None."""
     one, other = step.node(low), step.node(high)
-    if len(one.way) != len(other.way) or one.point.orbit.onsets != other.point.orbit.onsets:
+    if len(one.tangent) != len(other.tangent) or one.point.orbit.onsets != other.point.orbit.onsets:
         return None
     middle = 0.5 * (low + high)
-    turns = _turns(step, low, high)
+    turns = _hidden_turn(step, low, high)
     if turns is not None:
         return turns
     nodes = step.nodes()
@@ -348,18 +347,18 @@ def hidden(step: Step, low: float, high: float) -> float | None:
     if not aside:
         return middle
     third = min(aside, key=lambda along: abs(along - middle))
-    for test in (doubling, shedding):
+    for test in (flip_test, torus_test):
         values = [test(nodes[along].point.orbit.multipliers) for along in (low, high, third)]
-        dips = _dips((low, high, third), values)
+        dips = _near_zero((low, high, third), values)
         if dips is not None:
             return dips
-    return None if _told(one, other) else middle
+    return None if _counts_agree(one, other) else middle
 
 
-def _turns(step: Step, low: float, high: float) -> float | None:
-    """Return where the parameter turns more often than its slopes at two places say, by the cubic there."""
+def _hidden_turn(step: BranchStep, low: float, high: float) -> float | None:
+    """Return a place near turns of the parameter that its end slopes do not imply."""
     one, other = step.slope(low), step.slope(high)
-    rise = (step.point(high).value - step.point(low).value) / (step.follower.unit * (high - low))
+    rise = (step.point(high).value - step.point(low).value) / (step.stepper.unit * (high - low))
     u = _PLACES
     slopes = one * (1.0 - 4.0 * u + 3.0 * u**2) + other * (3.0 * u**2 - 2.0 * u) + 6.0 * rise * (u - u**2)
     if np.count_nonzero(np.diff(slopes > 0.0)) <= int((one > 0.0) != (other > 0.0)):
@@ -368,8 +367,8 @@ def _turns(step: Step, low: float, high: float) -> float | None:
     return low + min(max(far, 0.25), 0.75) * (high - low)
 
 
-def _dips(places: tuple[float, float, float], values: list[float]) -> float | None:
-    """Return where between the first two places a parabola through values of one sign comes near to zero."""
+def _near_zero(places: tuple[float, float, float], values: list[float]) -> float | None:
+    """Return a place where a parabola through values of one sign comes near zero."""
     (low, high, _), (one, other, _) = places, values
     if (one > 0.0) != (other > 0.0):
         return None
@@ -383,8 +382,8 @@ def _dips(places: tuple[float, float, float], values: list[float]) -> float | No
     return low + float(np.clip(turn, 0.25 * (high - low), 0.75 * (high - low)))
 
 
-def _told(one: Node, other: Node) -> bool:
-    """Whether as many multipliers have passed the unit circle as signs of what happens at both ends say."""
+def _counts_agree(one: Node, other: Node) -> bool:
+    """Return whether the multipliers outside the unit circle agree with the test functions' signs."""
     outside = []
     for node in (one, other):
         orbit = node.point.orbit
@@ -395,10 +394,10 @@ def _told(one: Node, other: Node) -> bool:
     ends = [node.point.orbit.multipliers for node in (one, other)]
     if len(ends[0]) != len(ends[1]):
         return True
-    real = [doubling(ends[0]) > 0.0, one.way[-1] > 0.0, one.crossing > 0.0]
-    then = [doubling(ends[1]) > 0.0, other.way[-1] > 0.0, other.crossing > 0.0]
+    real = [flip_test(ends[0]) > 0.0, one.tangent[-1] > 0.0, one.crossing > 0.0]
+    then = [flip_test(ends[1]) > 0.0, other.tangent[-1] > 0.0, other.crossing > 0.0]
     ways: list[tuple[int, ...]] = [(-1, 1) for was, now in zip(real, then, strict=True) if was != now]
-    ways += [(-2, 0, 2)] if (shedding(ends[0]) > 0.0) != (shedding(ends[1]) > 0.0) else []
+    ways += [(-2, 0, 2)] if (torus_test(ends[0]) > 0.0) != (torus_test(ends[1]) > 0.0) else []
     return outside[1] - outside[0] in {sum(each) for each in itertools.product(*ways)}
 
 
@@ -412,8 +411,8 @@ _DENSER, _LOOKS, _FARTHEST, _CLOSER = 0.7, 16, 100, 5
 _JUMP, _SHRUNK = 0.1, 1e-2
 
 
-class Ahead(NamedTuple):
-    """Where, ahead of an orbit, runs of a period have more contacts or events, or fewer.
+class GrazeAhead(NamedTuple):
+    """Change in the number of contacts or events ahead of an orbit.
 
     Attributes:
         arc: How far ahead.
@@ -424,48 +423,50 @@ class Ahead(NamedTuple):
     value: float
 
 
-def bent(follower: Follower, node: Node, arc: float, passed: Step | None) -> Array:
-    """Return a place an arc ahead of an orbit, if the branch goes on to bend as it did in a step to it.
+def curved_predictor(stepper: BranchStepper, node: Node, arc: float, passed: BranchStep | None) -> Array:
+    """Return a predicted place an arc ahead, with the curvature of the last step.
 
     Returns:
         Coordinates about the orbit, and how far the parameter is from there in its unit, (size + 1,).
     """
-    point, way = node.point, node.way
-    if passed is None or passed.last is not node or len(passed.first.way) != len(way):
+    point, way = node.point, node.tangent
+    if passed is None or passed.last is not node or len(passed.first.tangent) != len(way):
         return arc * way
-    bend = (way - follower.turned(passed.first.way, passed.first.point, point)) / passed.arc
+    bend = (way - stepper.transported(passed.first.tangent, passed.first.point, point)) / passed.arc
     # What is along the way is so far ahead, as orbits are looked for.
     return np.asarray(arc * way + 0.5 * arc**2 * (bend - (bend @ way) * way))
 
 
-def change_ahead(follower: Follower, node: Node, arc: float, passed: Step | None) -> Ahead | None:
-    """Return where ahead of an orbit, an arc at most, contacts or events come or go.
+def graze_ahead(
+    stepper: BranchStepper, node: Node, arc: float, passed: BranchStep | None
+) -> GrazeAhead | None:
+    """Return the nearest change in contacts or events ahead of an orbit, within an arc.
 
     No orbits are made, only runs from where they would be if the branch went on as it does, to the third
     order of the distance: so this says how far it is worth to go, and the nearer an orbit is the better it
     does.
 
     Args:
-        follower: Of the branch.
+        stepper: Of the branch.
         node: The orbit.
         arc: How far to look.
         passed: The step that has come to it, which says how the branch bends; None if there is none.
     """
-    point, chart = node.point, follower.chart(node.point)
+    point, chart = node.point, stepper.chart(node.point)
 
     def other(s: float) -> bool | None:
-        to = bent(follower, node, s, passed)
+        to = curved_predictor(stepper, node, s, passed)
         try:
-            flow, period = follower.family(point.value + float(to[-1]) * follower.unit)
-            went = flow.went(chart.state(to[:-1], flow.system), period)
+            flow, period = stepper.family(point.value + float(to[-1]) * stepper.unit)
+            went = flow.traverse(chart.state(to[:-1], flow.system), period)
         except AntennaPinError:
             return None
         return (went.onsets, went.events) != point.orbit.onsets
 
-    fading = _fading(follower, node, passed)
-    if fading is not None and fading <= arc and _stirred(follower, node, fading):
-        to = bent(follower, node, fading, passed)
-        return Ahead(fading, point.value + float(to[-1]) * follower.unit)
+    fading = _fading_impact(stepper, node, passed)
+    if fading is not None and fading <= arc and _changes_with_parameter(stepper, node, fading):
+        to = curved_predictor(stepper, node, fading, passed)
+        return GrazeAhead(fading, point.value + float(to[-1]) * stepper.unit)
     # What is farther may be as it was by accident: the first place at which it is not counts.
     far, near, s, looks = 0.0, 0.0, arc, 0
     while looks < _LOOKS or (near == 0.0 and looks < _FARTHEST):
@@ -480,15 +481,17 @@ def change_ahead(follower: Follower, node: Node, arc: float, passed: Step | None
     for _ in range(_CLOSER):
         middle = 0.5 * (near + far)
         near, far = (near, middle) if other(middle) else (middle, far)
-    return Ahead(far, point.value + float(bent(follower, node, far, passed)[-1]) * follower.unit)
+    return GrazeAhead(
+        far, point.value + float(curved_predictor(stepper, node, far, passed)[-1]) * stepper.unit
+    )
 
 
-def _fading(follower: Follower, node: Node, passed: Step | None) -> float | None:
-    """Return how far ahead of an orbit an impact comes to have no speed, if derivatives say that one does.
+def _fading_impact(stepper: BranchStepper, node: Node, passed: BranchStep | None) -> float | None:
+    """Return the distance ahead at which an impact loses its speed, or None.
 
     On from there the branch would have it with the other sign, and runs along it have it still: none comes or
-    goes. But neighbours come later to an impact by one over its speed, so that one over the derivative of the
-    map goes with the speed, and that with the way along the branch.
+    goes. But perturbed states come later to an impact by one over its speed, so that one over the derivative
+    of the map goes with the speed, and that with the way along the branch.
     """
     if passed is None or passed.last is not node:
         return None
@@ -496,15 +499,15 @@ def _fading(follower: Follower, node: Node, passed: Step | None) -> float | None
     return passed.arc * other / (one - other) if other < one else None
 
 
-def _stirred(follower: Follower, node: Node, arc: float) -> bool:
-    """Whether contacts or events come or go if only the parameter changes, by as much or less."""
+def _changes_with_parameter(stepper: BranchStepper, node: Node, arc: float) -> bool:
+    """Return whether contacts or events come or go with the parameter alone."""
     point = node.point
     for s in (arc, -arc, 0.1 * arc, -0.1 * arc):
-        value = point.value + s * follower.unit
+        value = point.value + s * stepper.unit
         try:
-            flow, period = follower.family(value)
-            start = follower.chart(point).state(np.zeros(len(node.way) - 1), flow.system)
-            went = flow.went(start, period)
+            flow, period = stepper.family(value)
+            start = stepper.chart(point).state(np.zeros(len(node.tangent) - 1), flow.system)
+            went = flow.traverse(start, period)
         except AntennaPinError:
             continue
         if (went.onsets, went.events) != point.orbit.onsets:
@@ -513,26 +516,26 @@ def _stirred(follower: Follower, node: Node, arc: float) -> bool:
 
 
 class _Side(NamedTuple):
-    """The last orbit on one side of a graze, and the branch's direction that is known on that side."""
+    """Last orbit on one side of a graze, with the branch's direction on that side."""
 
     point: Point
     node: Node
 
 
-def _orbit_from(follower: Follower, side: _Side, value: float) -> Point | None:
-    """Return the orbit at a value that is near to one on one side of a graze, if Newton's method finds it."""
+def _orbit_from(stepper: BranchStepper, side: _Side, value: float) -> Point | None:
+    """Return the orbit at a value near one side of a graze, or None."""
     point, node = side
-    ahead = (value - point.value) / (node.way[-1] * follower.unit)
+    ahead = (value - point.value) / (node.tangent[-1] * stepper.unit)
     try:
-        way = follower.turned(node.way, node.point, point)[:-1]
-        guess = follower.chart(point).state(ahead * way, follower.family(value)[0].system)
-        return Point(value, follower.orbit(guess, value, iterations=4))
+        way = stepper.transported(node.tangent, node.point, point)[:-1]
+        guess = stepper.chart(point).state(ahead * way, stepper.family(value)[0].system)
+        return Point(value, stepper.orbit(guess, value, iterations=4))
     except (AntennaPinError, ZeroDivisionError):
         return None
 
 
-def where_passed(follower: Follower, one: Node, other: Node, precision: float) -> tuple[float, float]:
-    """Return where between two orbits of a branch contacts or events come or go, and half of what is left.
+def locate_graze(stepper: BranchStepper, one: Node, other: Node, precision: float) -> tuple[float, float]:
+    """Return the parameter of a graze between two orbits, and its error estimate.
 
     The interval is halved by orbits, which are looked for from both sides. What comes of it must be one
     branch: orbits on both sides come to one another.
@@ -550,11 +553,11 @@ def where_passed(follower: Follower, one: Node, other: Node, precision: float) -
         if left() <= precision:
             break
         value = 0.5 * (low.point.value + high.point.value)
-        between = _apart(follower, low.point, high.point)
+        between = _distance(stepper, low.point, high.point)
         found = None
         for side in (low, high):
-            found = _orbit_from(follower, side, value)
-            if found is not None and _apart(follower, side.point, found) <= between:
+            found = _orbit_from(stepper, side, value)
+            if found is not None and _distance(stepper, side.point, found) <= between:
                 break
             found = None
         if found is None:
@@ -565,12 +568,12 @@ def where_passed(follower: Follower, one: Node, other: Node, precision: float) -
             high = _Side(found, other)
     if left() > max(precision, _SHRUNK * whole):
         raise NoOrbitError("branch: a contact or an event comes or goes, and no orbit is found that near it")
-    if _apart(follower, low.point, high.point) > _JUMP * _apart(follower, one.point, other.point):
+    if _distance(stepper, low.point, high.point) > _JUMP * _distance(stepper, one.point, other.point):
         raise NoOrbitError("branch: where a contact or an event comes or goes it leaps onto another one")
     return 0.5 * (low.point.value + high.point.value), 0.5 * left()
 
 
-def _apart(follower: Follower, one: Point, other: Point) -> float:
-    """Return how far two orbits are from one another."""
-    place = follower.chart(one).coordinates(other.orbit.start)
-    return math.hypot(float(np.linalg.norm(place)), (other.value - one.value) / follower.unit)
+def _distance(stepper: BranchStepper, one: Point, other: Point) -> float:
+    """Return the distance between two orbits."""
+    place = stepper.chart(one).coordinates(other.orbit.start)
+    return math.hypot(float(np.linalg.norm(place)), (other.value - one.value) / stepper.unit)

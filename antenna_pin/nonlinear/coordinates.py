@@ -21,19 +21,18 @@ from antenna_pin.integrate import KINDS
 from antenna_pin.simulation.steps import scale_vector
 
 __all__ = [
-    "CLOCK",
+    "TIME_UNIT",
     "Frame",
-    "Kept",
+    "ElementMemory",
     "Lift",
     "Lifts",
-    "MEMORIES",
-    "Number",
-    "Rates",
+    "CONTACT_MEMORY",
+    "RateJacobian",
     "Units",
     "frame_at",
-    "own_state",
-    "parts_of",
-    "way_between",
+    "own_coordinates",
+    "perturbation_slices",
+    "configuration_difference",
 ]
 
 Array = NDArray[np.float64]
@@ -41,8 +40,8 @@ Array = NDArray[np.float64]
 # --- numbers that elements with modes remember --------------------------------------------------------------
 
 
-class Number(NamedTuple):
-    """One of them.
+class _MemoryNumber(NamedTuple):
+    """Number that an element with modes stores at a change of mode.
 
     Attributes:
         place: Of the element.
@@ -70,16 +69,16 @@ class Number(NamedTuple):
 
     @property
     def key(self) -> str:
-        """Where it stands among what was adjusted of a state."""
+        """Key among the adjusted numbers of a state."""
         return f"{self.place}.{self.name}"
 
     def holds(self, program: Array) -> bool:
-        """Whether the element holds its joint there, by a row."""
+        """Return whether the element holds its joint, by a row."""
         return bool(of_elements.hold(self.kind, program, self.words)[0])
 
 
-class Kept:
-    """All of them, of a system.
+class ElementMemory:
+    """Numbers that the elements of a system store at changes of mode.
 
     Args:
         system: The system.
@@ -91,22 +90,22 @@ class Kept:
     """
 
     def __init__(self, system: System) -> None:
-        """Find them."""
-        self.numbers = tuple(_numbers(system))
+        """Collect them."""
+        self.numbers = tuple(_memory_numbers(system))
         self.words = np.array([one.word for one in self.numbers], dtype=int)
         self.masses = tuple(takes for joint in system.clearances for takes in joint.takes_mass)
 
     def __len__(self) -> int:
-        """How many there are, gone by or not."""
+        """Return how many there are, active or not."""
         return len(self.numbers)
 
-    def gone_by(self, program: Array) -> tuple[int, ...]:
-        """Return which are gone by in the modes of a program."""
+    def active_in(self, program: Array) -> tuple[int, ...]:
+        """Return the numbers that act in the modes of a program."""
         found = [of_elements.mode(one.kind, program, one.words) in one.modes for one in self.numbers]
         return tuple(np.flatnonzero(found).tolist())
 
     def between(self, numbers: tuple[int, ...], here: State, there: State) -> Array:
-        """Return by how much some of them differ from one state to another, (numbers,)."""
+        """Return the differences of some numbers from one state to another, (numbers,)."""
         first, then = (dict(state.adjusted) for state in (here, there))
         out = []
         for one in (self.numbers[k] for k in numbers):
@@ -117,11 +116,11 @@ class Kept:
         return np.array(out)
 
     def units(self, ways: Array, rates: Array) -> Array:
-        """Return what counts as one of each, (kept,), of units of ways and rates, (nv,) each."""
+        """Return the unit of each number, (memory,), of units of positions and rates, (nv,) each."""
         return np.array([(rates if one.of_rate else ways)[one.joint] for one in self.numbers])
 
 
-def _numbers(system: System) -> Iterator[Number]:
+def _memory_numbers(system: System) -> Iterator[_MemoryNumber]:
     for one in acting_in(system):
         element = one.element
         if not isinstance(element, Modal):
@@ -130,20 +129,22 @@ def _numbers(system: System) -> Iterator[Number]:
         head = system.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
         joint = _axis(system, int(head["v"]), element.acts_at)
         for name, of in element.goes_by.items():
-            at = _place_in_record(element, name)
+            at = _word_of(element, name)
             if at is not None:
                 label, modes = f"{one.label} {name}", element.goes_by_in
                 kind, of_rate, turns = kind_of(type(element)), of == "rate", int(head["turn"]) >= 0
-                yield Number(one.place, name, label, kind, words, words + at, joint, of_rate, turns, modes)
+                yield _MemoryNumber(
+                    one.place, name, label, kind, words, words + at, joint, of_rate, turns, modes
+                )
 
 
 def _axis(system: System, first: int, joint: str | None) -> int:
-    """Return where in v a joint turns or slides about its axis, with that of a joint with play last."""
+    """Return the index in v of a joint's axis; with play, the last."""
     return first if joint is None else system.mechanism.joint(joint).v.stop - 1
 
 
-def _place_in_record(element: Modal, name: str) -> int | None:
-    """Return at which word of its record an element has a number; None if it has no such part."""
+def _word_of(element: Modal, name: str) -> int | None:
+    """Return the word of an element's record that holds a number, or None."""
     changes: dict[str, Any] = {name: getattr(element, name) + 1.0}
     other = dataclasses.replace(element, **changes).words_of_kernel()
     found = np.flatnonzero(other != element.words_of_kernel())
@@ -153,21 +154,21 @@ def _place_in_record(element: Modal, name: str) -> int | None:
 # --- axes of coordinates in a state -------------------------------------------------------------------------
 
 #: What contact memory holds besides whether a contact touches, by its column.
-MEMORIES = {1: "approach speed", 2: "effective mass"}
+CONTACT_MEMORY = {1: "approach speed", 2: "effective mass"}
 #: What counts as one of time where it is a coordinate [s].
-CLOCK = 1e-2
+TIME_UNIT = 1e-2
 
 
 class Units(NamedTuple):
-    """What counts as one in a displacement: the run's error scales.
+    """Units of a perturbation: the run's error scales.
 
     Attributes:
-        way: Of the configuration, (nv,).
+        position: Of the configuration, (nv,).
         rate: Of the velocity, (nv,).
         bristle: Of each bristle, (bristles,).
     """
 
-    way: Array
+    position: Array
     rate: Array
     bristle: Array
 
@@ -179,78 +180,79 @@ class Units(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """Axes of coordinates in one state.
+    """Axes of coordinates in a state.
 
     Attributes:
-        free: What closures and motions leave of the ways, in units of these, by columns, (nv, ways).
-        bound: What they do not leave, (nv, nv - ways).
-        remembered: Contact and column of its memory of each coordinate that a contact's memory is.
-        kept: Which numbers of elements are coordinates (:mod:`antenna_pin.nonlinear.coordinates`).
-        clock: Whether time is one, behind ways and rates: how much later a neighbour's state is its own.
+        free: What closures and motions leave of the positions, in units of these, by columns, (nv,
+            positions).
+        bound: What they do not leave, (nv, nv - positions).
+        contact_memory: Contact and column of its memory of each coordinate that a contact's memory is.
+        element_memory: Which numbers of elements are coordinates (:mod:`antenna_pin.nonlinear.coordinates`).
+        clock: Whether time is one, behind positions and rates: how much later a perturbed state is its own.
     """
 
     free: Array
     bound: Array
-    remembered: tuple[tuple[int, int], ...]
-    kept: tuple[int, ...] = ()
+    contact_memory: tuple[tuple[int, int], ...]
+    element_memory: tuple[int, ...] = ()
     clock: bool = False
 
     @property
-    def ways(self) -> int:
-        """How many coordinates are ways, and as many are rates."""
+    def positions(self) -> int:
+        """Number of coordinates of positions, as many as of rates."""
         return int(self.free.shape[1])
 
     @property
     def first_bristle(self) -> int:
-        """Where among coordinates those of bristles begin."""
-        return 2 * self.ways + int(self.clock)
+        """Index of the first coordinate of a bristle."""
+        return 2 * self.positions + int(self.clock)
 
 
 class Lift(NamedTuple):
-    """Coordinates about a state as displacements of one, and back.
+    """Coordinates about a state as perturbations, and back.
 
-    A displacement, (2 nv + bristles + 2 contacts + parameters + kept + 1,), is that of the configuration in
+    A perturbation, (2 nv + bristles + 2 contacts + parameters + kept + 1,), is that of the configuration in
     the coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of
-    those of effective masses, of parameters of the system in their scales, of what elements keep, of time.
-    Coordinates are ways, rates, time if it is one, bristles, parameters, what elements keep, and what
+    those of effective masses, of parameters of the system in their scales, of element memory, of time.
+    Coordinates are positions, rates, time if it is one, bristles, parameters, element memory, and what
     contacts remember.
 
     Attributes:
-        up: Displacement of each coordinate, by columns, (displacement, size).
-        down: Coordinates of a displacement, (size, displacement).
+        up: Perturbation of each coordinate, by columns, (perturbation, size).
+        down: Coordinates of a perturbation, (size, perturbation).
     """
 
     up: Array
     down: Array
 
 
-class Rates(NamedTuple):
-    """Derivatives of rates in a state.
+class RateJacobian(NamedTuple):
+    """Jacobian of the rates in a state.
 
     Attributes:
         sixth: Of the coordinates' rates over the coordinates, by differences of sixth order, (size, size).
         fourth: The same by differences of fourth order.
-        along: Of rates along one displacement, in units, (nv + bristles,).
+        along: Of rates along one perturbation, in units, (nv + bristles,).
         noise: Round-off of these.
-        books: Of the rates of what is integrated over the coordinates, (nx, size).
+        integrals: Of the rates of what is integrated over the coordinates, (nx, size).
     """
 
     sixth: Array
     fourth: Array
     along: Array
     noise: float
-    books: Array
+    integrals: Array
 
 
-def parts_of(system: System, kept: int, parameters: int = 0) -> tuple[slice, ...]:
-    """Return the parts of a displacement.
+def perturbation_slices(system: System, kept: int, parameters: int = 0) -> tuple[slice, ...]:
+    """Return the slices of a perturbation.
 
     They are way, rate, bristles, approach speeds, masses, parameters, kept numbers, time.
 
     Args:
         system: The system.
         kept: How many numbers its elements keep.
-        parameters: How many of its numbers are displaced (:mod:`antenna_pin.nonlinear.perturbed_system`).
+        parameters: How many of its numbers are perturbed (:mod:`antenna_pin.nonlinear.perturbed_system`).
     """
     nv, contacts = system.model.nv, len(system.contact_names)
     sizes = [nv, nv, len(system.bristle_x), contacts, contacts, parameters, kept, 1]
@@ -258,31 +260,31 @@ def parts_of(system: System, kept: int, parameters: int = 0) -> tuple[slice, ...
     return tuple(slice(end - size, end) for end, size in zip(ends, sizes, strict=True))
 
 
-def own_state(
+def own_coordinates(
     frame: Frame, size: int, lasting: Collection[int], kept: Collection[int] = ()
 ) -> NDArray[np.bool_]:
-    """Return which coordinates are a neighbour's own state, (size,): all but what lasting contacts remember.
+    """Return which coordinates belong to a perturbed state alone, (size,).
 
-    Nothing changes what a contact remembers while it lasts. Over a time over which it does, that is a
-    parameter of the motion: neighbours share it. So it is of what elements keep.
+    Nothing changes a contact's memory while it lasts. Over a time over which it does, that is a
+    parameter of the motion: perturbed states share it. So it is of element memory.
 
     Args:
-        frame: The axes; what contacts remember is behind all other coordinates, what elements keep before it.
+        frame: The axes; contact memory is behind all other coordinates, element memory before it.
         size: How many coordinates there are.
         lasting: Contacts that last over the time that is looked at.
         kept: Numbers of elements that nothing changes over it.
     """
     own = np.ones(size, dtype=bool)
-    remembered = size - len(frame.remembered)
-    for k, (contact, _) in enumerate(frame.remembered, remembered):
+    remembered = size - len(frame.contact_memory)
+    for k, (contact, _) in enumerate(frame.contact_memory, remembered):
         own[k] = contact not in lasting
-    for k, number in enumerate(frame.kept, remembered - len(frame.kept)):
+    for k, number in enumerate(frame.element_memory, remembered - len(frame.element_memory)):
         own[k] = number not in kept
     return own
 
 
-def _remembered(masses: Sequence[bool], touching: Array) -> tuple[tuple[int, int], ...]:
-    """Return contact and column of what the contacts that touch remember and their forces depend on.
+def _contact_memory(masses: Sequence[bool], touching: Array) -> tuple[tuple[int, int], ...]:
+    """Return contact and column of the contact memory that forces depend on.
 
     Args:
         masses: Of each contact, whether it goes by the effective mass that it remembers.
@@ -292,35 +294,35 @@ def _remembered(masses: Sequence[bool], touching: Array) -> tuple[tuple[int, int
     return tuple((c, column) for c in touch for column in ((1, 2) if masses[c] else (1,)))
 
 
-def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept: Kept) -> Frame:
+def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept: ElementMemory) -> Frame:
     """Return the axes of coordinates in a state.
 
     Args:
         workspace: To look at constraints with, and at the modes of elements.
-        units: Of ways.
+        units: Of positions.
         y: State [q, v, x].
         touching: Of each contact, 0 or not, (contacts,).
-        kept: What elements keep.
+        kept: Element memory.
     """
     system, constraints = workspace.system, workspace.constraints
-    memories, nv = _remembered(kept.masses, touching), system.model.nv
-    numbers = kept.gone_by(workspace.program)
+    memories, nv = _contact_memory(kept.masses, touching), system.model.nv
+    numbers = kept.active_in(workspace.program)
     if constraints is None:
         return Frame(np.eye(nv), np.zeros((nv, 0)), memories, numbers)
     left = directions(constraints, y, workspace.program, motions=True, holds=True)
     free = left.shape[1]
     # Where elements hold nothing at present the axes are the joints' own.
-    ways = np.eye(nv) if free == nv else np.linalg.svd(left / units.way[:, None])[0]
+    ways = np.eye(nv) if free == nv else np.linalg.svd(left / units.position[:, None])[0]
     return Frame(
         np.ascontiguousarray(ways[:, :free]), np.ascontiguousarray(ways[:, free:]), memories, numbers
     )
 
 
-def way_between(system: System, here: Array, there: Array) -> Array:
-    """Return the way from one configuration to another, (nv,): what ``pin.integrate`` makes go there.
+def configuration_difference(system: System, here: Array, there: Array) -> Array:
+    """Return the tangent vector from one configuration to another, (nv,).
 
     Pinocchio's own has no turns of 1e-8 rad and less where joints turn without end or move in a plane, and in
-    a plane has ways by 1 - cos of the turn.
+    a plane has positions by 1 - cos of the turn.
     """
     way: Array = pin.difference(system.model, here, there)
     i = j = 0
@@ -342,12 +344,12 @@ def way_between(system: System, here: Array, there: Array) -> Array:
 
 # --- coordinates as perturbations, on what constraints hold -------------------------------------------------
 
-_KEPT = 2  # of states and of axes: where a step begins and ends, and old and new axes there
+_CACHED = 2  # of states and of axes: where a step begins and ends, and old and new axes there
 _FAINT = 1e-10  # of what rows of constraints do, over the most: less is what round-off has left
 
 
-class _Made(NamedTuple):
-    """A lift that was made.
+class _CachedLift(NamedTuple):
+    """Lift in a cache.
 
     Attributes:
         frame: Of which axes.
@@ -360,8 +362,8 @@ class _Made(NamedTuple):
     tilt: float
 
 
-class _Held(NamedTuple):
-    """What is held in a state.
+class _ConstraintsAt(NamedTuple):
+    """Constraints in a state.
 
     Attributes:
         key: Time, state, and what elements hold there.
@@ -379,19 +381,19 @@ class _Held(NamedTuple):
     rows: Array
     over_time: Array
     over_numbers: Array
-    lifts: list[_Made]
+    lifts: list[_CachedLift]
 
 
 class Lifts:
-    """Makes displacements of coordinates.
+    """Lifts of coordinates to perturbations, with a cache.
 
     Args:
         workspace: Its program is that of the moment.
-        units: Of displacements.
-        kept: What elements keep.
-        parts: Of a displacement.
-        speeds: ``(time, y, ways) -> (rows, k)``: the derivatives along displacements of how fast constraints
-            are violated, numbers of the system left as they are.
+        units: Of perturbations.
+        kept: Element memory.
+        parts: Of a perturbation.
+        speeds: ``(time, y, positions) -> (rows, k)``: the derivatives along perturbations of how fast
+            constraints are violated, numbers of the system left as they are.
         over_numbers: ``(time, y) -> (2, rows, numbers)``: how far and how fast they are over these.
     """
 
@@ -399,62 +401,67 @@ class Lifts:
         self,
         workspace: Workspace,
         units: Units,
-        kept: Kept,
+        kept: ElementMemory,
         parts: tuple[slice, ...],
         speeds: Callable[[float, Array, Array], Array],
         over_numbers: Callable[[float, Array], Array],
     ) -> None:
         """Begin with none."""
         self._workspace, self._units, self._kept, self._parts = workspace, units, kept, parts
-        self._kept_units = kept.units(units.way, units.rate)
+        self._kept_units = kept.units(units.position, units.rate)
         self._speeds, self._over_numbers = speeds, over_numbers
-        self._states: list[_Held] = []
-        self._free: list[_Made] = []  # without constraints they are the same in every state
+        self._states: list[_ConstraintsAt] = []
+        self._free: list[_CachedLift] = []  # without constraints they are the same in every state
 
     def lift(self, frame: Frame, time: float, y: Array) -> Lift:
-        """Return the coordinates along a frame's axes as displacements of a state near the frame's own.
+        """Return the coordinates of a frame as perturbations of a state near its own.
 
-        Closures and motions hold in displaced states, to first order: across the axes a displacement is what
+        Closures and motions hold in perturbed states, to first order: across the axes a perturbation is what
         they want it to be.
         """
         return self._made(frame, time, y).lift
 
     def tilt(self, frame: Frame, time: float, y: Array) -> float:
-        """Return by how much axes are off what constraints leave in a state, as the tangent of an angle."""
+        """Return the angle between a frame's axes and the constraints' freedoms, as a tangent."""
         return self._made(frame, time, y).tilt
 
-    def _made(self, frame: Frame, time: float, y: Array) -> _Made:
+    def _made(self, frame: Frame, time: float, y: Array) -> _CachedLift:
         held = None if self._workspace.constraints is None else self._held_at(time, y)
         lifts = self._free if held is None else held.lifts
         for one in lifts:
             if one.frame is frame:
                 return one
         units, (way, rate, bristles, *remembered, numbers, _, clock) = self._units, self._parts
-        n, nb, nk, nm = frame.ways, len(self._units.bristle), len(frame.kept), len(frame.remembered)
+        n, nb, nk, nm = (
+            frame.positions,
+            len(self._units.bristle),
+            len(frame.element_memory),
+            len(frame.contact_memory),
+        )
         count, first = numbers.stop - numbers.start, frame.first_bristle
         size = first + nb + count + nk + nm
         up, down = np.zeros((self._parts[-1].stop, size)), np.zeros((size, self._parts[-1].stop))
         ways, rates, own = slice(n), slice(n, 2 * n), slice(first, first + nb)
-        up[way, ways], down[ways, way] = units.way[:, None] * frame.free, frame.free.T / units.way
+        up[way, ways], down[ways, way] = units.position[:, None] * frame.free, frame.free.T / units.position
         up[rate, rates], down[rates, rate] = units.rate[:, None] * frame.free, frame.free.T / units.rate
         up[bristles, own], down[own, bristles] = np.diag(units.bristle), np.diag(1.0 / units.bristle)
-        up[clock, 2 * n : first], down[2 * n : first, clock] = CLOCK, 1.0 / CLOCK
+        up[clock, 2 * n : first], down[2 * n : first, clock] = TIME_UNIT, 1.0 / TIME_UNIT
         parameters = slice(own.stop, own.stop + count)
         up[numbers, parameters] = down[parameters, numbers] = np.eye(count)
-        for k, number in enumerate(frame.kept, parameters.stop):
+        for k, number in enumerate(frame.element_memory, parameters.stop):
             at, unit = self._parts[-2].start + number, self._kept_units[number]
             up[at, k], down[k, at] = unit, 1.0 / unit
-        for k, (contact, column) in enumerate(frame.remembered, parameters.stop + nk):
+        for k, (contact, column) in enumerate(frame.contact_memory, parameters.stop + nk):
             at = remembered[column - 1].start + contact
             up[at, k] = down[k, at] = 1.0
         tilt = 0.0 if held is None else self._hold(up, frame, held)
-        made = _Made(frame, Lift(up, down), tilt)
+        made = _CachedLift(frame, Lift(up, down), tilt)
         lifts.insert(0, made)
-        del lifts[_KEPT:]
+        del lifts[_CACHED:]
         return made
 
-    def _held_at(self, time: float, y: Array) -> _Held:
-        """Return what is held in a state."""
+    def _held_at(self, time: float, y: Array) -> _ConstraintsAt:
+        """Return the constraints in a state."""
         constraints, program = self._workspace.constraints, self._workspace.program
         assert constraints is not None
         key = time, y.tobytes(), program.tobytes()
@@ -468,20 +475,20 @@ class Lifts:
         # Over time alone places that are wanted go with the rates that are.
         over_time = constraints.every_speed - rows @ y[nq : nq + nv]
         over = self._over_numbers(time, y)
-        found = _Held(key, time, y.copy(), rows, over_time, over, [])
-        self._states = [found, *self._states[: _KEPT - 1]]
+        found = _ConstraintsAt(key, time, y.copy(), rows, over_time, over, [])
+        self._states = [found, *self._states[: _CACHED - 1]]
         return found
 
-    def _hold(self, up: Array, frame: Frame, held: _Held) -> float:
-        """Let closures and motions hold in displacements, in place; return the tilt of axes."""
+    def _hold(self, up: Array, frame: Frame, held: _ConstraintsAt) -> float:
+        """Make perturbations hold closures and motions, in place; return the tilt of axes."""
         way, rate, *_, numbers, _, _ = self._parts
-        n, clock = frame.ways, list(range(2 * frame.ways, frame.first_bristle))
+        n, clock = frame.positions, list(range(2 * frame.positions, frame.first_bristle))
         rows, over = held.rows, held.over_numbers
-        across = self._units.way[:, None] * frame.bound
+        across = self._units.position[:, None] * frame.bound
         first = frame.first_bristle + len(self._units.bristle)
         last = first + numbers.stop - numbers.start
         # What constraints know of besides the configuration: time, numbers of the system and of elements.
-        places = [*range(n), *clock, *range(first, last + len(frame.kept))]
+        places = [*range(n), *clock, *range(first, last + len(frame.element_memory))]
         gaps = [np.outer(held.over_time, up[-1, clock]), over[0], self._gaps_over_kept(frame, held)]
         off = np.hstack([rows @ up[way, :n], *gaps])
         back = np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
@@ -493,15 +500,15 @@ class Lifts:
         up[rate, [*places, *range(n, 2 * n)]] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
         return float(np.abs(back[:, :n]).max(initial=0.0))
 
-    def _gaps_over_kept(self, frame: Frame, held: _Held) -> Array:
-        """Return by how much constraints are violated per unit of each number that elements keep, (rows, k).
+    def _gaps_over_kept(self, frame: Frame, held: _ConstraintsAt) -> Array:
+        """Return the derivatives of constraints over element memory, in its units, (rows, k).
 
         A row that holds a joint goes with its place, linearly.
         """
         constraints, program = self._workspace.constraints, self._workspace.program
         assert constraints is not None
         columns = [np.zeros((len(constraints.every_row), 0))]
-        for number in frame.kept:
+        for number in frame.element_memory:
             word, step = self._kept.words[number], float(self._kept_units[number])
             kept, found = program[word], []
             for side in (0.5, -0.5):

@@ -25,7 +25,7 @@ __all__ = ["DiagramPlan", "is_plan", "list_plans", "load_plan", "values_of"]
 
 @takes()
 def values_of(text: str) -> list[float | str]:
-    """Return the values of a parameter that a text says: ``FIRST:LAST:COUNT``, or a list with commas.
+    """Return the parameter values of a text: ``FIRST:LAST:COUNT``, or a list with commas.
 
     Raises:
         InvalidParameterError: It says none.
@@ -52,7 +52,7 @@ def values_of(text: str) -> list[float | str]:
 
 
 class DiagramPlan(RunsFile):
-    """A bifurcation diagram that can be asked for by a file.
+    """Bifurcation diagram defined by a file.
 
     Attributes:
         parameter: Key of the scenario, with dots.
@@ -88,11 +88,11 @@ class DiagramPlan(RunsFile):
     folder: Path = Path()
 
     def given(self) -> list[float | str]:
-        """Return the values, as :func:`antenna_pin.nonlinear.bifurcation` takes them."""
+        """Return the values, as arguments of :func:`antenna_pin.nonlinear.bifurcation`."""
         return values_of(self.values) if isinstance(self.values, str) else list(self.values)
 
     def how(self) -> dict[str, Any]:
-        """Return what :func:`antenna_pin.nonlinear.bifurcation` takes beside a scenario and values."""
+        """Return the other arguments of :func:`antenna_pin.nonlinear.bifurcation`."""
         names = ("quantities", "branches", "count", "transient", "most", "tolerance")
         return {"parameter": self.parameter, "section": self.where()} | {
             name: getattr(self, name) for name in names
@@ -124,5 +124,5 @@ def load_plan(path: str | os.PathLike[str], settings: Mapping[str, Any] | None =
 
 
 def is_plan(name: str) -> bool:
-    """Whether a name is that of a diagram's file or of a shipped diagram, not of a scenario."""
+    """Return whether a name is that of a diagram's file or a shipped diagram."""
     return name.endswith(DiagramPlan.suffix) or name in list_plans()

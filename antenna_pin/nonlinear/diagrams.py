@@ -32,7 +32,7 @@ from antenna_pin.base.state import State
 from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.nonlinear.chart import carried
-from antenna_pin.nonlinear.returns import Returns, check_counts, settled_points
+from antenna_pin.nonlinear.returns import SectionRun, check_counts, settled_points
 from antenna_pin.nonlinear.sections import Crossing, Section, Stroboscope
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Angle, Force, Gap, Progress, Rate
@@ -40,16 +40,11 @@ from antenna_pin.sweep.journal import Journal, begun
 from antenna_pin.trajectory import library_versions, open_table, save_table, table_attributes
 
 __all__ = [
-    "Asked",
-    "BRANCHES",
     "Branch",
-    "Entry",
     "Made",
     "bifurcation",
-    "diagram_table",
-    "make",
     "open_diagram",
-    "watching",
+    "interrupting",
 ]
 
 
@@ -59,15 +54,15 @@ Branch = Literal["fresh", "forward", "backward"]
 """How a value is come to: from the scenario's start, or from the end of the value before or after it."""
 
 #: All of them.
-BRANCHES: tuple[Branch, ...] = ("fresh", "forward", "backward")
+_BRANCHES: tuple[Branch, ...] = ("fresh", "forward", "backward")
 
-Entry = dict[str, Any]
+_Entry = dict[str, Any]
 """What is found at one value of one branch, as JSON takes it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
-    """What is asked at every value.
+class _Settings:
+    """Settings of every value of a diagram.
 
     Attributes:
         scenario: What the parameter is laid over.
@@ -94,14 +89,14 @@ class Asked:
         return self.scenario.with_overrides({self.parameter: value})
 
 
-def make(
-    asked: Asked,
+def _evaluate(
+    asked: _Settings,
     value: Any,
     start: State | None = None,
     period: float = math.nan,
     ending: threading.Event | None = None,
-) -> Entry:
-    """Return what is found at a value.
+) -> _Entry:
+    """Return the entry of a value.
 
     Args:
         asked: What is asked.
@@ -110,10 +105,10 @@ def make(
         period: Of the stroboscope where that state comes from [s].
         ending: Ends the run when set, by KeyboardInterrupt.
     """
-    entry: Entry = {"times": [], "values": [], "units": [], "titles": [], "settled": False, "drift": None}
+    entry: _Entry = {"times": [], "values": [], "units": [], "titles": [], "settled": False, "drift": None}
     entry |= {"transient": 0, "period": None, "state": ""}
     try:
-        returns = Returns(asked.at(value), asked.section, asked.quantities, progress=watching(ending))
+        returns = SectionRun(asked.at(value), asked.section, asked.quantities, progress=interrupting(ending))
         if start is not None:
             scale = returns.period / period if math.isfinite(period) else 1.0
             returns.state = carried(start, returns.system, scale=scale)
@@ -137,8 +132,8 @@ def make(
     }
 
 
-def watching(ending: threading.Event | None) -> Callable[[Progress], None] | None:
-    """Return what a run tells its progress to that ends it, by KeyboardInterrupt, once an event is set."""
+def interrupting(ending: threading.Event | None) -> Callable[[Progress], None] | None:
+    """Return a progress callback that raises KeyboardInterrupt once an event is set."""
     if ending is None:
         return None
 
@@ -152,8 +147,8 @@ def watching(ending: threading.Event | None) -> Callable[[Progress], None] | Non
 # --- datasets and their files -------------------------------------------------------------------------------
 
 
-def diagram_table(
-    asked: Asked, values: Sequence[Any], branches: Sequence[str], entries: Mapping[int, Entry]
+def _diagram_table(
+    asked: _Settings, values: Sequence[Any], branches: Sequence[str], entries: Mapping[int, _Entry]
 ) -> xr.Dataset:
     """Return the dataset of a diagram.
 
@@ -255,8 +250,8 @@ def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
 _SUFFIX = ".parts"
 
 
-class Parts:
-    """The entries of a diagram, kept on the disk as they come if it has a folder.
+class _EntryStore:
+    """Entries of a diagram, stored on the disk if it has a folder.
 
     Attributes:
         entries: By number: of the branch, then of the value.
@@ -266,15 +261,15 @@ class Parts:
     def __init__(self, folder: Path | None) -> None:
         """Begin with none."""
         self.folder = folder
-        self.entries: dict[int, Entry] = {}
+        self.entries: dict[int, _Entry] = {}
         self._journal: Journal | None = None
 
     @classmethod
     @contextmanager
     def of(
-        cls, target: Path | None, asked: Asked, values: Sequence[Any], branches: Sequence[str]
-    ) -> Iterator[Parts]:
-        """Yield what there is of a diagram.
+        cls, target: Path | None, asked: _Settings, values: Sequence[Any], branches: Sequence[str]
+    ) -> Iterator[_EntryStore]:
+        """Yield the stored entries of a diagram.
 
         Args:
             target: File of the result, beside which the folder is; None for in memory only.
@@ -289,15 +284,15 @@ class Parts:
             yield cls(None)
             return
         parts = cls(target.with_name(target.name + _SUFFIX))
-        parts._open(_about(asked, values, branches))
+        parts._open(_identity(asked, values, branches))
         try:
             yield parts
         finally:
             if parts._journal is not None:
                 parts._journal.close()
 
-    def add(self, entry: Entry) -> None:
-        """Keep an entry."""
+    def add(self, entry: _Entry) -> None:
+        """Store an entry."""
         if self._journal is not None:
             self._journal.add(entry)
         self.entries[int(entry["run"])] = entry
@@ -307,8 +302,8 @@ class Parts:
         self.entries, self._journal = begun(self.folder, about, "diagram")
 
 
-def _about(asked: Asked, values: Sequence[Any], branches: Sequence[str]) -> dict[str, Any]:
-    """Return what makes a diagram itself, as JSON takes it."""
+def _identity(asked: _Settings, values: Sequence[Any], branches: Sequence[str]) -> dict[str, Any]:
+    """Return the identity of a diagram as JSON types."""
     scenario = json.loads(asked.scenario.model_dump_json())
     for name in ("name", "folder", "overrides", "description"):
         scenario.pop(name, None)
@@ -333,7 +328,7 @@ def _about(asked: Asked, values: Sequence[Any], branches: Sequence[str]) -> dict
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """How far a diagram is.
+    """Progress of a diagram.
 
     Attributes:
         done: Values made, of an earlier call too [-].
@@ -401,14 +396,14 @@ def bifurcation(
     if not quantities or isinstance(quantities, str):
         raise InvalidParameterError("bifurcation", "quantities", "names of one or more", quantities)
     if not branches or isinstance(branches, str):
-        raise InvalidParameterError("bifurcation", "branches", f"some of {', '.join(BRANCHES)}", branches)
+        raise InvalidParameterError("bifurcation", "branches", f"some of {', '.join(_BRANCHES)}", branches)
     for branch in branches:
-        if branch not in BRANCHES:
-            raise UnknownNameError("bifurcation", "branch", branch, BRANCHES)
+        if branch not in _BRANCHES:
+            raise UnknownNameError("bifurcation", "branch", branch, _BRANCHES)
     if workers is not None and (isinstance(workers, bool) or workers < 1):
         raise InvalidParameterError("bifurcation", "workers", "1 or more", workers)
     given = list(values)
-    asked = Asked(
+    asked = _Settings(
         scenario=scenario,
         parameter=parameter,
         section=section,
@@ -418,12 +413,12 @@ def bifurcation(
         most=most,
         tolerance=tolerance,
     )
-    chosen = tuple(branch for branch in BRANCHES if branch in branches)
+    chosen = tuple(branch for branch in _BRANCHES if branch in branches)
     _check(asked, given)
     target = None if out is None else check_writable(out, ".nc")
-    with Parts.of(target, asked, given, chosen) as parts:
+    with _EntryStore.of(target, asked, given, chosen) as parts:
         _Driver(asked, given, chosen, parts, workers, progress).run()
-        table = diagram_table(asked, given, chosen, parts.entries)
+        table = _diagram_table(asked, given, chosen, parts.entries)
         table.attrs |= table_attributes("bifurcation", scenario)
         if target is not None:
             save_table(table, target)
@@ -432,8 +427,8 @@ def bifurcation(
     return table
 
 
-def _check(asked: Asked, values: list[Any]) -> None:
-    """Refuse values that are none, or that the scenario does not take."""
+def _check(asked: _Settings, values: list[Any]) -> None:
+    """Refuse values that are no numbers, or that the scenario does not accept."""
     if len(values) < 2:
         raise InvalidParameterError("bifurcation", "values", "two or more", said=f"{len(values)}")
     numbers = []
@@ -446,7 +441,7 @@ def _check(asked: Asked, values: list[Any]) -> None:
     steps = [b - a for a, b in zip(numbers, numbers[1:], strict=False)]
     if not (all(step > 0.0 for step in steps) or all(step < 0.0 for step in steps)):
         raise InvalidParameterError("bifurcation", "values", "in order, each but once", values)
-    Returns(asked.at(values[0]), asked.section, asked.quantities)
+    SectionRun(asked.at(values[0]), asked.section, asked.quantities)
     for value in values:
         changed = asked.at(value)
         if isinstance(asked.section, Stroboscope):
@@ -454,14 +449,14 @@ def _check(asked: Asked, values: list[Any]) -> None:
 
 
 class _Driver:
-    """Makes what is missing: fresh values in any order, each branch one value after the other."""
+    """Executor of missing values: fresh ones in any order, branches one after the other."""
 
     def __init__(
         self,
-        asked: Asked,
+        asked: _Settings,
         values: list[Any],
         branches: tuple[Branch, ...],
-        parts: Parts,
+        parts: _EntryStore,
         workers: int | None,
         progress: Callable[[Made], None] | None,
     ) -> None:
@@ -471,14 +466,14 @@ class _Driver:
         self.ending = threading.Event()
 
     def run(self) -> None:
-        """Make all that is missing."""
+        """Evaluate all that is missing."""
         waiting = self._jobs()
         self._tell()
         if not any(one is not None for one in waiting):
             return
         with self._executor() as executor:
-            running: dict[Future[Entry], Iterator[tuple[int, Any, State | None, float]]] = {}
-            numbers: dict[Future[Entry], int] = {}
+            running: dict[Future[_Entry], Iterator[tuple[int, Any, State | None, float]]] = {}
+            numbers: dict[Future[_Entry], int] = {}
             queue = list(waiting)
             while queue or running:
                 while queue and len(running) < self.width:
@@ -488,7 +483,7 @@ class _Driver:
                         continue
                     number, value, start, period = job
                     ending = self.ending if isinstance(executor, ThreadPoolExecutor) else None
-                    future = executor.submit(make, self.asked, value, start, period, ending)
+                    future = executor.submit(_evaluate, self.asked, value, start, period, ending)
                     running[future], numbers[future] = chain, number
                 for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
                     chain, number = running.pop(future), numbers.pop(future)
@@ -497,7 +492,7 @@ class _Driver:
                     queue.insert(0, chain)  # a branch has the longest way
 
     def _jobs(self) -> list[Iterator[tuple[int, Any, State | None, float]]]:
-        """Return what is to be done, as chains of which one job at a time may be made."""
+        """Return the jobs as chains, one job of a chain at a time."""
         n = len(self.values)
         chains: list[Iterator[tuple[int, Any, State | None, float]]] = []
         for b, branch in enumerate(self.branches):
@@ -513,7 +508,7 @@ class _Driver:
         return chains
 
     def _branch(self, first: int, order: range) -> Iterator[tuple[int, Any, State | None, float]]:
-        """Yield the values of a branch, each once the one before is there."""
+        """Yield the jobs of a branch, each once its predecessor is done."""
         state: State | None = None
         period = math.nan
         for k in order:
@@ -526,7 +521,7 @@ class _Driver:
 
     @contextmanager
     def _executor(self) -> Iterator[Executor]:
-        """Yield who makes the runs; what is interrupted ends at once."""
+        """Yield an executor that is shut down at once on an interruption."""
         compiled = self.asked.scenario.integrator.engine == "compiled"
         executor: Executor
         if compiled or self.width == 1:

@@ -28,29 +28,19 @@ from antenna_pin.base.differences import WEIGHTS
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import Workspace
 from antenna_pin.integrate import NODES, Propagated, Propagator, Stepper, method_named
-from antenna_pin.nonlinear.coordinates import Frame, way_between
-from antenna_pin.nonlinear.saltation import Carried
-from antenna_pin.nonlinear.vector_field import Field
+from antenna_pin.nonlinear.coordinates import Frame, configuration_difference
+from antenna_pin.nonlinear.saltation import Tangents
+from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.steps import stepper_of
 
 __all__ = [
-    "BETWEEN",
-    "Break",
-    "ByMatrices",
-    "ENDS",
-    "HALVINGS",
-    "Kink",
-    "Missed",
-    "Piece",
-    "SAMPLES",
-    "StepAnew",
-    "Within",
-    "at_once",
-    "kink_in",
-    "left_over",
-    "located",
-    "wrong_by",
+    "JacobianPropagation",
+    "KinkDefects",
+    "StepPart",
+    "CutStep",
+    "StepStates",
+    "coincidence",
 ]
 
 Array = NDArray[np.float64]
@@ -59,13 +49,13 @@ Array = NDArray[np.float64]
 
 # How often a step is halved; and the power of what is integrated over that time goes with next to where a
 # contact begins or ends.
-HALVINGS, _GRADE = 30, 4
-# In parts of a step, and in units of the last place of its time, what counts as the same instant.
+_HALVINGS, _GRADE = 30, 4
+# In parts of a step, and in units of the last place of its time, what counts as the same time.
 _AT_ONCE, _ULPS = 1e-12, 4.0
 
 
-class Piece(NamedTuple):
-    """A part of a step, which runs from 0 to 1.
+class StepPart(NamedTuple):
+    """Part of a step, as fractions from 0 to 1.
 
     Attributes:
         a: Where it begins.
@@ -81,7 +71,7 @@ class Piece(NamedTuple):
     graded: bool = False
     falling: bool = False
     known: tuple[bool, bool] = (False, False)
-    halvings: int = HALVINGS
+    halvings: int = _HALVINGS
 
     def at(self, places: Array) -> tuple[Array, Array]:
         """Return fractions of the step and their slopes over places from 0 to 1.
@@ -97,8 +87,8 @@ class Piece(NamedTuple):
             return self.b - size * rest**_GRADE, _GRADE * rest ** (_GRADE - 1)
         return self.a + size * places, np.ones(len(places))
 
-    def cut(self, at: float, known: bool) -> tuple[Piece, Piece]:
-        """Return it in two, cut at a fraction of the step, which may be a break that is known."""
+    def cut(self, at: float, known: bool) -> tuple[StepPart, StepPart]:
+        """Return the two parts before and behind a fraction, which may be a known kink."""
         first, last = self.known
         less = self.halvings - 1
         return (
@@ -107,8 +97,8 @@ class Piece(NamedTuple):
         )
 
 
-def at_once(time: float, size: float) -> float:
-    """Return what part of a step counts as one instant.
+def coincidence(time: float, size: float) -> float:
+    """Return the fraction of a step that counts as one time.
 
     Args:
         time: When it begins [s].
@@ -122,11 +112,11 @@ def at_once(time: float, size: float) -> float:
 # How near an end of a step it is looked at, as a part of the step: a jump beyond adds that much of itself.
 _EDGE = 1.0 - float(NODES[-1])
 #: Where a step is looked at besides at its nodes: the largest gap is a sixth of the step.
-BETWEEN = np.array([_EDGE, 0.02, 0.2, 0.5, 0.8, 0.98])
+_BETWEEN = np.array([_EDGE, 0.02, 0.2, 0.5, 0.8, 0.98])
 #: Where it is looked at in all, the nodes first.
-SAMPLES = np.concatenate([NODES, BETWEEN])
+_SAMPLES = np.concatenate([NODES, _BETWEEN])
 #: Which of these are the step's ends: first and last.
-ENDS = len(NODES), len(NODES) - 1
+_ENDS = len(NODES), len(NODES) - 1
 # Degree of the polynomial.
 _DEGREE = 6
 # Part of a jump, and how the ramp of differences of sixth order rises in its middle, per step.
@@ -135,13 +125,13 @@ _QUARTER, _RISE = 0.25, float(WEIGHTS[0].sum())
 _NARROW, _CHANGE_OF_JUMP = 0.05, 0.5
 
 
-class Break(NamedTuple):
-    """A jump of a derivative.
+class _Jump(NamedTuple):
+    """Jump of a derivative.
 
     Attributes:
         place: Where.
         beside: Places before it and behind it, near but apart from what is next to it.
-        later: By how much later it is for a neighbour a step of the ramps away.
+        later: By how much later it is for a perturbed state a step of the ramps away.
     """
 
     place: float
@@ -149,44 +139,46 @@ class Break(NamedTuple):
     later: float
 
 
-def _rests(places: Array) -> Array:
-    """Return what takes the nearest polynomial away from values at some places, (places, places)."""
+def _remainder_matrix(places: Array) -> Array:
+    """Return the projection that removes the fitted polynomial, (places, places)."""
     basis = np.linalg.qr(np.polynomial.legendre.legvander(2.0 * places - 1.0, _DEGREE))[0]
     return np.asarray(np.eye(len(places)) - basis @ basis.T)
 
 
-def _counting(known: tuple[bool, bool]) -> NDArray[np.intp]:
-    """Return which samples count, in the order of their places."""
-    left_out = {end for end, is_known in zip(ENDS, known, strict=True) if is_known}
-    return np.array([k for k in np.argsort(SAMPLES).tolist() if k not in left_out])
+def _sample_order(known: tuple[bool, bool]) -> NDArray[np.intp]:
+    """Return the samples that count, in the order of their places."""
+    left_out = {end for end, is_known in zip(_ENDS, known, strict=True) if is_known}
+    return np.array([k for k in np.argsort(_SAMPLES).tolist() if k not in left_out])
 
 
-_COUNTING = {(one, other): _counting((one, other)) for one in (False, True) for other in (False, True)}
-_REST = {known: _rests(SAMPLES[kept]) for known, kept in _COUNTING.items()}
+_SAMPLE_ORDER = {
+    (one, other): _sample_order((one, other)) for one in (False, True) for other in (False, True)
+}
+_REST = {known: _remainder_matrix(_SAMPLES[kept]) for known, kept in _SAMPLE_ORDER.items()}
 
 
-def left_over(values: Array, known: tuple[bool, bool]) -> tuple[float, tuple[int, int]]:
-    """Return how much a polynomial leaves of values at :data:`SAMPLES`, and between which two it breaks most.
+def _polynomial_remainder(values: Array, known: tuple[bool, bool]) -> tuple[float, tuple[int, int]]:
+    """Return the remainder of a polynomial fit, and the two samples of its largest jump.
 
     Args:
         values: (samples, n).
         known: Whether its first and its last end are breaks that are known: values there do not count.
     """
-    kept = _COUNTING[known]
+    kept = _SAMPLE_ORDER[known]
     rest = _REST[known] @ values[kept]
     worst = int(np.argmax(np.linalg.norm(np.diff(rest, axis=0), axis=1)))
     return float(np.linalg.norm(rest, axis=1).max()), (int(kept[worst]), int(kept[worst + 1]))
 
 
-def located(
+def _locate_jump(
     ramps: Callable[[float], Array],
     jumps: Callable[[float], Array],
     low: float,
     high: float,
     before: Array,
     after: Array,
-) -> Break | None:
-    """Return where a function of one number jumps between two places, or None if it does not jump there.
+) -> _Jump | None:
+    """Return the jump of a function of one number between two places, or None.
 
     Args:
         ramps: ``(place) -> values``, by steps that are the same everywhere.
@@ -209,12 +201,12 @@ def located(
     beside = max(place - near, low), min(place + near, high)
     if not past(jumps, beside[1]) - past(jumps, beside[0]) > _CHANGE_OF_JUMP:
         return None
-    # How the ramp rises tells how much later a neighbour comes to the kink.
+    # How the ramp rises tells how much later a perturbed state comes to the kink.
     there, rise = high, past(ramps, high)
     if rise > _QUARTER > past(ramps, place):
         there = float(brentq(lambda at: past(ramps, at) - _QUARTER, place, high, xtol=1e-15, rtol=1e-6))
         rise = _QUARTER
-    return Break(place, beside, (there - place) / (rise / _RISE))
+    return _Jump(place, beside, (there - place) / (rise / _RISE))
 
 
 # --- errors of a run at kinks -------------------------------------------------------------------------------
@@ -225,13 +217,13 @@ _OFF = 10.0
 _MOST_DEFECTS = 16
 
 
-class Kink(NamedTuple):
-    """How a kink is passed.
+class _Kink(NamedTuple):
+    """Passing of a kink.
 
     Attributes:
         force: b, a direction of the coordinates, (size,).
         passing: n, likewise; the derivative of rates jumps by ``b n'`` [1/s].
-        later: By how much later a neighbour comes there that is off by n over its own square [s].
+        later: By how much later a perturbed state comes there that is off by n over its own square [s].
     """
 
     force: Array
@@ -239,13 +231,13 @@ class Kink(NamedTuple):
     later: float
 
     @classmethod
-    def of(cls, jump: Array, way: Array, later: float) -> Kink:
-        """Return it.
+    def of(cls, jump: Array, way: Array, later: float) -> _Kink:
+        """Return the kink with a jump of the Jacobian.
 
         Args:
             jump: Of the derivative of the coordinates' rates, (size, size).
-            way: Some displacement, (size,).
-            later: By how much later a neighbour there comes to it [s].
+            way: Some tangent, (size,).
+            later: By how much later a perturbed state there comes to it [s].
         """
         forces, sizes, passings = np.linalg.svd(jump)
         passing = sizes[0] * passings[0]
@@ -253,13 +245,13 @@ class Kink(NamedTuple):
         return cls(forces[:, 0], passing, abs(later / along) if along != 0.0 else 0.0)
 
 
-class Missed:
-    """Counts what displacements miss, by columns behind them, and has the flow as one more displacement.
+class KinkDefects:
+    """Defects of tangents at kinks: columns behind them, with the run's error and the flow.
 
-    The columns are displacements, what the run is off by, the flow, what is missed.
+    The columns are tangents, what the run is off by, the flow, what is missed.
 
     Args:
-        count: How many displacements there are.
+        count: How many tangents there are.
         rtol: The run's tolerance.
     """
 
@@ -269,43 +261,43 @@ class Missed:
         self._parts: list[Array] = []
 
     def begin(self, ways: Array) -> Array:
-        """Return displacements, (size, count), with what is behind them, which is nothing yet."""
+        """Return tangents, (size, count), with the additional columns, zero."""
         return np.hstack([ways, np.zeros((len(ways), 2))])
 
     @property
-    def flow(self) -> int:
-        """Which column the flow is, where it is carried; else it is zero."""
+    def flow_column(self) -> int:
+        """Column of the flow; zero where the flow is not propagated."""
         return self._count + 1
 
-    def own(self, carried: Carried) -> Carried:
-        """Return the displacements alone."""
+    def without_defects(self, carried: Tangents) -> Tangents:
+        """Return the tangents alone."""
         matrix, other, books = (
-            one[:, : self._count] for one in (carried.matrix, carried.other, carried.books)
+            one[:, : self._count] for one in (carried.matrix, carried.other, carried.integrals)
         )
-        return Carried(matrix, other, carried.frame, books)
+        return Tangents(matrix, other, carried.frame, books)
 
-    def error(self, carried: Carried) -> Array:
-        """Return what the run is off by, as a displacement, (size,)."""
+    def run_error(self, carried: Tangents) -> Array:
+        """Return the error of the run as a perturbation, (size,)."""
         return np.asarray(carried.matrix[:, self._count])
 
-    def off(self, carried: Carried, more: Array) -> Carried:
-        """Return displacements with a run that is off by more, (size,)."""
+    def with_run_error(self, carried: Tangents, more: Array) -> Tangents:
+        """Return tangents with a further error of the run, (size,)."""
         both = carried.matrix.copy(), carried.other.copy()
         for one in both:
             one[:, self._count] += more
-        return Carried(*both, carried.frame, carried.books)
+        return Tangents(*both, carried.frame, carried.integrals)
 
-    def passed(self, kink: Kink, error: Array, carried: Carried) -> Carried:
-        """Return displacements with what they miss of a kink that a run passes which is off by an error."""
+    def with_kink(self, kink: _Kink, error: Array, carried: Tangents) -> Tangents:
+        """Return tangents with their defect at a kink that a run with an error passes."""
         size = float(np.linalg.norm(kink.passing))
         late = kink.later * (abs(float(kink.passing @ error)) + size * self._least)
         self._parts.append(np.abs(kink.passing @ carried.matrix[:, : self._count]) * late)
         column = kink.force[:, None]
         matrix, other = (np.hstack([one, column]) for one in carried[:2])
-        return Carried(matrix, other, carried.frame, np.pad(carried.books, ((0, 0), (0, 1))))
+        return Tangents(matrix, other, carried.frame, np.pad(carried.integrals, ((0, 0), (0, 1))))
 
-    def merged(self, carried: Carried) -> Carried:
-        """Return displacements with the oldest of what is missed in one column, where there are too many."""
+    def merge(self, carried: Tangents) -> Tangents:
+        """Return tangents with the two oldest defects merged where there are too many."""
         while len(self._parts) > _MOST_DEFECTS:
             first = self._count + 2
             sizes = np.linalg.norm(carried.matrix[:, first : first + 2], axis=0)
@@ -315,22 +307,24 @@ class Missed:
             self._parts[:2] = [self._parts[0] + self._parts[1]]
             matrix, other, books = (
                 np.delete(one, first + 1 - kept, axis=1)
-                for one in (carried.matrix, carried.other, carried.books)
+                for one in (carried.matrix, carried.other, carried.integrals)
             )
-            carried = Carried(matrix, other, carried.frame, books)
+            carried = Tangents(matrix, other, carried.frame, books)
         return carried
 
-    def sizes(self, carried: Carried) -> Array:
-        """Return how much is missed of each displacement, (count,)."""
+    def sizes(self, carried: Tangents) -> Array:
+        """Return the size of each tangent's defects, (count,)."""
         matrix = carried.matrix
-        out = np.linalg.norm(matrix[:, : self._count], axis=0) * float(np.linalg.norm(self.error(carried)))
+        out = np.linalg.norm(matrix[:, : self._count], axis=0) * float(
+            np.linalg.norm(self.run_error(carried))
+        )
         for column, parts in zip(matrix.T[self._count + 2 :], self._parts, strict=True):
             out += float(np.linalg.norm(column)) * parts
         return np.asarray(out)
 
 
-class StepAnew:
-    """Makes a run's step anew, cut at kinks: what the run's own is off by.
+class CutStep:
+    """Repetition of a run's step, cut at kinks, for the error of the run's own.
 
     Args:
         field: The rates.
@@ -339,8 +333,8 @@ class StepAnew:
         source: Its contact memory and program are those of the step.
     """
 
-    def __init__(self, field: Field, settings: RunSettings, scales: Array, source: Workspace) -> None:
-        """Allocate nothing: most runs come to no kink."""
+    def __init__(self, field: VectorField, settings: RunSettings, scales: Array, source: Workspace) -> None:
+        """Allocate nothing: most runs have no kink."""
         self._field, self._settings, self._scales, self._source = field, settings, scales, source
         self._made: tuple[Workspace, Stepper] | None = None
         self._begun = False
@@ -367,14 +361,14 @@ class StepAnew:
         return workspace, stepper_of(workspace, method, self._scales, self._settings)
 
     def off(self, time: float, y: Array) -> Array:
-        """Return by how much a state at a time is off, as a displacement; none where nothing was cut."""
+        """Return the error of a state as a perturbation; zero where nothing was cut."""
         out = np.zeros(self._field.displacement)
         if not self._begun:
             return out
         nq, nv = self._field.system.model.nq, self._field.system.model.nv
         there = self.to(time)
         way, rate, bristles, *_ = self._field.parts
-        out[way] = way_between(self._field.system, there[:nq], y[:nq])
+        out[way] = configuration_difference(self._field.system, there[:nq], y[:nq])
         out[rate] = y[nq : nq + nv] - there[nq : nq + nv]
         out[bristles] = (y - there)[nq + nv + self._field.bristles]
         return out
@@ -383,8 +377,8 @@ class StepAnew:
 # --- states within a step -----------------------------------------------------------------------------------
 
 
-class Within:
-    """States within a step of a run: the step is made again where they are asked for.
+class StepStates:
+    """States within a step of a run, which is repeated on demand.
 
     Args:
         run: The run.
@@ -407,16 +401,16 @@ class Within:
 
     @property
     def touching(self) -> NDArray[Any]:
-        """Which contacts touch in the step, 0 or not, (contacts,)."""
+        """Contacts that touch in the step, 0 or not, (contacts,)."""
         return np.asarray(self.workspace.memory["touching"])
 
     def take_over(self, run: Run) -> None:
-        """Take the contact memory and the program of a run, for the step that follows."""
+        """Copy contact memory and program of a run, for the step that follows."""
         memory, program = run.workspace.memory, run.workspace.program
         self.workspace.memory[:], self.workspace.program[:] = memory, program
 
     def begin(self, time: float, y: Array, size: float, end: Array | None) -> None:
-        """Take up a step.
+        """Begin a step.
 
         Args:
             time: When it begins [s].
@@ -443,21 +437,21 @@ class Within:
         return y
 
 
-def kink_in(
-    piece: Piece,
+def _locate_kink(
+    piece: StepPart,
     between: tuple[int, int],
     seen: list[tuple[Array, float]],
-    within: Within,
-    by: tuple[Field, Frame, Array, Array],
-) -> tuple[float, Kink] | None:
-    """Return where rates break between two samples of a piece, as a fraction of the step, or None.
+    within: StepStates,
+    by: tuple[VectorField, Frame, Array, Array],
+) -> tuple[float, _Kink] | None:
+    """Return fraction of the step and kink between two samples of a part, or None.
 
     Args:
         piece: The part of the step.
-        between: Which of :data:`antenna_pin.nonlinear.kinks.SAMPLES`.
-        seen: What rates are along a displacement at each of them, first.
+        between: Which of :data:`antenna_pin.nonlinear.kinks._SAMPLES`.
+        seen: What rates are along a tangent at each of them, first.
         within: States within the step.
-        by: The rates, the axes of coordinates, the displacement, and that in coordinates.
+        by: The rates, the axes of coordinates, the tangent, and that in coordinates.
     """
     field, frame, way, unit = by
 
@@ -467,11 +461,11 @@ def kink_in(
         return float(slope) * look(*there, way)[0]
 
     low, high = between
-    found = located(
+    found = _locate_jump(
         lambda place: looked(place, field.across_kinks),
-        lambda place: looked(place, field.along_way),
-        float(SAMPLES[low]),
-        float(SAMPLES[high]),
+        lambda place: looked(place, field.directional),
+        float(_SAMPLES[low]),
+        float(_SAMPLES[high]),
         seen[low][0],
         seen[high][0],
     )
@@ -484,12 +478,12 @@ def kink_in(
     )
     step = field.across_kinks(within.time + cut * within.size, within.at(float(cut)), way)[1]
     later = found.later * slope * (piece.b - piece.a) * within.size / step
-    return float(cut), Kink.of(other - one, unit, later)
+    return float(cut), _Kink.of(other - one, unit, later)
 
 
 # --- tangents with the full Jacobian ------------------------------------------------------------------------
 
-# How often a step is halved to find where it breaks: what is wrong then is in the doubt.
+# How often a step is halved to find where it breaks: what is wrong then is in the error estimate.
 _SEARCHES = 8
 # In how many steps the round-off of rates is looked at once, where nothing changes.
 _LOOKS = 8
@@ -497,26 +491,28 @@ _LOOKS = 8
 _NOISY = 30.0
 
 
-class ByMatrices:
-    """Carries displacements over parts of a step as short as they must be.
+class JacobianPropagation:
+    """Propagation of tangents with the full Jacobian, over parts as short as necessary.
 
     Args:
         field: The rates.
         within: States within the step.
         again: Makes it anew, cut at kinks.
-        missed: Counts what displacements miss of these.
-        good: What a part may be wrong by, over the displacements.
+        missed: Counts what tangents miss of these.
+        good: What a part may be wrong by, over the tangents.
 
     Attributes:
-        made: Parts over which displacements were carried.
-        left_over: What is wrong by breaks that were not found, over the displacements.
+        made: Parts over which tangents were carried.
+        left_over: What is wrong by breaks that were not found, over the tangents.
         opening: At the step's end the derivative of the gap of a contact that ends there over coordinates,
             (size,); None if there is none.
     """
 
-    def __init__(self, field: Field, within: Within, again: StepAnew, missed: Missed, good: float) -> None:
+    def __init__(
+        self, field: VectorField, within: StepStates, again: CutStep, missed: KinkDefects, good: float
+    ) -> None:
         """Begin with nothing."""
-        self._field, self._within, self._again, self._missed = field, within, again, missed
+        self._field, self._within, self._cut_step, self._defects = field, within, again, missed
         self._good, self.made, self.left_over = good, 0, 0.0
         self.opening: Array | None = None
         self._looked_at = self._steps = 0
@@ -537,7 +533,7 @@ class ByMatrices:
             self._unseen = time, y
 
     def _along(self, frame: Frame) -> tuple[Array, Array]:
-        """Return the displacement along which breaks are looked for, some of every state, and its parts."""
+        """Return a random perturbation of the state along which kinks are sought, and its coordinates."""
         if self._way is None or self._way[0] is not frame:
             within = self._within
             up = self._field.lift(frame, within.time, within.at(0.0)).up
@@ -548,12 +544,12 @@ class ByMatrices:
             self._way = frame, up @ unit, unit
         return self._way[1:]
 
-    def over(self, piece: Piece, carried: Carried) -> Carried:
-        """Return displacements behind a part of the step."""
+    def over(self, piece: StepPart, carried: Tangents) -> Tangents:
+        """Return tangents behind a part of the step."""
         self.made += 1
         frame, (way, unit) = carried.frame, self._along(carried.frame)
         if self._unseen is not None:
-            self._field.look_at(*self._unseen, way)
+            self._field.estimate_round_off(*self._unseen, way)
             self._unseen, self._looked_at = None, self._steps
         field, within, at = self._field, self._within, self._within.at
         start, whole = within.time, within.size
@@ -562,25 +558,27 @@ class ByMatrices:
         found = [field.matrix(frame, start + s * whole, at(s), way) for s in thetas.tolist()]
         sixth, fourth, books = (
             np.array([one * s for one, s in zip(each, slopes, strict=True)])
-            for each in ([f.sixth for f in found], [f.fourth for f in found], [f.books for f in found])
+            for each in ([f.sixth for f in found], [f.fourth for f in found], [f.integrals for f in found])
         )
         if self._propagator.size != sixth.shape[1]:
             self._propagator = Propagator(sixth.shape[1])
         step = self._propagator.step(length, sixth)
         # What breaks at a place between the nodes, or behind the last, neither method sees.
         seen = [(f.along * s, f.noise * s) for f, s in zip(found, slopes.tolist(), strict=True)]
-        for s, slope in zip(*(one.tolist() for one in piece.at(BETWEEN)), strict=True):
-            value, noise = field.along_way(start + s * whole, at(s), way)
+        for s, slope in zip(*(one.tolist() for one in piece.at(_BETWEEN)), strict=True):
+            value, noise = field.directional(start + s * whole, at(s), way)
             seen.append((value * slope, noise * slope))
-        rest, (low, high) = left_over(np.array([value for value, _ in seen]), piece.known)
+        rest, (low, high) = _polynomial_remainder(np.array([value for value, _ in seen]), piece.known)
         noise = _NOISY * length * max(one for _, one in seen)
         off = length * rest if length * rest <= self._good else max(length * rest - noise, 0.0)
         found_break = None
         if off > self._good:
             by = field, frame, way, unit
-            found_break = kink_in(piece, (low, high), seen, within, by)
-        searching = off > self._good and piece.halvings > HALVINGS - _SEARCHES
-        rough = not wrong_by(piece, step, carried, self._missed.flow, self.opening) <= self._good
+            found_break = _locate_kink(piece, (low, high), seen, within, by)
+        searching = off > self._good and piece.halvings > _HALVINGS - _SEARCHES
+        rough = (
+            not _relative_error(piece, step, carried, self._defects.flow_column, self.opening) <= self._good
+        )
         if piece.halvings > 0 and (found_break is not None or searching or rough):
             cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break[0]
             before, behind = piece.cut(cut, found_break is not None)
@@ -590,27 +588,29 @@ class ByMatrices:
             return self.over(behind, carried)
         self.left_over += off
         other = step.other + self._propagator.change(length, fourth - sixth)
-        booked = carried.books + self._propagator.integral(length, books) @ carried.matrix
-        return Carried(step.matrix @ carried.matrix, other @ carried.other, frame, booked)
+        booked = carried.integrals + self._propagator.integral(length, books) @ carried.matrix
+        return Tangents(step.matrix @ carried.matrix, other @ carried.other, frame, booked)
 
-    def _pass(self, theta: float, kink: Kink, carried: Carried) -> Carried:
-        """Count what displacements miss of a kink at a fraction of the step."""
+    def _pass(self, theta: float, kink: _Kink, carried: Tangents) -> Tangents:
+        """Add the defect of tangents at a kink at a fraction of the step."""
         time, y = self._within.time + theta * self._within.size, self._within.at(theta)
-        self._again.to(time)
+        self._cut_step.to(time)
         down = self._field.lift(carried.frame, time, y).down
-        error = self._missed.error(carried) + down @ self._again.off(time, y)
-        return self._missed.passed(kink, error, carried)
+        error = self._defects.run_error(carried) + down @ self._cut_step.off(time, y)
+        return self._defects.with_kink(kink, error, carried)
 
 
-def wrong_by(piece: Piece, step: Propagated, carried: Carried, flow: int, opening: Array | None) -> float:
-    """Return what a step of a piece is wrong by, over its size [-].
+def _relative_error(
+    piece: StepPart, step: Propagated, carried: Tangents, flow: int, opening: Array | None
+) -> float:
+    """Return the error of a step of a part, over its size [-].
 
-    Next to onsets and releases it is what it does to what is carried, at the neighbours' own.
+    Next to onsets and releases it is what it does to what is carried, at the perturbed own.
 
     Args:
         piece: The part of a step.
         step: What it makes of the identity.
-        carried: Displacements before it.
+        carried: Tangents before it.
         flow: In which column the flow is, if it is carried.
         opening: At the step's end the derivative of the gap of a contact that ends there over coordinates,
             (size,); None if there is none.

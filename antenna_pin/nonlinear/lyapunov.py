@@ -19,7 +19,7 @@ from antenna_pin.base.capacity import MOST, check_count
 from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
-from antenna_pin.nonlinear.coordinates import Frame, Kept, own_state
+from antenna_pin.nonlinear.coordinates import ElementMemory, Frame, own_coordinates
 from antenna_pin.nonlinear.flow import Flow
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import open_table, table_attributes
@@ -35,11 +35,12 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# --- which directions of neighbours are their own over the intervals of a motion, and which are left ---
+# --- which directions of perturbed states are their own over the intervals of a motion, and which are left
+# ---
 
 
-class Ahead:
-    """A motion after each interval, run before its neighbours are: which contacts last is known of its end.
+class _ReferenceMotion:
+    """Motion after each interval, run ahead to find the contacts that last.
 
     Args:
         flow: The flow.
@@ -59,7 +60,7 @@ class Ahead:
     ) -> None:
         """Run."""
         self._flow, self._interval, self._states = flow, interval, [start]
-        self._kept = [(k, one.key) for k, one in enumerate(Kept(flow.system).numbers) if one.of_rate]
+        self._kept = [(k, one.key) for k, one in enumerate(ElementMemory(flow.system).numbers) if one.of_rate]
         #: Contacts that touch at the end, and since when [s].
         self.onsets: dict[int, float] = {}
         known = flow.system.contact_names or self._kept
@@ -78,25 +79,25 @@ class Ahead:
             self.kept[k] = self._states[since].time
 
     def after(self, count: int) -> State:
-        """Return the state after so many intervals."""
+        """Return the state after a number of intervals."""
         while len(self._states) <= count:
             self._states.append(self._flow.after(self._states[-1], self._interval))
         return self._states[count]
 
     def own(self, frame: Frame, size: int, time: float) -> NDArray[np.bool_]:
-        """Return which coordinates at a time [s] are a neighbour's own, (size,)."""
+        """Return which coordinates at a time [s] belong to a perturbed state alone, (size,)."""
         lasting = [c for c, onset in self.onsets.items() if onset <= time]
-        return own_state(frame, size, lasting, [k for k, since in self.kept.items() if since <= time])
+        return own_coordinates(frame, size, lasting, [k for k, since in self.kept.items() if since <= time])
 
 
-def mechanical(chart: Chart) -> NDArray[np.bool_]:
-    """Return which coordinates are not of contacts' memory, nor of stops': along these neighbours begin."""
-    remembered = [contact for contact, _ in chart.frame.remembered]
-    return own_state(chart.frame, chart.size, remembered, chart.of_rates)
+def _mechanical_coordinates(chart: Chart) -> NDArray[np.bool_]:
+    """Return which coordinates are no memory of contacts or stops, (size,)."""
+    remembered = [contact for contact, _ in chart.frame.contact_memory]
+    return own_coordinates(chart.frame, chart.size, remembered, chart.of_rates)
 
 
-def left_of(matrix: Array, rank: int, time: float) -> NDArray[Any]:
-    """Return which displacements are independent still, (rank,), in order.
+def _independent(matrix: Array, rank: int, time: float) -> NDArray[Any]:
+    """Return which tangents are still independent, (rank,), in order.
 
     Raises:
         InvalidParameterError: None is.
@@ -112,10 +113,10 @@ def left_of(matrix: Array, rank: int, time: float) -> NDArray[Any]:
 
 
 Verdict = Literal["chaotic", "neutral", "contracting", "too short to say"]
-"""What a largest exponent says: neighbours part, keep their distance, come together; or nothing yet."""
+"""What a largest exponent says: perturbed states part, keep their distance, come together; or nothing yet."""
 
-# Distance of a neighbour, in error scales; the largest from which it is brought back, beyond which its growth
-# is no longer that of a tangent; and the nearest that is told from round-off.
+# Distance of a perturbed state, in error scales; the largest from which it is brought back, beyond which its
+# growth is no longer that of a tangent; and the nearest that is told from round-off.
 _DISTANCE, _FARTHEST, _NEAREST = 1e-6, 1e-3, 1e-10
 # Intervals, and blocks of them, below which nothing is said; standard errors that decide; and how large an
 # exponent may be over an interval that counts as none, if it is known so well.
@@ -124,7 +125,7 @@ _FEWEST, _BLOCKS, _SIGMAS, _NEUTRAL = 32, 8, 3.0, 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Exponents:
-    """Lyapunov exponents of one motion, natural logarithms. The start is part of it: attractors coexist.
+    """Lyapunov exponents of one motion from its start: attractors may coexist.
 
     Attributes:
         values: The largest first, (n,) [1/s].
@@ -154,7 +155,7 @@ class Exponents:
 
     @property
     def verdict(self) -> Verdict:
-        """What the largest exponent says, at three standard errors."""
+        """Classification of the largest exponent, at three standard errors."""
         value, error = float(self.values[0]), float(self.errors[0])
         if len(self.growth) < _FEWEST or not math.isfinite(error):
             return "too short to say"
@@ -179,7 +180,7 @@ def _exponents(growth: Array, lengths: Array, interval: float, start: State, end
     return Exponents(values, errors, interval, growth, lengths, start, end)
 
 
-def _check(flow: Flow, start: State, interval: float, count: int, transient: float) -> None:
+def _check_arguments(flow: Flow, start: State, interval: float, count: int, transient: float) -> None:
     check_count("Lyapunov exponents", "count", count)
     if not 0.0 <= transient < math.inf:
         raise InvalidParameterError("Lyapunov exponents", "transient", "zero or more [s]", transient)
@@ -202,10 +203,10 @@ def largest_exponent(
 ) -> Exponents:
     """Return the largest exponent by two trajectories with renormalisation (Benettin and others 1976).
 
-    The neighbour locates its own contacts and events, and remembers its own approach speeds, but for those
-    of contacts that last from then on to the end: nothing changes these, and neighbours share them, as those
-    of an orbit do (:func:`antenna_pin.nonlinear.coordinates.own_state`). Where other contacts touch at the
-    end of an interval than at the trajectory's own, both go on until they are alike.
+    The perturbed state locates its own contacts and events, and remembers its own approach speeds, but for
+    those of contacts that last from then on to the end: nothing changes these, and perturbed states share
+    them, as those of an orbit do (:func:`antenna_pin.nonlinear.coordinates.own_coordinates`). Where other
+    contacts touch at the end of an interval than at the trajectory's own, both go on until they are alike.
 
     Args:
         flow: The flow.
@@ -213,20 +214,20 @@ def largest_exponent(
         interval: Between renormalisations, such as a drive's period [s].
         count: How many intervals.
         transient: What is run before [s].
-        seed: Of the neighbour's first direction; the first tenth of the intervals, in which it turns into
-            that of fastest growth, is left out.
+        seed: Of the perturbed state's first direction; the first tenth of the intervals, in which it turns
+            into that of fastest growth, is left out.
         progress: Called with the number of intervals done and the exponent so far [1/s]; of a system with
             contacts with zero and no number before, after each interval that the motion itself is run.
 
     Raises:
         FlowError: A run did not come to its end.
     """
-    _check(flow, start, interval, count, transient)
+    _check_arguments(flow, start, interval, count, transient)
     first = here = flow.after(start, transient) if transient else start
     turning, done = max(1, count // 10), 0
-    ahead = Ahead(flow, here, interval, count + turning, progress)
+    ahead = _ReferenceMotion(flow, here, interval, count + turning, progress)
     chart = Chart(flow.system, here)
-    way = np.random.default_rng(seed).standard_normal(chart.size) * mechanical(chart)
+    way = np.random.default_rng(seed).standard_normal(chart.size) * _mechanical_coordinates(chart)
     way /= np.linalg.norm(way)
     growth: list[float] = []
     lengths: list[float] = []
@@ -272,10 +273,10 @@ def lyapunov_spectrum(
     transient: float = 0.0,
     progress: Callable[[int, float], None] | None = None,
 ) -> Exponents:
-    """Return all exponents, by the variational equation: displacements made orthogonal after each interval.
+    """Return all exponents by the variational equation, tangents orthogonalized after each interval.
 
     Contacts and events act on them by their saltation (:mod:`antenna_pin.nonlinear.variational`). What
-    contacts remember that last on to the end neighbours share, as for :func:`largest_exponent`. As many
+    contacts remember that last on to the end perturbed states share, as for :func:`largest_exponent`. As many
     exponents are found as there are ways, rates and bristles, where joints stick that place counting as a
     way; less those of directions that changes of mode take away for good, which would be minus infinity.
 
@@ -291,18 +292,18 @@ def lyapunov_spectrum(
         FlowError: A run did not come to its end.
         InvalidParameterError: Changes of mode leave no direction.
     """
-    _check(flow, start, interval, count, transient)
+    _check_arguments(flow, start, interval, count, transient)
     first = here = flow.after(start, transient) if transient else start
-    ahead = Ahead(flow, here, interval, count, progress)
+    ahead = _ReferenceMotion(flow, here, interval, count, progress)
     chart = Chart(flow.system, here)
-    frame, ways = chart.frame, np.eye(chart.size)[:, mechanical(chart)]
+    frame, ways = chart.frame, np.eye(chart.size)[:, _mechanical_coordinates(chart)]
     growth: list[Array] = []
     while len(growth) < count:
-        carrier, here = flow.carry(here, interval, frame, ways)
-        matrix, _, frame, _ = carrier.carried
+        carrier, here = flow.propagate(here, interval, frame, ways)
+        matrix, _, frame, _ = carrier.tangents
         own = ahead.own(frame, len(matrix), here.time)
         matrix = np.where(own[:, None], matrix, 0.0)
-        left = left_of(matrix, carrier.rank, here.time)
+        left = _independent(matrix, carrier.rank, here.time)
         ways, triangle = np.linalg.qr(matrix[:, left])
         growth = [one[left] for one in growth]  # what is lost was none of the motion's own directions
         growth.append(np.log(np.maximum(np.abs(np.diag(triangle)), 1e-300)))

@@ -51,7 +51,7 @@ def family_of(
     multiple: int = 1,
     rtol: float | None = None,
 ) -> Family:
-    """Return the flow of a scenario and the period of its orbits, for every value of one of its keys.
+    """Return flow and period of a scenario's orbits for every value of a key.
 
     Args:
         scenario: What the parameter is laid over.
@@ -75,7 +75,7 @@ def family_of(
 
 @takes()
 def amplitudes(branch: Branch, family: Family, quantities: Sequence[str]) -> dict[str, tuple[Array, str]]:
-    """Return half of the range of quantities over a period of each orbit of a branch, and their units.
+    """Return half the range of quantities over a period of each orbit, and their units.
 
     Each orbit is run once more; between 400 even samples, and those at changes and peaks of contact, nothing
     is seen, so that half of a smooth range is short by some 1e-5 of it.
@@ -92,7 +92,7 @@ def amplitudes(branch: Branch, family: Family, quantities: Sequence[str]) -> dic
     units = dict.fromkeys(found, "")
     for value, orbit in branch.points:
         flow, _ = family(value)
-        run = flow.seen(orbit.start, orbit.period, _SAMPLES)
+        run = flow.sampled(orbit.start, orbit.period, _SAMPLES)
         for name in found:
             one = quantity(run, name)
             found[name].append(0.5 * float(np.ptp(one.values)))
@@ -125,7 +125,7 @@ _ABOUT: dict[str, dict[str, str]] = {
 
 
 def _columns(orbits: Sequence[Orbit]) -> dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]:
-    """Return the variables of orbits over ``point``; NaN where one has fewer multipliers than others."""
+    """Return the variables of orbits over ``point``; NaN for lacking multipliers."""
     most = max(len(one.multipliers) for one in orbits)
 
     def padded(rows: Sequence[Array]) -> Array:
@@ -168,7 +168,7 @@ def _labels(system: System, count: int) -> dict[str, Any]:
 
 
 def _way(system: System, name: str) -> str:
-    """Return the unit of the way of a number of q or v."""
+    """Return the unit of a number of q, or of an integrated number of v."""
     if name in system.mechanism.joints:
         return "m" if system.mechanism.joints[name].kind == "prismatic" else "rad"
     part = name.rpartition(".")[2]
@@ -293,15 +293,15 @@ def open_branch(path: str | os.PathLike[str]) -> xr.Dataset:
 
 # --- branches in a Poincaré section -------------------------------------------------------------------------
 
-# Share of a period within which an instant is the start of the orbit itself [-].
+# Share of a period within which an time is the start of the orbit itself [-].
 _SAME = 1e-9
 
 
 @takes()
 def orbits_in_section(branch: xr.Dataset, section: Section, quantities: Sequence[str]) -> xr.Dataset:
-    """Return a branch of periodic solutions with its points in a section, as a bifurcation diagram has them.
+    """Return a branch of periodic solutions with its points in a section.
 
-    Each orbit goes on from its start to the instants of the stroboscope within its period: one of n periods
+    Each orbit goes on from its start to the times of the stroboscope within its period: one of n periods
     of the drive has n points.
 
     Args:
@@ -335,7 +335,7 @@ def orbits_in_section(branch: xr.Dataset, section: Section, quantities: Sequence
         for instant in _instants(section, section.period_in(scenario), start.time, span):
             ahead = instant - start.time
             there = flow.after(start, ahead) if ahead > _SAME * span else start
-            seen = flow.glance(there, span)
+            seen = flow.probe(there, span)
             for name in quantities:
                 found = quantity(seen, name)
                 row[name].append(float(found.values[0]))
@@ -353,7 +353,7 @@ def orbits_in_section(branch: xr.Dataset, section: Section, quantities: Sequence
 
 
 def _instants(section: Stroboscope, period: float, start: float, span: float) -> list[float]:
-    """Return the instants of a stroboscope from a start on, before the span is over [s]."""
+    """Return the times of a stroboscope within a span from a start [s]."""
     first = int(np.ceil((start / period - section.phase) - _SAME))
     count = max(1, round(span / period))
     return [max((section.phase + first + k) * period, start) for k in range(count)]

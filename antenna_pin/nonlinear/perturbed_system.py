@@ -25,10 +25,17 @@ from antenna_pin.engine import Carrying, CompiledStepper, SystemSlopes, Tangents
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import method_named
 from antenna_pin.mechanism import BODY, body_tree
-from antenna_pin.nonlinear.coordinates import Kept, Units, parts_of
+from antenna_pin.nonlinear.coordinates import ElementMemory, Units, perturbation_slices
 from antenna_pin.simulation.steps import scale_vector, stepper_of
 
-__all__ = ["Beside", "Function", "InPlace", "Near", "Numbers", "STEP"]
+__all__ = [
+    "PerturbedParameters",
+    "StateFunction",
+    "ParameterShift",
+    "PerturbedSystem",
+    "ParameterSlopes",
+    "STEP",
+]
 
 Array = NDArray[np.float64]
 
@@ -41,8 +48,8 @@ _WHOLE = 1e-290
 _STEP, _ROUGH = 1e-3, 1e-6
 
 
-class Numbers:
-    """A system, and the derivatives of its numbers over some parameters, each in its scale.
+class ParameterSlopes:
+    """A system, and the derivatives of its numbers over parameters, each in its scale.
 
     Args:
         system: The system.
@@ -56,29 +63,29 @@ class Numbers:
     def __init__(
         self, system: System, built: Sequence[Callable[[float], System]], names: Sequence[str]
     ) -> None:
-        """Build the neighbours, and differentiate."""
+        """Build the perturbed systems, and differentiate."""
         self._system, self.count = system, len(built)
-        elements = list(_of_elements(system))
-        here = _arrays(system, elements)
+        elements = list(_element_numbers(system))
+        here = _system_arrays(system, elements)
         slopes = [_slopes(here, elements, *one) for one in zip(built, names, strict=True)]
         ends = np.cumsum([one.size for one in here.values()])
         parts = np.split(np.array(slopes).reshape(self.count, ends[-1]), ends[:-1], axis=1)
         self.slopes: dict[str, Array] = dict(zip(here, parts, strict=True))
         #: Of each parameter, by the place of an element, its own numbers' derivatives.
-        self.of_elements: list[dict[str, dict[str, float]]] = [{} for _ in range(self.count)]
-        for own, changes in zip(self.of_elements, self.slopes.pop("elements").tolist(), strict=True):
+        self.element_slopes: list[dict[str, dict[str, float]]] = [{} for _ in range(self.count)]
+        for own, changes in zip(self.element_slopes, self.slopes.pop("elements").tolist(), strict=True):
             for (place, name), change in zip(elements, changes, strict=True):
                 if change != 0.0:
                     own.setdefault(place, {})[name] = change
 
-    def own_system(self) -> System:
+    def copy_system(self) -> System:
         """Return a copy of the system, whose numbers may be changed in place."""
         copied: System = pickle.loads(pickle.dumps(self._system))
         return copied
 
 
-class InPlace:
-    """Changes the numbers of a system's own copy, of a workspace and of a stepper, and back.
+class ParameterShift:
+    """Shifts of parameters applied in place to a system's copy, its workspace and its stepper.
 
     Args:
         numbers: Which, and by how much.
@@ -88,11 +95,11 @@ class InPlace:
     """
 
     def __init__(
-        self, numbers: Numbers, workspace: Workspace, stepper: CompiledStepper, *, whole: bool = False
+        self, numbers: ParameterSlopes, workspace: Workspace, stepper: CompiledStepper, *, whole: bool = False
     ) -> None:
-        """Find what changes."""
+        """Collect the numbers that change."""
         self.count, model = numbers.count, workspace.model
-        self._of_elements = numbers.of_elements
+        self._of_elements = numbers.element_slopes
         own = stepper.numbers
         bodies = workspace.bodies
         arrays = {
@@ -120,11 +127,11 @@ class InPlace:
         self.tree, self.plan = numbers.slopes["tree"], numbers.slopes["plan"]
         self.gravity = numbers.slopes["gravity"]
         self._of_model = bool(self._heavier or self._moved or self._armature.any() or self.gravity.any())
-        #: How far each is displaced at present, (count,).
+        #: How far each is perturbed at present, (count,).
         self.present = np.zeros(self.count)
 
     def displace(self, s: Array) -> Callable[[], None]:
-        """Change the numbers by parameters, (count,) in their scales; return what changes them back."""
+        """Shift the numbers by parameters, (count,) in their scales; return the reversal."""
         kept = []
         for flat, at, slopes in self._parts:
             values = flat[at]
@@ -143,7 +150,7 @@ class InPlace:
         return back
 
     def _displace_model(self, s: Array) -> Callable[[], None]:
-        """Change Pinocchio's numbers likewise."""
+        """Shift Pinocchio's numbers likewise."""
         model = self._model
         inertias = [(i, model.inertias[i].copy()) for i in self._heavier]
         for i, one in inertias:
@@ -169,22 +176,22 @@ class InPlace:
 
         return back
 
-    def of_element(self, place: str) -> Mapping[str, float]:
-        """Return by how much the numbers of an element, by its place, are displaced at present."""
+    def element_changes(self, place: str) -> Mapping[str, float]:
+        """Return the present shifts of an element's numbers, by its place."""
         found: dict[str, float] = {}
         for s, table in zip(self.present.tolist(), self._of_elements, strict=True):
             for key, change in table.get(place, {}).items():
                 found[key] = found.get(key, 0.0) + s * change
         return found
 
-    def let_go(self, words: NDArray[np.int_]) -> None:
-        """Let words of the program go with parameters no more: an event has set them."""
+    def release_words(self, words: NDArray[np.int_]) -> None:
+        """Detach words of the program from parameters: an event has set them."""
         self.program[:, words] = 0.0
 
 
-def _arrays(system: System, elements: Sequence[tuple[str, str]]) -> dict[str, Array]:
-    """Return the arrays that a system's motion goes by, flat, by name, and numbers of elements."""
-    of_elements = _of_elements(system)
+def _system_arrays(system: System, elements: Sequence[tuple[str, str]]) -> dict[str, Array]:
+    """Return the arrays that determine a system's motion, flat, by name."""
+    of_elements = _element_numbers(system)
     model, tree = system.model, body_tree(system.mechanism)
     inertias = [one.toDynamicParameters() for one in model.inertias]
     places = [np.append(one.translation, one.rotation.reshape(-1)) for one in model.jointPlacements]
@@ -200,7 +207,7 @@ def _arrays(system: System, elements: Sequence[tuple[str, str]]) -> dict[str, Ar
     }
 
 
-def _of_elements(system: System) -> dict[tuple[str, str], float]:
+def _element_numbers(system: System) -> dict[tuple[str, str], float]:
     """Return the numbers of a system's elements, by place and name."""
     return {
         (one.place, field.name): float(value)
@@ -217,13 +224,13 @@ def _slopes(
     build: Callable[[float], System],
     name: str,
 ) -> Array:
-    """Return the derivatives of all arrays, one behind the other, or refuse what has none."""
+    """Return the derivatives of all arrays, concatenated, or refuse a discontinuity."""
     values = np.concatenate(list(here.values()))
 
     def there(j: int) -> Array:
         if j == 0:
             return values
-        found = _arrays(build(j * _STEP), elements)
+        found = _system_arrays(build(j * _STEP), elements)
         alike = all(found[key].shape == one.shape for key, one in here.items())
         other = np.concatenate(list(found.values())) if alike else values
         sizes = np.abs([values, other])
@@ -241,7 +248,7 @@ def _slopes(
 
 # --- a system at perturbed states ---------------------------------------------------------------------------
 
-Function = Callable[[float, Array], Array]
+StateFunction = Callable[[float, Array], Array]
 
 #: Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
 #: are finer, to be small beside the kinks of laws, but large beside the round-off of places: where a kink is
@@ -250,37 +257,42 @@ STEP = 1e-4
 _IN_PLAY = 1e-5
 
 
-class Near:
-    """Evaluates functions of time and state at displaced states.
+class PerturbedSystem:
+    """Functions of time and state, evaluated at perturbed states.
 
     Args:
         system: The system.
         settings: Of the run whose engine evaluates its rates.
-        numbers: Parameters of the system that displacements have, too; none if left out.
+        numbers: Parameters of the system that perturbations have, too; none if left out.
         whole: Whether they displace all that others take from the system, too.
 
     Attributes:
         system: The system; of a copy of its own if parameters displace it.
         workspace: Its contact memory and program are those of the moment.
         stepper: Whose rates they are.
-        kept: What elements keep.
+        kept: Element memory.
         bristles: Where these stand in x, (bristles,).
-        parts: Of a displacement.
+        parts: Of a perturbation.
         numbers: The system's numbers, if parameters displace them.
     """
 
     def __init__(
-        self, system: System, settings: RunSettings, numbers: Numbers | None = None, *, whole: bool = False
+        self,
+        system: System,
+        settings: RunSettings,
+        numbers: ParameterSlopes | None = None,
+        *,
+        whole: bool = False,
     ) -> None:
         """Allocate once."""
-        self.system = system = system if numbers is None else numbers.own_system()
-        self.workspace, self.kept = Workspace(system), Kept(system)
+        self.system = system = system if numbers is None else numbers.copy_system()
+        self.workspace, self.memory = Workspace(system), ElementMemory(system)
         scales = scale_vector(system, settings.scales)
         self.stepper = stepper_of(self.workspace, method_named(settings.method), scales, settings)
         self.bristles = np.asarray(system.bristle_x, dtype=int)
-        self.parts = parts_of(system, len(self.kept), 0 if numbers is None else numbers.count)
+        self.parts = perturbation_slices(system, len(self.memory), 0 if numbers is None else numbers.count)
         self.numbers = (
-            None if numbers is None else InPlace(numbers, self.workspace, self.stepper, whole=whole)
+            None if numbers is None else ParameterShift(numbers, self.workspace, self.stepper, whole=whole)
         )
         self._of_rows: list[int] = []  # numbers that constraints go with
         self._y, self._memory = np.zeros(system.manifold.size), self.workspace.memory.copy()
@@ -290,7 +302,7 @@ class Near:
         return self.stepper.rates(time, y)
 
     def flow(self, time: float, y: Array) -> Array:
-        """Return the displacement per second that the system itself makes, (displacement,)."""
+        """Return the perturbation per second along the flow, (perturbation,)."""
         nq, nv = self.system.model.nq, self.system.model.nv
         way, rate, bristles, *_, clock = self.parts
         rates, out = self.rates(time, y), np.zeros(clock.stop)
@@ -299,13 +311,13 @@ class Near:
         return out
 
     def tangents(self, units: Units) -> Tangents | None:
-        """Return derivatives put together from parts, of what is met at onsets at least; or None."""
+        """Return analytic derivatives, at least of onsets, or None."""
         if not Tangents.knows_contacts(self.system):
             return None
         return Tangents(self.system, self.stepper, np.concatenate(units), WEIGHTS)
 
-    def carrying(self, tangents: Tangents | None, coarse: Array) -> Carrying | None:
-        """Return what carries displacements by the stages of the run's method; None where nothing does.
+    def stage_propagation(self, tangents: Tangents | None, coarse: Array) -> Carrying | None:
+        """Return the propagation of tangents by the integrator's stages, or None.
 
         Args:
             tangents: Derivatives of the rates, which know the system's numbers; None if there are none.
@@ -317,8 +329,8 @@ class Near:
         steps[self.parts[-1]] = 1.0 / STEP
         return Carrying(self.stepper, tangents, steps)
 
-    def follows(self, tangents: Tangents | None, units: Units) -> bool:
-        """Let derivatives know the system's numbers and what elements keep; return whether they can."""
+    def link_parameters(self, tangents: Tangents | None, units: Units) -> bool:
+        """Pass parameter slopes and element memory to analytic derivatives; return whether they accept."""
         own, numbers = self.stepper.numbers, self.numbers
         tree = own.tree.view(np.float64).reshape(-1)
         if numbers is not None and self.system.plan is not None:
@@ -329,20 +341,20 @@ class Near:
         )
         if numbers is not None:
             program, bodies, plan, gravity = numbers.program, numbers.tree, numbers.plan, numbers.gravity
-        kept = self.kept.words, self.kept.units(units.way, units.rate)
+        kept = self.memory.words, self.memory.units(units.position, units.rate)
         return tangents is not None and tangents.follow(SystemSlopes(program, bodies, plan, gravity, *kept))
 
     def coarseness(self, units: Units, in_play: float | None = None) -> Array:
-        """Return over what a step of each part of a displacement must be one at most, (displacement,).
+        """Return the inverse of the largest step of each part of a perturbation, (perturbation,).
 
         Args:
-            units: Of displacements.
+            units: Of perturbations.
             in_play: Steps at joints with play, over their units; those of forces if left out.
         """
         way, rate, bristles, *_, numbers, kept, _ = self.parts
         out = np.zeros(self.parts[-1].stop)
-        out[way], out[rate], out[bristles] = 1.0 / units.way, 1.0 / units.rate, 1.0 / units.bristle
-        out[kept] = 1.0 / (STEP * self.kept.units(units.way, units.rate))
+        out[way], out[rate], out[bristles] = 1.0 / units.position, 1.0 / units.rate, 1.0 / units.bristle
+        out[kept] = 1.0 / (STEP * self.memory.units(units.position, units.rate))
         steps, finer = np.full(self.system.model.nv, STEP), _IN_PLAY if in_play is None else in_play
         for joint in self.system.clearances:
             steps[self.system.mechanism.joint(joint.name).v] = finer
@@ -352,13 +364,13 @@ class Near:
         out[numbers] = 1.0 / STEP
         return out
 
-    def at(self, function: Function, time: float, y: Array, displacement: Array) -> Array:
-        """Return a function's value at a neighbour."""
+    def at(self, function: StateFunction, time: float, y: Array, displacement: Array) -> Array:
+        """Return a function's value at a perturbed state."""
         nq, nv = self.system.model.nq, self.system.model.nv
         way, rate, bristles, speeds, masses, numbers, own, clock = (displacement[one] for one in self.parts)
         memory, kept, program = self.workspace.memory, self._memory, self.workspace.program
         back = self.numbers.displace(numbers) if self.numbers is not None and numbers.any() else None
-        words = program[self.kept.words]
+        words = program[self.memory.words]
         self._y[:] = y
         self.workspace.retract(self._y, way)
         self._y[nq : nq + nv] += rate
@@ -366,16 +378,16 @@ class Near:
         kept[:] = memory
         memory["approach_speed"] *= np.exp(speeds)
         memory["effective_mass"] *= np.exp(masses)
-        program[self.kept.words] += own
+        program[self.memory.words] += own
         try:
             return np.array(function(time + float(clock[0]), self._y))
         finally:
-            memory[:], program[self.kept.words] = kept, words
+            memory[:], program[self.memory.words] = kept, words
             if back is not None:
                 back()
 
-    def over(self, function: Function, time: float, y: Array, way: Array, step: float) -> Array:
-        """Return the derivative of a function along a displacement, of sixth and fourth order, (2, ...)."""
+    def over(self, function: StateFunction, time: float, y: Array, way: Array, step: float) -> Array:
+        """Return the derivative of a function along a perturbation, of two orders, (2, ...)."""
         ahead, behind = (
             np.array([self.at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
             for side in (1, -1)
@@ -383,7 +395,7 @@ class Near:
         return np.asarray(WEIGHTS @ (ahead - behind) / step)
 
     def over_numbers(self, time: float, y: Array, way: Array, step: float) -> Array:
-        """Return derivatives of the rates over the system's numbers, as :meth:`over`."""
+        """Return derivatives of the rates over parameters, of two orders, (2, ...)."""
         assert self.numbers is not None
         found = []
         for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
@@ -395,8 +407,8 @@ class Near:
         values = np.array(found)
         return np.asarray(WEIGHTS @ (values[:3] - values[3:]) / step)
 
-    def rows_over_numbers(self, time: float, y: Array) -> Array:
-        """Return how far and how fast constraints are violated per number, (2, rows, numbers)."""
+    def constraint_slopes(self, time: float, y: Array) -> Array:
+        """Return derivatives of constraint gaps and rates over parameters, (2, rows, parameters)."""
         workspace, numbers, constraints = self.workspace, self.numbers, self.workspace.constraints
         assert constraints is not None
         count = 0 if numbers is None else numbers.count
@@ -422,39 +434,43 @@ class Near:
 # --- a system at perturbed parameters -----------------------------------------------------------------------
 
 
-class Beside:
-    """A system's own copy that stands, one at a time, for its neighbours along parameters.
+class PerturbedParameters:
+    """Copy of a system with one parameter perturbed at a time.
 
-    What is told of states goes by the arrays that rates go by, so that a copy with these displaced has its
-    derivatives; a neighbour's other digits are of second order. Two things are in no array, and there the
-    neighbour is built: what Python is asked for, and the axes of joints in Pinocchio's model.
+    What is told of states goes by the arrays that rates go by, so that a copy with these perturbed has its
+    derivatives; a perturbed other digits are of second order. Two things are in no array, and there the
+    perturbed state is built: what Python is asked for, and the axes of joints in Pinocchio's model.
 
     Args:
         system: The system.
         settings: Of the run whose engine evaluates its rates.
         numbers: How its numbers go with the parameters.
-        built: What builds a neighbour, ``(parameter, s)`` in its scale.
+        built: What builds a perturbed state, ``(parameter, s)`` in its scale.
     """
 
     def __init__(
-        self, system: System, settings: RunSettings, numbers: Numbers, built: Callable[[int, float], System]
+        self,
+        system: System,
+        settings: RunSettings,
+        numbers: ParameterSlopes,
+        built: Callable[[int, float], System],
     ) -> None:
         """Copy the system."""
         self._settings, self._built = settings, built
-        self._near = near = Near(system, settings, numbers, whole=True)
+        self._near = near = PerturbedSystem(system, settings, numbers, whole=True)
         bodies = numbers.slopes["tree"].view(BODY)
         asked = bool(near.workspace.paths or near.system.callables)
-        #: Of each parameter, whether its neighbours are built.
+        #: Of each parameter, whether its perturbed states are built.
         self.builds = (bodies["axis"] != 0.0).any(axis=(1, 2)) | asked
         others = [one.any(axis=1) for key, one in numbers.slopes.items() if key != "program"]
-        #: Of each, whether its neighbours differ in their programs alone, which go with their states.
+        #: Of each, whether its perturbed states differ in their programs alone, which go with their states.
         self.by_program = ~(np.any(others, axis=0) | self.builds)
 
     @contextmanager
-    def at(self, k: int, s: float) -> Iterator[Near]:
-        """Let the copy be the system with a parameter so many scales farther; yield what evaluates it."""
+    def at(self, k: int, s: float) -> Iterator[PerturbedSystem]:
+        """Yield the system with a parameter shifted by s scales."""
         if s != 0.0 and self.builds[k]:
-            yield Near(self._built(k, s), self._settings)
+            yield PerturbedSystem(self._built(k, s), self._settings)
             return
         own, far = self._near.numbers, np.zeros(len(self.builds))
         assert own is not None

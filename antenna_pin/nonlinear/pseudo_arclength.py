@@ -15,9 +15,15 @@ from antenna_pin.base.differences import slope
 from antenna_pin.base.state import State
 from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.flow import Flow
-from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit, moving, orbit_at, periodic_orbit
+from antenna_pin.nonlinear.orbits import (
+    NoOrbitError,
+    Orbit,
+    changing_coordinates,
+    evaluate_orbit,
+    periodic_orbit,
+)
 
-__all__ = ["Family", "Follower", "Node", "Point", "early"]
+__all__ = ["Family", "BranchStepper", "Node", "Point", "in_first_period"]
 
 Array = NDArray[np.float64]
 
@@ -51,33 +57,33 @@ class Point(NamedTuple):
     orbit: Orbit
 
 
-def early(state: State, period: float) -> State:
-    """Return a state of a periodic system as one of its first period: the same phase whatever the period."""
+def in_first_period(state: State, period: float) -> State:
+    """Return a state with its time reduced to the first period."""
     time = math.fmod(state.time, period)
     return dataclasses.replace(state, time=time, reached=time)
 
 
 class Node(NamedTuple):
-    """An orbit of a branch and the branch's direction at it.
+    """Orbit of a branch, with the branch's direction.
 
     Attributes:
         point: The orbit.
-        way: Unit tangent of the branch, (size + 1,): coordinates, and the parameter in its unit.
+        tangent: Unit tangent of the branch, (size + 1,): coordinates, and the parameter in its unit.
         crossing: Determinant of the map's derivatives less 1 over way, bordered by that: on along a branch
             it passes zero where another branch crosses, and not where the branch turns back.
         margin: Least singular value of that matrix [-].
-        told: Whether that is above doubt, so that the determinant has a sign and the tangent is one.
+        regular: Whether that is above doubt, so that the determinant has a sign and the tangent is one.
     """
 
     point: Point
-    way: Array
+    tangent: Array
     crossing: float
     margin: float
-    told: bool
+    regular: bool
 
 
-class _Reached(NamedTuple):
-    """Where a step has come to: value of the parameter, start of the orbit, what is left, iterations."""
+class _Corrected(NamedTuple):
+    """Result of the corrector: parameter value, start of the orbit, residual, iterations."""
 
     value: float
     start: State
@@ -85,11 +91,11 @@ class _Reached(NamedTuple):
     iterations: int
 
 
-class Follower:
-    """Follows a branch: orbits x of the map P(x, value) = x in coordinates, the parameter in its own unit."""
+class BranchStepper:
+    """Predictor and corrector of a branch: orbits x of the map P(x, value) = x."""
 
     def __init__(self, family: Family, unit: float, tolerance: float) -> None:
-        """Take over what does not change along a branch."""
+        """Store the constants of a branch."""
         self.family, self.unit, self.tolerance = family, unit, tolerance
 
     def orbit(self, guess: State, value: float, iterations: int = 12) -> Orbit:
@@ -101,14 +107,14 @@ class Follower:
         """Return the coordinates about an orbit's start."""
         return Chart(self.family(point.value)[0].system, point.orbit.start)
 
-    def turned(self, way: Array, of: Point, at: Point) -> Array:
-        """Return a direction at one point of a branch, (size + 1,), as one at another."""
-        return np.append(self.chart(at).turned(way[:-1], self.chart(of)), way[-1])
+    def transported(self, way: Array, of: Point, at: Point) -> Array:
+        """Return a direction at one point of a branch, (size + 1,), at another point."""
+        return np.append(self.chart(at).transported(way[:-1], self.chart(of)), way[-1])
 
-    def by_parameter(
+    def parameter_derivative(
         self, chart: Chart, value: float, matrix: Array, way: Array | None, step: float | None = None
     ) -> Array:
-        """Return the derivative of the map over the parameter, (size,), per unit, at the chart's origin.
+        """Return the derivative of the map over the parameter, (size,), per unit, at the origin.
 
         By differences of second order of a step, or, without one, of sixth order: along the branch, less what
         the state's part of that does. Of a state that stays, an impact that is about to go would be gone at
@@ -136,16 +142,16 @@ class Follower:
         return np.asarray((whole - matrix @ along[:-1]) / along[-1])
 
     def node(self, point: Point, last: Node | None) -> Node:
-        """Return an orbit with the unit tangent of the branch there, on from that at the orbit before."""
+        """Return an orbit with the branch's unit tangent, oriented by the orbit before."""
         chart = self.chart(point)
         tangent = point.orbit.tangent
         here = None
-        if last is not None and len(last.way) == chart.size + 1:
-            here = self.turned(last.way, last.point, point)
-        over = self.by_parameter(chart, point.value, tangent, here)
+        if last is not None and len(last.tangent) == chart.size + 1:
+            here = self.transported(last.tangent, last.point, point)
+        over = self.parameter_derivative(chart, point.value, tangent, here)
         rows = np.column_stack([tangent - np.eye(chart.size), over])
         # While a contact lasts nothing changes what it remembers: orbits are found with one each.
-        free = np.append(moving(chart, tangent), True)
+        free = np.append(changing_coordinates(chart, tangent), True)
         matrix = rows[np.ix_(free[:-1], free)]
         sizes, basis = np.linalg.svd(matrix)[1:]
         before = None if here is None else here[free]
@@ -163,8 +169,8 @@ class Follower:
         told = margin > max(10.0 * point.orbit.doubt, _SINGULAR)
         return Node(point, whole, float(np.linalg.det(square)), margin, told)
 
-    def smooth(self, one: Node, other: Node, corner: bool = False) -> bool:
-        """Whether the next orbit is on the same branch, as far as directions tell.
+    def is_smooth(self, one: Node, other: Node, corner: bool = False) -> bool:
+        """Return whether directions allow the next orbit on the same branch.
 
         They turn little, and their chord lies half way between them, to the turn's second order. An orbit of
         a branch that crosses this one is aside.
@@ -175,19 +181,19 @@ class Follower:
             corner: Whether the branch may have a corner between them, as at a graze: of less than a right
                 angle, so that what is farther away than the step is long is another branch still.
         """
-        if len(one.way) != len(other.way):
+        if len(one.tangent) != len(other.tangent):
             return True
         first = one.point
         place = self.chart(first).coordinates(other.point.orbit.start)
         chord = np.append(place, (other.point.value - first.value) / self.unit)
         if corner:
-            return bool(one.way @ chord >= _CORNER * np.linalg.norm(chord))
-        way = self.turned(other.way, other.point, first)
-        half = (one.way + way) @ chord / (np.linalg.norm(one.way + way) * np.linalg.norm(chord))
-        return bool(one.way @ way >= _TURN and half >= _ASIDE)
+            return bool(one.tangent @ chord >= _CORNER * np.linalg.norm(chord))
+        way = self.transported(other.tangent, other.point, first)
+        half = (one.tangent + way) @ chord / (np.linalg.norm(one.tangent + way) * np.linalg.norm(chord))
+        return bool(one.tangent @ way >= _TURN and half >= _ASIDE)
 
-    def in_flight(self, node: Node) -> Node | None:
-        """Return an orbit told by a state of it far from contacts that begin or end, and from events.
+    def away_from_events(self, node: Node) -> Node | None:
+        """Return the orbit started far from onsets, releases and events, or None.
 
         That is the middle of the longest time between them, free of contact if there is such; None where
         the orbit's own start is about as good. The branch's direction is carried there by the flow.
@@ -195,7 +201,7 @@ class Follower:
         point = node.point
         flow, period = self.family(point.value)
         start = point.orbit.start
-        went = flow.went(start, period)
+        went = flow.traverse(start, period)
         phases = [t - start.time for t in went.changes]
         if not phases:
             return None
@@ -212,20 +218,20 @@ class Follower:
         near = min(min(abs(t - s) for s in (0.0, period)) for t in phases)
         if touching(0.0) == fewest and near >= -0.25 * length:
             return None
-        there = Point(point.value, self.orbit(early(flow.after(start, phase), period), point.value))
+        there = Point(point.value, self.orbit(in_first_period(flow.after(start, phase), period), point.value))
         here, chart = self.chart(point), self.chart(there)
 
         def carried(s: float) -> Array:
-            other, _ = self.family(point.value + s * node.way[-1] * self.unit)
-            return chart.coordinates(other.after(here.state(s * node.way[:-1], other.system), phase))
+            other, _ = self.family(point.value + s * node.tangent[-1] * self.unit)
+            return chart.coordinates(other.after(here.state(s * node.tangent[:-1], other.system), phase))
 
-        way = np.append(slope(carried, _STEPS).value, node.way[-1])
-        return self.node(there, node._replace(point=there, way=way / np.linalg.norm(way)))
+        way = np.append(slope(carried, _STEPS).value, node.tangent[-1])
+        return self.node(there, node._replace(point=there, tangent=way / np.linalg.norm(way)))
 
     def correct(
         self, point: Point, way: Array, arc: float, guess: Array | None = None, twice: bool = False
     ) -> Point:
-        """Return the orbit an arc ahead, square to the direction there (Keller's pseudo-arclength).
+        """Return the orbit an arc ahead, square to the direction (Keller's pseudo-arclength).
 
         Args:
             point: From where.
@@ -238,15 +244,15 @@ class Follower:
         Raises:
             AntennaPinError: Newton's method finds none.
         """
-        found = self._reached(point, way, arc, guess, twice)
+        found = self._solve(point, way, arc, guess, twice)
         flow, period = self.family(found.value)
         return Point(
-            found.value, orbit_at(flow, found.start, period, found.residual, found.iterations, False)
+            found.value, evaluate_orbit(flow, found.start, period, found.residual, found.iterations, False)
         )
 
-    def _reached(
+    def _solve(
         self, point: Point, way: Array, arc: float, guess: Array | None = None, twice: bool = False
-    ) -> _Reached:
+    ) -> _Corrected:
         origin = self.chart(point)
         place = arc * way if guess is None else guess
         value = point.value + float(place[-1] * self.unit)
@@ -261,15 +267,15 @@ class Follower:
                 break  # it does not come nearer: a shorter step may
             if last <= self.tolerance:
                 enough = not twice or good is not None
-                good = _Reached(value, start, last, k)
+                good = _Corrected(value, start, last, k)
                 if enough:
                     break
             tangent = flow.tangent(start, period, chart)
-            square = np.append(chart.turned(way[:-1], origin), way[-1])
-            over = self.by_parameter(chart, value, tangent.matrix, square, _NEWTON_STEP)
+            square = np.append(chart.transported(way[:-1], origin), way[-1])
+            over = self.parameter_derivative(chart, value, tangent.matrix, square, _NEWTON_STEP)
             rows = np.column_stack([tangent.matrix - np.eye(chart.size), over])
             matrix = np.vstack([rows, square])
-            matrix[:, :-1][:, ~moving(chart, tangent.matrix)] = 0.0
+            matrix[:, :-1][:, ~changing_coordinates(chart, tangent.matrix)] = 0.0
             step = np.linalg.lstsq(matrix, np.append(-miss, 0.0), rcond=1e-12)[0]
             value += float(step[-1]) * self.unit
             flow, period = self.family(value)
@@ -278,25 +284,25 @@ class Follower:
             raise NoOrbitError("branch: Newton's method does not come back onto it")
         return good
 
-    def up_to(self, node: Node, value: float) -> tuple[Point, float]:
-        """Return the orbit at a value that lies straight ahead of another, and the arc to it.
+    def orbit_ahead(self, node: Node, value: float) -> tuple[Point, float]:
+        """Return the orbit at a value straight ahead of another, and the arc to it.
 
         Raises:
             AntennaPinError: Newton's method finds none.
         """
-        point, way = node.point, node.way
+        point, way = node.point, node.tangent
         ahead = (value - point.value) / (way[-1] * self.unit)
         origin = self.chart(point)
         guess = origin.state(ahead * way[:-1], self.family(value)[0].system)
         return self._at(point, way, self.orbit(guess, value, iterations=4), value)
 
     def _at(self, point: Point, way: Array, orbit: Orbit, value: float) -> tuple[Point, float]:
-        """Return an orbit at a value, and how far it is along a direction at a point."""
+        """Return an orbit at a value, and its distance along a direction at a point."""
         place = self.chart(point).coordinates(orbit.start)
         along = np.append(place, (value - point.value) / self.unit) @ way
         return Point(value, orbit), float(along)
 
-    def stopped(
+    def orbit_at_bound(
         self, point: Point, way: Array, arc: float, beyond: Point, value: float
     ) -> tuple[Point, float]:
         """Return the orbit at a value that a step passes, and the arc to it.
@@ -315,7 +321,7 @@ class Follower:
 
         def off(s: float) -> float:
             if s not in known:
-                known[s] = self._reached(point, way, s).value if s else point.value
+                known[s] = self._solve(point, way, s).value if s else point.value
             return known[s] - value
 
         # A step may begin at the value and come back to it.
@@ -323,7 +329,7 @@ class Follower:
         if off(first) * off(arc) > 0.0:
             raise NoOrbitError("branch: Newton's method does not come back onto it")
         near = float(brentq(off, first, arc, xtol=_NEAR * arc, rtol=1e-12))
-        found = self._reached(point, way, near)
+        found = self._solve(point, way, near)
         here = Chart(self.family(found.value)[0].system, found.start)
         guess = here.state(np.zeros(here.size), self.family(value)[0].system)
         return self._at(point, way, self.orbit(guess, value), value)

@@ -26,7 +26,7 @@ from antenna_pin.simulation import Event, Progress, simulate
 from antenna_pin.simulation.inputs import check_without_controllers, events_of, settings_of
 from antenna_pin.trajectory import Outcome, Trajectory, open_table, table_attributes
 
-__all__ = ["Points", "Returns", "SettledPoints", "check_counts", "open_section", "poincare", "settled_points"]
+__all__ = ["SectionRun", "check_counts", "open_section", "poincare", "settled_points"]
 
 Array = NDArray[np.float64]
 
@@ -42,8 +42,8 @@ _AT_ONCE = 64
 _TAKEN = {"time", "point", "points", "branch", "value", "settled", "transient", "drift", "period", "message"}
 
 
-class Points(NamedTuple):
-    """Some returns to a section.
+class _Points(NamedTuple):
+    """Returns to a section.
 
     Attributes:
         times: (n,) [s].
@@ -54,8 +54,8 @@ class Points(NamedTuple):
     values: Array
 
 
-class Returns:
-    """A run that is made for its returns to a section, and keeps nothing else.
+class SectionRun:
+    """Run of a scenario that stores its returns to a section only.
 
     Args:
         scenario: What to run.
@@ -82,7 +82,7 @@ class Returns:
         start: State | None = None,
         progress: Callable[[Progress], None] | None = None,
     ) -> None:
-        """Build the system; nothing is run yet."""
+        """Build the system, without a run."""
         if not quantities or isinstance(quantities, str):
             raise InvalidParameterError("section", "quantities", "names of one quantity or more", quantities)
         taken = _TAKEN.intersection(quantities)
@@ -100,7 +100,7 @@ class Returns:
         self.sizes: Array = np.zeros(len(self.quantities))
         self._progress = progress
         # What the last stretch came to beyond what was asked for.
-        self._over = Points(np.zeros(0), np.zeros((0, len(self.quantities))))
+        self._over = _Points(np.zeros(0), np.zeros((0, len(self.quantities))))
         settings = settings_of(scenario)
         self._settings = dataclasses.replace(
             settings, output_rate=_NO_RATE, output_times=(), output_form="full"
@@ -133,16 +133,16 @@ class Returns:
 
     @property
     def time(self) -> float:
-        """How far the run has come [s]."""
+        """Time reached by the run [s]."""
         return 0.0 if self.state is None else self.state.reached
 
     @property
     def ended(self) -> bool:
-        """Whether it cannot go on: it failed, or was stopped by an event of the scenario's."""
+        """Whether the run has ended: failed, or stopped by an event of the scenario."""
         return self.outcome is not Outcome.COMPLETED
 
-    def more(self, count: int) -> Points:
-        """Return the next ``count`` points; fewer if the run ends, or passes the surface no more.
+    def more(self, count: int) -> _Points:
+        """Return the next ``count`` points, fewer at the end of run or crossings.
 
         After that ``ended`` is true. It is not passed any more if that does not happen for as long as the
         scenario's duration, and for as long as the eightfold of what points have taken so far.
@@ -162,17 +162,17 @@ class Returns:
             found.append(some)
             here += len(some.times)
         times, values = (np.concatenate([part[k] for part in found]) for k in range(2))
-        self._over = Points(times[count:], values[count:])
-        return Points(times[:count], values[:count])
+        self._over = _Points(times[count:], values[count:])
+        return _Points(times[:count], values[:count])
 
     @property
     def _strobes(self) -> bool:
         return isinstance(self.section, Stroboscope)
 
-    def _strobed(self, count: int) -> Points:
+    def _strobed(self, count: int) -> _Points:
         assert isinstance(self.section, Stroboscope)
         phase, period = self.section.phase, self.period
-        # The first instant behind the present time; the run ends half a period behind the last one.
+        # The first time behind the present time; the run ends half a period behind the last one.
         k = math.floor(self.time / period - phase + 0.25) + 1
         if self.state is None:
             k = math.floor(-phase) + 1
@@ -182,7 +182,7 @@ class Returns:
         reached = [t for t in instants if t <= times[-1]]
         return self._points(run, np.searchsorted(times, reached))
 
-    def _crossed(self, count: int) -> Points:
+    def _crossed(self, count: int) -> _Points:
         began = self.time
         run = self._go_on(self._span)
         crossed = np.zeros(0)
@@ -218,7 +218,7 @@ class Returns:
         self.state, self.outcome, self.message = run.end, run.outcome, run.message
         return run
 
-    def _points(self, run: Trajectory, places: NDArray[np.intp]) -> Points:
+    def _points(self, run: Trajectory, places: NDArray[np.intp]) -> _Points:
         times = np.asarray(run.data["time"].values, dtype=float)[places]
         series = [quantity(run, name) for name in self.quantities]
         self.units = tuple(one.units for one in series)
@@ -226,15 +226,15 @@ class Returns:
         whole = np.stack([one.values for one in series])
         self.sizes = np.fmax(self.sizes, np.abs(whole).max(axis=1))
         columns = list(whole[:, places])
-        return Points(times, np.stack(columns, axis=1) if len(times) else np.zeros((0, len(columns))))
+        return _Points(times, np.stack(columns, axis=1) if len(times) else np.zeros((0, len(columns))))
 
 
 # --- points behind the transient ----------------------------------------------------------------------------
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
-class SettledPoints:
-    """The last points of a section, and how they came about.
+class _SettledPoints:
+    """Last points of a section, with their transient and outcome.
 
     Attributes:
         times: (n,) [s].
@@ -258,27 +258,27 @@ class SettledPoints:
 
 
 def settled_points(
-    returns: Returns, count: int, transient: int | None, most: int | None, tolerance: float
-) -> SettledPoints:
+    returns: SectionRun, count: int, transient: int | None, most: int | None, tolerance: float
+) -> _SettledPoints:
     """Return the points of a section behind its transient.
 
     With a transient of None points are cut, half of ``count`` at a time, until those kept have settled, or
     ``most`` were made. See :func:`poincare`.
     """
-    kept = Points(np.zeros(0), np.zeros((0, len(returns.quantities))))
+    kept = _Points(np.zeros(0), np.zeros((0, len(returns.quantities))))
     made = 0
     limit = (transient or 0) + count if transient is not None else max(most or 20 * count, count)
     ask = limit if transient is not None else count
     while True:
         some = returns.more(ask)
         made += len(some.times)
-        kept = Points(*(np.concatenate(pair)[-count:] for pair in zip(kept, some, strict=True)))
-        found = _judged(kept.values, returns.sizes, tolerance)
+        kept = _Points(*(np.concatenate(pair)[-count:] for pair in zip(kept, some, strict=True)))
+        found = _judge(kept.values, returns.sizes, tolerance)
         if found.start == 0 or made >= limit or returns.ended:
             break
         ask = min(max(count // 2, 1), limit - made)
     whole = len(kept.times) == count and not returns.ended
-    return SettledPoints(
+    return _SettledPoints(
         *kept,
         settled=found.start == 0 and whole,
         drift=found.drift,
@@ -289,8 +289,8 @@ def settled_points(
     )
 
 
-def _judged(values: Array, sizes: Array, tolerance: float) -> Settled:
-    """Return whether points, (n, quantities), have settled; those that are no numbers have not."""
+def _judge(values: Array, sizes: Array, tolerance: float) -> Settled:
+    """Return whether points, (n, quantities), have settled; points with NaN have not."""
     if not np.isfinite(values).all():
         return Settled(None, math.nan, tolerance, len(values))
     scale = np.where(sizes > 0.0, sizes, 1.0)
@@ -340,7 +340,7 @@ def poincare(
         InvalidParameterError: Likewise; no drive has a period, or the section was never crossed.
     """
     check_counts("poincare", count, transient, most, tolerance)
-    returns = Returns(scenario, section, quantities, start, progress)
+    returns = SectionRun(scenario, section, quantities, start, progress)
     found = settled_points(returns, count, transient, most, tolerance)
     if not len(found.times):
         raise InvalidParameterError(
@@ -355,7 +355,7 @@ def poincare(
 def check_counts(
     place: str, count: object, transient: object, most: object, tolerance: float, fewest: int = LEAST
 ) -> None:
-    """Refuse numbers of points that nothing can be told from."""
+    """Refuse numbers of points too small for a judgement."""
     for name, value, least in (("count", count, fewest), ("transient", transient, 0), ("most", most, count)):
         if value is None and name != "count":
             continue
@@ -369,7 +369,7 @@ def check_counts(
         raise InvalidParameterError(place, "tolerance", "from 0 to below 1", tolerance)
 
 
-def _dataset(scenario: Scenario, returns: Returns, found: SettledPoints, tolerance: float) -> xr.Dataset:
+def _dataset(scenario: Scenario, returns: SectionRun, found: _SettledPoints, tolerance: float) -> xr.Dataset:
     variables: dict[str, Any] = {
         name: ("point", found.values[:, k], {"units": returns.units[k], "long_name": returns.titles[k]})
         for k, name in enumerate(returns.quantities)
@@ -396,8 +396,8 @@ def _dataset(scenario: Scenario, returns: Returns, found: SettledPoints, toleran
     )
 
 
-def _fate(returns: Returns) -> str:
-    """Return what became of a run without a point."""
+def _fate(returns: SectionRun) -> str:
+    """Return the outcome of a run without a point."""
     kept = "" if returns.outcome.name == "STOPPED" else f"; {returns.message}"
     return f"not once in {returns.time:.6g} s{kept}"
 

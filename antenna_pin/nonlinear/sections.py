@@ -27,7 +27,7 @@ _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"rising": 1, "falling": -1, "both":
 @takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stroboscope:
-    """A motion is looked at once a period, at the times ``(phase + k) period``.
+    """Section once a period, at the times ``(phase + k) period``.
 
     Attributes:
         period: [s]; None for that of the scenario's drives, which then have to have one and the same.
@@ -49,12 +49,12 @@ class Stroboscope:
             raise InvalidParameterError(self, "phase", "from 0 to below 1, a part of the period", self.phase)
 
     def period_in(self, scenario: Scenario) -> float:
-        """Return its period where a scenario is run [s]."""
+        """Return its period in a scenario [s]."""
         return drive_period(scenario, self.drive) if self.period is None else self.period
 
     @property
     def words(self) -> str:
-        """What it is."""
+        """Description."""
         whose = "a period"
         if self.period is not None:
             whose = f"every {self.period:.9g} s"
@@ -66,7 +66,7 @@ class Stroboscope:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossing:
-    """A motion is looked at when a function of the state passes zero, located on the dense output.
+    """Section at zeros of a function of the state, located on the dense output.
 
     Attributes:
         when: The function: a condition of :mod:`antenna_pin.simulation`, as ``Angle("hinge", 0.0)``, or one
@@ -88,7 +88,7 @@ class Crossing:
 
     @property
     def words(self) -> str:
-        """What it is."""
+        """Description."""
         how = {1: "rising", -1: "falling", 0: "either way"}[self.direction]
         return f"{self.name or _words_of(self.when)}, {how}"
 
@@ -110,7 +110,7 @@ def _words_of(when: Callable[[Moment], float]) -> str:
 
 @takes()
 def drive_period(scenario: Scenario, drive: str | None = None) -> float:
-    """Return the period of what drives a scenario [s].
+    """Return the period of a scenario's drives [s].
 
     A sine and a motion that swings have that of their frequency, a motion that turns on at a constant rate
     that of a turn. Constant drives have any; curves, tables and controllers have none.
@@ -155,7 +155,7 @@ def _kind(table: object) -> str:
 
 
 def _period(table: object) -> float | None:
-    """Return the period of what a drive's table describes [s]; None where it has none."""
+    """Return the period of a drive's table [s]; None without one."""
     frequency: float | None = getattr(table, "frequency", None)
     rate = getattr(table, "rate", 0.0) or 0.0
     grows = rate or any(getattr(table, "velocity", ()) or ()) or getattr(table, "coefficients", ())
@@ -175,7 +175,7 @@ _CROSSING = re.compile(r"(angle|rate|gap|force)[.: ]\s*(.+?)\s*=\s*([^=]+)")
 
 @takes()
 def section_of(text: str, direction: str = "rising", phase: float = 0.0) -> Section:
-    """Return a section that a text says.
+    """Return the section that a text describes.
 
     ``period`` is once a period of the drives, ``period=DRIVE`` of that drive, ``period=0.5 s`` of a given
     time; ``angle.JOINT=VALUE``, ``rate.JOINT=VALUE``, ``gap.CONTACT=VALUE`` and ``force.CONTACT=VALUE`` are

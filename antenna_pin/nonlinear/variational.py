@@ -35,14 +35,23 @@ from scipy.optimize import brentq
 
 from antenna_pin.engine import Carrying, Steps
 from antenna_pin.nonlinear.coordinates import Frame, Lift
-from antenna_pin.nonlinear.kinks import ByMatrices, Missed, Piece, StepAnew, Within, at_once
-from antenna_pin.nonlinear.perturbed_system import Numbers
-from antenna_pin.nonlinear.saltation import Carried, Passed, Saltation, at_equal_times, with_time
-from antenna_pin.nonlinear.vector_field import Field
+from antenna_pin.nonlinear.kinks import (
+    CutStep,
+    JacobianPropagation,
+    KinkDefects,
+    StepPart,
+    StepStates,
+    coincidence,
+)
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.nonlinear.saltation import EventShift, Saltation, Tangents, at_equal_times, with_time
+from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.steps import LoggedStep
 
-__all__ = ["AlongStages", "Carrier", "Step"]
+__all__ = [
+    "TangentPropagation",
+]
 
 Array = NDArray[np.float64]
 
@@ -56,7 +65,7 @@ _TRIES = 48
 _OVER_KINKS = 13.0
 
 
-class Step(NamedTuple):
+class _TangentStep(NamedTuple):
     """A step of a run.
 
     Attributes:
@@ -78,21 +87,21 @@ class Step(NamedTuple):
     known: tuple[bool, bool]
 
     @property
-    def piece(self) -> Piece:
-        """All of it."""
-        return Piece(0.0, 1.0, *self.changes, self.known)
+    def piece(self) -> StepPart:
+        """The whole step."""
+        return StepPart(0.0, 1.0, *self.changes, self.known)
 
 
-class AlongStages:
-    """Carries displacements along pieces of a step.
+class _StagePropagation:
+    """Propagation of tangents along parts of a step by the integrator's stages.
 
     Args:
         carrying: By what.
-        moving: Parts of a displacement that change between events: ways, rates and bristles.
+        moving: Parts of a tangent that change between events: ways, rates and bristles.
 
     Attributes:
         since: When contacts or drives have changed last [s].
-        made: Pieces along which displacements were carried.
+        made: Pieces along which tangents were carried.
     """
 
     def __init__(self, carrying: Carrying, moving: slice) -> None:
@@ -102,20 +111,20 @@ class AlongStages:
         self.made = 0
 
     def _since(self, known: bool, time: float) -> float:
-        """Return when rates have changed last, of a piece that begins at a time, with a break or not [s]."""
+        """Return the last change of the rates before a part of a step [s]."""
         return time if known else self.since
 
     def over(
-        self, piece: Piece, start: tuple[float, float, Array], lift: Lift, carried: Carried, good: float
-    ) -> Carried | None:
-        """Return displacements behind a piece of a step, or None where they are not known well enough.
+        self, piece: StepPart, start: tuple[float, float, Array], lift: Lift, carried: Tangents, good: float
+    ) -> Tangents | None:
+        """Return tangents behind a part of a step, or None where they are too inaccurate.
 
         Args:
             piece: The piece.
             start: When the step begins [s], its size [s], and the state where the piece begins.
-            lift: Coordinates as displacements.
-            carried: Displacements before the piece.
-            good: What the method, or differences, may be off by, over a displacement: next to a kink of a
+            lift: Coordinates as tangents.
+            carried: Tangents before the piece.
+            good: What the method, or differences, may be off by, over a tangent: next to a kink of a
                 force the orders of these part.
         """
         time, whole, y = start
@@ -140,30 +149,30 @@ class AlongStages:
         ends, rests = np.zeros_like(matrix), np.zeros_like(matrix)
         ends[:, there], rests[:, behind] = moved[:, :count], moved[:, count:]
         rests[:, there] += down[:, self._moving] @ (_OVER_KINKS * found.errors + found.rough)
-        books = carried.books.copy()
+        books = carried.integrals.copy()
         books[:, there] += found.books
-        return Carried(ends, ends + rests, carried.frame, books)
+        return Tangents(ends, ends + rests, carried.frame, books)
 
     def in_halves(
         self,
-        piece: Piece,
-        within: Within,
+        piece: StepPart,
+        within: StepStates,
         lift: Callable[[Frame, float, Array], Lift],
-        carried: Carried,
+        carried: Tangents,
         good: float,
-    ) -> Carried | None:
-        """Return displacements behind a piece of a step, along ever shorter halves where need be, or None.
+    ) -> Tangents | None:
+        """Return tangents behind a part of a step, halved where necessary, or None.
 
         Args:
             piece: The piece.
             within: States within the step.
-            lift: Makes displacements of coordinates about a state: of constraints those where a piece begins.
-            carried: Displacements before the piece.
+            lift: Makes tangents of coordinates about a state: of constraints those where a piece begins.
+            carried: Tangents before the piece.
             good: As for :meth:`over`.
         """
         tries = _TRIES
 
-        def along(piece: Piece, carried: Carried) -> Carried | None:
+        def along(piece: StepPart, carried: Tangents) -> Tangents | None:
             nonlocal tries
             if all(piece.known) or tries == 0:
                 return None
@@ -180,14 +189,14 @@ class AlongStages:
         return along(piece, carried)
 
     def over_steps(
-        self, steps: Sequence[Step], lift: Lift, carried: Carried, good: float, until: float
-    ) -> tuple[int, Carried]:
-        """Return along how many steps displacements are known well enough, and these behind them.
+        self, steps: Sequence[_TangentStep], lift: Lift, carried: Tangents, good: float, until: float
+    ) -> tuple[int, Tangents]:
+        """Return the number of steps with accurate tangents, and the tangents behind them.
 
         Args:
             steps: One after another, between two changes of the axes.
-            lift: Coordinates as displacements, the same along the steps.
-            carried: Displacements before them.
+            lift: Coordinates as tangents, the same along the steps.
+            carried: Tangents before them.
             good: As for :meth:`over`.
             until: When a contact ends next, behind them; infinite if that is not known [s].
         """
@@ -200,17 +209,17 @@ class AlongStages:
             np.array([until]),
             np.array([one.y for one in steps]),
         )
-        # Each part of a displacement is one coordinate, or none.
+        # Each part of a tangent is one coordinate, or none.
         scales = np.abs(lift.down).sum(axis=0)
         before = lift.up @ matrix[:, there], lift.up @ off[:, there]
         done, ways, rest, booked = self._carrying.along_all(every, *before, scales, good)
         self.made += done
         if not done:
             return 0, carried
-        ends, rests, books = np.zeros_like(matrix), np.zeros_like(matrix), carried.books.copy()
+        ends, rests, books = np.zeros_like(matrix), np.zeros_like(matrix), carried.integrals.copy()
         ends[:, there], rests[:, there] = lift.down @ ways, lift.down @ rest
         books[:, there] += booked
-        return done, Carried(ends, ends + rests, carried.frame, books)
+        return done, Tangents(ends, ends + rests, carried.frame, books)
 
 
 # What gross works and works differ by in a step that no work turns back in, over their sizes; in how many
@@ -224,8 +233,8 @@ _ROUND_OFF, _PARTS = 16.0 * float(np.finfo(float).eps), 16
 # enough that no part of a step has both signs of the power in it.
 
 
-def cut_at_turns(step: Step, within: Within, field: Field) -> list[Step]:
-    """Return the parts of a step in which works go one way each, where numbers displace what is booked.
+def _cut_at_reversals(step: _TangentStep, within: StepStates, field: VectorField) -> list[_TangentStep]:
+    """Return the parts of a step between reversals of work, where parameters need them.
 
     Args:
         step: The step.
@@ -241,7 +250,7 @@ def cut_at_turns(step: Step, within: Within, field: Field) -> list[Step]:
     if not turn.any():
         return [step]
     within.begin(step.time, step.y, step.size, step.end)
-    thetas = np.unique([0.0, *_turns(works[turn, 0], step, within, field), 1.0]).tolist()
+    thetas = np.unique([0.0, *_reversals(works[turn, 0], step, within, field), 1.0]).tolist()
     instants = [*(step.time + theta * step.size for theta in thetas[:-1]), step.until]
     states = [step.y, *(within.at(theta) for theta in thetas[1:-1]), step.end]
     last, parts = len(thetas) - 2, []
@@ -250,15 +259,19 @@ def cut_at_turns(step: Step, within: Within, field: Field) -> list[Step]:
         changes = ends[0] and step.changes[0], ends[1] and step.changes[1]
         known = not ends[0] or step.known[0], not ends[1] or step.known[1]
         size = (thetas[k + 1] - thetas[k]) * step.size
-        parts.append(Step(instants[k], size, states[k], instants[k + 1], states[k + 1], changes, known))
+        parts.append(
+            _TangentStep(instants[k], size, states[k], instants[k + 1], states[k + 1], changes, known)
+        )
     return parts
 
 
-def _turns(works: NDArray[np.int_], step: Step, within: Within, field: Field) -> list[float]:
-    """Return at which fractions of a step some works turn back."""
+def _reversals(
+    works: NDArray[np.int_], step: _TangentStep, within: StepStates, field: VectorField
+) -> list[float]:
+    """Return the fractions of a step at which works reverse."""
 
     def power(theta: float, x: int) -> float:
-        return float(field.booked(step.time + theta * step.size, within.at(theta))[x])
+        return float(field.integrands(step.time + theta * step.size, within.at(theta))[x])
 
     found = []
     for x in works.tolist():
@@ -269,7 +282,7 @@ def _turns(works: NDArray[np.int_], step: Step, within: Within, field: Field) ->
     return found
 
 
-# What a piece of a step may be wrong by, over the displacements and over the run's tolerance; what stages may
+# What a piece of a step may be wrong by, over the tangents and over the run's tolerance; what stages may
 # be, over that: their estimate is that of a lower order.
 _GOOD, _BY_STAGES = 1e2, 10.0
 # From which depth on a contact is deep, over what its onset is located to: derivatives over a clearance are
@@ -279,20 +292,20 @@ _DEEP = 1e6
 _TOGETHER = 64
 
 
-class Carrier:
-    """Carries displacements along a run: what the run shows itself to where something changes.
+class TangentPropagation:
+    """Observer of a run that propagates tangents along it.
 
     Args:
         run: Before its first step; its steps are logged.
         first: Axes in its first state.
-        ways: Displacements to carry, in coordinates along these, (size, k), or what makes them of these; all
+        ways: Tangents to propagate, in coordinates along these, (size, k), or what makes them of these; all
             of them if left out.
         numbers: Parameters of the system that are coordinates too; none if left out.
         looks: When to be shown to ``seen`` within steps, ascending [s].
 
     Attributes:
         field: The rates, with the contacts that count.
-        within: States within the steps, before what changes behind them.
+        states: States within the steps, before what changes behind them.
     """
 
     def __init__(
@@ -300,69 +313,69 @@ class Carrier:
         run: Run,
         first: Frame,
         ways: Array | Callable[[Lift], Array] | None = None,
-        numbers: Numbers | None = None,
+        numbers: ParameterSlopes | None = None,
         looks: Sequence[float] = (),
     ) -> None:
         """Begin in the run's first state."""
         settings = run.settings
-        self.field = Field(run.system, settings, numbers)
+        self.field = VectorField(run.system, settings, numbers)
         workspace = self.field.workspace
         workspace.memory[:], workspace.program[:] = run.workspace.memory, run.workspace.program
-        self.within = within = Within(run)
-        self._again = StepAnew(self.field, settings, run.stepper.scales, within.workspace)
+        self.states = within = StepStates(run)
+        self._cut_step = CutStep(self.field, settings, run.stepper.scales, within.workspace)
         self._good = _GOOD * settings.rtol
-        carrying, moving = self.field.carrying(), slice(self.field.parts[2].stop)
-        #: What carries displacements by the run's own stages; None where nothing does.
-        self.stages = None if carrying is None else AlongStages(carrying, moving)
+        carrying, moving = self.field.stage_propagation(), slice(self.field.parts[2].stop)
+        #: What carries tangents by the run's own stages; None where nothing does.
+        self.stages = None if carrying is None else _StagePropagation(carrying, moving)
         self._deep = _DEEP * np.array(run.search.tolerances)
         self._young: set[int] = set()
         self._take_over(run)
         self._begins = False, False
-        self._waiting: list[Step] = []
+        self._waiting: list[_TangentStep] = []
         self._looks = list(looks)
-        #: Told of looks and before changes: ``(time, y, displacements)``, the last (displacement, k).
-        self.seen: Callable[[float, Array, Array], None] | None = None
-        self.before: Callable[[float, Array, Array], None] | None = None
+        #: Told of looks and before changes: ``(time, y, tangents)``, the last (perturbation, k).
+        self.on_look: Callable[[float, Array, Array], None] | None = None
+        self.on_change: Callable[[float, Array, Array], None] | None = None
         lift = self.field.lift(first, self._time, self._y)
         start = np.eye(lift.up.shape[1]) if ways is None else ways(lift) if callable(ways) else ways
         self._saltation = Saltation(self.field, run, start.shape[1])
-        self._missed = Missed(start.shape[1], settings.rtol)
-        self._matrices = ByMatrices(self.field, within, self._again, self._missed, self._good)
+        self._defects = KinkDefects(start.shape[1], settings.rtol)
+        self._matrices = JacobianPropagation(self.field, within, self._cut_step, self._defects, self._good)
         self._matrices.begin(self._time, self._y, True)
-        start = self._missed.begin(start)
-        self._all = Carried(start, start.copy(), first, np.zeros((run.system.manifold.nx, start.shape[1])))
+        start = self._defects.begin(start)
+        self._all = Tangents(start, start.copy(), first, np.zeros((run.system.manifold.nx, start.shape[1])))
 
     @property
-    def carried(self) -> Carried:
-        """Displacements in the present state, at equal times."""
+    def tangents(self) -> Tangents:
+        """Tangents in the present state, at equal times."""
         self._go_along()
-        return self._missed.own(at_equal_times(self.field, self._all, *self._here))
+        return self._defects.without_defects(at_equal_times(self.field, self._all, *self._here))
 
     @property
-    def passed(self) -> tuple[Passed, ...]:
-        """When contacts have begun and ended and events happened, and how their instants are displaced."""
-        return tuple(self._saltation.passed)
+    def event_shifts(self) -> tuple[EventShift, ...]:
+        """Onsets, releases and events so far, with the shifts of their times."""
+        return tuple(self._saltation.event_shifts)
 
     @property
     def matrices(self) -> int:
-        """Over how many parts of steps whole matrices have carried them."""
+        """Number of parts of steps propagated with the full Jacobian."""
         return self._matrices.made
 
     @property
     def rank(self) -> int:
-        """How many directions of the displacements are left: where a joint comes to rest one is lost."""
+        """Number of directions left: where a joint comes to rest one is lost."""
         return self._saltation.rank
 
     def _take_over(self, run: Run) -> None:
-        """Begin the next step where the run is."""
+        """Begin the next step at the run's present state."""
         self._time, self._y = self._here = run.stepper.t, run.here.copy()
-        self.within.take_over(run)
+        self.states.take_over(run)
 
     def observe(self, run: Run) -> None:
-        """Carry the displacements over the steps since the last look, and over what changes behind them."""
+        """Propagate tangents over the steps since the last call, and over the changes behind them."""
         touching, steps = run.workspace.memory["touching"], run.steps.log.steps
-        flipped = np.flatnonzero(self.within.touching != touching).tolist()
-        happened, breaks = self._saltation.happened(), {one.last for one in run.watch.value()}
+        flipped = np.flatnonzero(self.states.touching != touching).tolist()
+        happened, breaks = self._saltation.event_times(), {one.last for one in run.watch.value()}
         for one in steps:
             changing = flipped if one is steps[-1] else []
             ends = bool(changing) or one.until in happened, one.until in breaks
@@ -375,15 +388,15 @@ class Carrier:
             self._settle()
 
     def _over(self, one: LoggedStep, ends: tuple[bool, bool], parting: Sequence[int]) -> None:
-        """Carry the displacements over a step, now or with those that follow.
+        """Propagate tangents over a step, now or with those that follow.
 
         Args:
             one: The step.
             ends: Whether anything changes where it ends, and whether rates break there.
             parting: Contacts that end there.
         """
-        whole = Step(*one, (self._begins[0], ends[0]), (any(self._begins), any(ends)))
-        for step in cut_at_turns(whole, self.within, self.field):
+        whole = _TangentStep(*one, (self._begins[0], ends[0]), (any(self._begins), any(ends)))
+        for step in _cut_at_reversals(whole, self.states, self.field):
             own, along = parting if step.until == one.until else (), self._goes_along(step)
             if along:
                 self._waiting.append(step)
@@ -397,71 +410,73 @@ class Carrier:
             self._settle()
 
     def _begin(self, begins: tuple[bool, bool]) -> None:
-        """Begin the next step: whether anything has changed there, and whether rates break."""
+        """Begin the next step, with changes or breaks of the rates at its start."""
         self._begins = begins
         if begins[0] and self.stages is not None:
             self.stages.since = self._time
 
     def _change(self, memory: NDArray[Any], flipped: list[int], moved: bool) -> None:
-        """Carry the displacements over what changes in the present state.
+        """Propagate tangents over the changes in the present state.
 
         Args:
-            memory: What contacts remember behind it.
+            memory: Contact memory behind it.
             flipped: Contacts that begin or end.
             moved: Whether a step has led there, along which the flow is carried to contacts that end.
         """
         self._go_along()
         here, ending = (self._time, self._y), [c for c in flipped if memory["touching"][c] == 0.0]
         if not moved:
-            self._tell(self.before)
+            self._tell(self.on_change)
             self._begin((True, False))
         for c in ending:
             if not moved:
                 self._set_flow(*here)
-            self._all = self._saltation.release(c, self._missed.flow, self._all, *here)
+            self._all = self._saltation.release(c, self._defects.flow_column, self._all, *here)
         if ending:
-            for one in (self._all.matrix, self._all.other, self._all.books):
-                one[:, self._missed.flow] = 0.0
-        self._all = self._saltation.through_events(self._all, *here)
+            for one in (self._all.matrix, self._all.other, self._all.integrals):
+                one[:, self._defects.flow_column] = 0.0
+        self._all = self._saltation.across_events(self._all, *here)
         for c in [c for c in flipped if c not in ending]:
             self._all = self._saltation.onset(c, memory[c], with_time(self._all), *here)
 
     def _settle(self) -> None:
-        """Bring displacements back to equal times, where no contact has just begun any more."""
+        """Bring tangents back to equal times, where no contact is young any more."""
         places = self.field.workspace.along_normal
         self._young = {c for c in self._young if places(self._y, c)[1] > -float(self._deep[c])}
         if not self._young and self._all.frame.clock:
             self._go_along()
             self._all = at_equal_times(self.field, self._all, *self._here)
 
-    def look_at(self, time: float) -> None:
-        """Be shown to ``seen`` at one more instant that is to come [s]."""
+    def add_look(self, time: float) -> None:
+        """Add a later time at which ``on_look`` is called [s]."""
         place = bisect_left(self._looks, time)
         if time not in self._looks[place : place + 1]:
             self._looks.insert(place, time)
 
-    def book(self, place: int, more: Array) -> None:
-        """Take something to what is integrated along the run, by how much more of each displacement, (k,)."""
+    def add_integral(self, place: int, more: Array) -> None:
+        """Add the change of each tangent, (k,), of an integral of the run."""
         self._go_along()
-        self._all.books[place, : len(more)] += more
+        self._all.integrals[place, : len(more)] += more
 
     def end(self, run: Run) -> None:
-        """Carry them to the end."""
+        """Propagate tangents to the end."""
         self.observe(run)
         self._go_along()
 
-    def _goes_along(self, step: Step) -> bool:
-        """Whether displacements may go along a step together with others.
+    def _goes_along(self, step: _TangentStep) -> bool:
+        """Return whether a step can be propagated together with others.
 
         Nothing is to be seen within it, or changes at its end, and axes stay as they are.
         """
         if self.stages is None or self.field.workspace.constraints is not None:
             return False
-        seen = self._looks and self._looks[0] < step.time + (1.0 + at_once(step.time, step.size)) * step.size
+        seen = (
+            self._looks and self._looks[0] < step.time + (1.0 + coincidence(step.time, step.size)) * step.size
+        )
         return not (step.changes[1] or step.known[1] or seen)
 
     def _go_along(self, until: float = np.inf) -> None:
-        """Carry the displacements along the steps that wait, to when a contact ends behind them [s]."""
+        """Propagate tangents over the waiting steps, up to the next release [s]."""
         steps, self._waiting, here = self._waiting, [], (self._time, self._y, self._here)
         while steps:
             assert self.stages is not None
@@ -474,50 +489,50 @@ class Carrier:
             steps = steps[done + 1 :]
         self._time, self._y, self._here = here
 
-    def _step(self, step: Step, parting: Sequence[int]) -> None:
-        """Carry the displacements over a step.
+    def _step(self, step: _TangentStep, parting: Sequence[int]) -> None:
+        """Propagate tangents over a step.
 
         Args:
             step: The step.
             parting: Contacts that end there.
         """
         self._time, self._y = step.time, step.y
-        self.within.begin(step.time, step.y, step.size, step.end)
-        self._again.begin(step.time, step.y)
+        self.states.begin(step.time, step.y, step.size, step.end)
+        self._cut_step.begin(step.time, step.y)
         (begins, ends), known, end = step.changes, step.known, step.until
         self._matrices.begin(step.time, step.y, begins or bool(self._young))
         rest = step.piece
         if all(known):
-            self._part(Piece(0.0, 0.5, begins, False, (True, False)))
-            rest = Piece(0.5, 1.0, False, ends, (False, True))
-        whole = self.within.at(1.0)
+            self._part(StepPart(0.0, 0.5, begins, False, (True, False)))
+            rest = StepPart(0.5, 1.0, False, ends, (False, True))
+        whole = self.states.at(1.0)
         if parting:
-            self._set_flow(self._time + rest.a * self.within.size, self.within.at(rest.a))
+            self._set_flow(self._time + rest.a * self.states.size, self.states.at(rest.a))
             up = self.field.lift(self._all.frame, end, whole).up
-            self._matrices.opening = self.field.depths.opening(whole, parting[0], up)[0]
+            self._matrices.opening = self.field.gaps.opening(whole, parting[0], up)[0]
         self._part(rest)
         self._matrices.opening = None
-        off = self._again.off(end, whole)
+        off = self._cut_step.off(end, whole)
         if off.any():
-            self._all = self._missed.off(self._all, self._down(end, whole) @ off)
-        self._all = self._missed.merged(self._all)
+            self._all = self._defects.with_run_error(self._all, self._down(end, whole) @ off)
+        self._all = self._defects.merge(self._all)
         self._time, self._y = self._here = end, whole
-        if self.field.is_off(self._all.frame, end, whole):
+        if self.field.is_tilted(self._all.frame, end, whole):
             self.turn(self.field.frame(self._y, self._all.frame.clock))
         if ends:
-            self._tell(self.before)
+            self._tell(self.on_change)
 
     def _set_flow(self, time: float, y: Array) -> None:
-        """Write the flow of a state beside displacements."""
+        """Write the flow of a state into its column."""
         self._all = with_time(self._all)
         flow = self._down(time, y) @ self.field.flow(time, y)
         for one in self._all[:2]:
-            one[:, self._missed.flow] = flow
-        self._all.books[:, self._missed.flow] = self.field.booked(time, y)
+            one[:, self._defects.flow_column] = flow
+        self._all.integrals[:, self._defects.flow_column] = self.field.integrands(time, y)
 
-    def _part(self, piece: Piece) -> None:
-        """Carry the displacements over a part of a step, and show them where they are to be looked at."""
-        near = at_once(self._time, size := self.within.size)
+    def _part(self, piece: StepPart) -> None:
+        """Propagate tangents over a part of a step, with calls of ``on_look`` on the way."""
+        near = coincidence(self._time, size := self.states.size)
         while self._looks and (theta := (self._looks[0] - self._time) / size) < piece.b - near:
             if theta > piece.a + near:
                 before, piece = piece.cut(theta, False)
@@ -528,22 +543,22 @@ class Carrier:
             self._show(piece.b)
 
     def _show(self, theta: float) -> None:
-        """Show the displacements at a fraction of the step."""
-        self._here = self._looks.pop(0), self.within.at(theta)
-        self._tell(self.seen)
+        """Call ``on_look`` at a fraction of the step."""
+        self._here = self._looks.pop(0), self.states.at(theta)
+        self._tell(self.on_look)
 
     def _tell(self, told: Callable[[float, Array, Array], None] | None) -> None:
-        """Tell of displacements in the present state."""
+        """Call a callback with the perturbations in the present state."""
         if told is not None:
-            carried, (time, y) = self.carried, self._here
+            carried, (time, y) = self.tangents, self._here
             told(time, y, self.field.lift(carried.frame, time, y).up @ carried.matrix)
 
     def _down(self, time: float, y: Array) -> Array:
-        """Return what makes coordinates of displacements."""
+        """Return the map from perturbations to coordinates."""
         return self.field.lift(self._all.frame, time, y).down
 
     def turn(self, frame: Frame) -> None:
-        """Take other axes in the present state.
+        """Change the axes in the present state.
 
         Args:
             frame: The axes; of the contacts that count.
@@ -553,18 +568,18 @@ class Carrier:
             self._all = at_equal_times(self.field, self._all, *self._here)
         field, old = self.field, self._all
         turn = field.lift(frame, self._time, self._y).down @ field.lift(old.frame, self._time, self._y).up
-        self._all = Carried(turn @ old.matrix, turn @ old.other, frame, old.books)
+        self._all = Tangents(turn @ old.matrix, turn @ old.other, frame, old.integrals)
 
-    def _piece(self, piece: Piece) -> None:
-        """Carry the displacements over a part of the step, by the run's own stages where these can."""
-        by = self.within, self.field.lift, self._all, _BY_STAGES * self._good
+    def _piece(self, piece: StepPart) -> None:
+        """Propagate tangents over a part of the step, by the run's own stages where possible."""
+        by = self.states, self.field.lift, self._all, _BY_STAGES * self._good
         found = None if self.stages is None else self.stages.in_halves(piece, *by)
         self._all = self._matrices.over(piece, self._all) if found is None else found
 
     @property
     def doubt(self) -> Array:
-        """By how much the displacements are in doubt, of each, (k,)."""
-        matrix, other, *_ = self.carried
-        missed = self._missed.sizes(at_equal_times(self.field, self._all, *self._here))
+        """Error estimate of each tangent, (k,)."""
+        matrix, other, *_ = self.tangents
+        missed = self._defects.sizes(at_equal_times(self.field, self._all, *self._here))
         left_over = self._matrices.left_over * np.linalg.norm(matrix, axis=0)
         return np.asarray(np.linalg.norm(matrix - other, axis=0) + left_over + missed)

@@ -27,10 +27,10 @@ from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear import Flow
-from antenna_pin.nonlinear.chart import Chart, Displacer
+from antenna_pin.nonlinear.chart import Chart, StatePerturbation
 from antenna_pin.nonlinear.coordinates import Lift
-from antenna_pin.nonlinear.perturbed_system import Beside, Numbers
-from antenna_pin.nonlinear.variational import Carrier
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes, PerturbedParameters
+from antenna_pin.nonlinear.variational import TangentPropagation
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity.finite_differences import Slopes
 from antenna_pin.sensitivity.parameters import (
@@ -98,11 +98,11 @@ class ByEquation:
         system = self._here.system
         self.flow = Flow(system, settings, events_of(scenario), scenario)
         builds = [functools.partial(self._system, k) for k in range(len(self.parameters))]
-        self._numbers = Numbers(system, builds, [one.key for one in self.parameters])
-        self._next = Displacer(system, len(self.parameters))
+        self._numbers = ParameterSlopes(system, builds, [one.key for one in self.parameters])
+        self._next = StatePerturbation(system, len(self.parameters))
         # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
-        self._numbers.slopes["program"][:, self._next.kept.words] = 0.0
-        beside = Beside(system, settings, self._numbers, self._system)
+        self._numbers.slopes["program"][:, self._next.memory.words] = 0.0
+        beside = PerturbedParameters(system, settings, self._numbers, self._system)
         scales = np.array([one.scale for one in self.parameters])
         #: What a result says of its states, and of displaced ones.
         self.told = OfStates(beside, self._next, settings, self._here.first, scales)
@@ -173,8 +173,10 @@ class ByEquation:
         span = end - first.time
         every = np.unique(np.concatenate([[begin, end], times, moments]))
         samples = every[(every >= begin) & (every <= end)].tolist()
-        run = flow.begun(first, span)
-        carrier = Carrier(run, Chart(flow.system, first).frame, self._start, self._numbers, samples)
+        run = flow.logged_run(first, span)
+        carrier = TangentPropagation(
+            run, Chart(flow.system, first).frame, self._start, self._numbers, samples
+        )
         along = Along(run, carrier, self._numbers, begin, len(self.parameters))
         run.advance(observer=along)
         flow.check_ended(run, span, first)
@@ -342,7 +344,7 @@ def _at(times: Array, when: float) -> int:
 
 def _goes_with(along: Along, when: float, scales: Array) -> Array:
     """Return by how much what happens at an instant comes later; NaN if nothing does."""
-    near = (one.late / scales for one in along.passed if abs(one.time - when) < _SAME)
+    near = (one.late / scales for one in along.event_shifts if abs(one.time - when) < _SAME)
     return next(near, np.full(len(scales), math.nan))
 
 
@@ -353,7 +355,7 @@ def _moves(
     still, one = np.zeros(len(scales)), _ONE * when
     if (np.abs(asked - when) <= 4.0 * np.spacing(max(when, float(asked[-1])))).any():
         return still, still, 0.0
-    if any(abs(passed.time - when) < _SAME for passed in along.passed):
+    if any(abs(passed.time - when) < _SAME for passed in along.event_shifts):
         return None  # a sample on one side of what jumps there
     for i in np.flatnonzero(np.abs(run["peak_time"].values - when) <= one) if "peak_time" in run else ():
         if not np.isfinite(peaks.late[i]).all():

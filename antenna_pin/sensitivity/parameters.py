@@ -15,7 +15,7 @@ from antenna_pin.base.state import State
 from antenna_pin.base.units import quantity
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.nonlinear.coordinates import way_between
+from antenna_pin.nonlinear.coordinates import configuration_difference
 from antenna_pin.scenario import Scenario, number_of
 
 __all__ = [
@@ -139,7 +139,7 @@ def begun_from(start: State, scenario: Scenario, other: Scenario, system: System
     )
     model, mechanism = system.model, system.mechanism
     nq, nv = model.nq, model.nv
-    way, change = way_between(system, here[:nq], there[:nq]), (there - here)[nq : nq + nv]
+    way, change = configuration_difference(system, here[:nq], there[:nq]), (there - here)[nq : nq + nv]
     free = [(slice(0, 7), slice(0, 6), False)] if mechanism.base == "free" else []
     free += [
         (slot.q, slot.v, True)

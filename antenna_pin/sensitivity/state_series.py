@@ -18,8 +18,8 @@ from antenna_pin.base.differences import WEIGHTS
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, observed
-from antenna_pin.nonlinear.chart import Displacer
-from antenna_pin.nonlinear.perturbed_system import Beside, Near
+from antenna_pin.nonlinear.chart import StatePerturbation
+from antenna_pin.nonlinear.perturbed_system import PerturbedParameters, PerturbedSystem
 from antenna_pin.sensitivity.tangent_run import Displaced
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.recorder import series_at
@@ -115,7 +115,12 @@ class OfStates:
     """
 
     def __init__(
-        self, beside: Beside, displacer: Displacer, settings: RunSettings, first: State, scales: Array
+        self,
+        beside: PerturbedParameters,
+        displacer: StatePerturbation,
+        settings: RunSettings,
+        first: State,
+        scales: Array,
     ) -> None:
         """Take them."""
         self.beside, self._displacer, self._settings, self._first = beside, displacer, settings, first
@@ -129,7 +134,7 @@ class OfStates:
 
     def neighbours(
         self, displaced: Displaced, wanted: Sequence[Row]
-    ) -> Iterator[tuple[Sequence[int], Near, list[Chunk]]]:
+    ) -> Iterator[tuple[Sequence[int], PerturbedSystem, list[Chunk]]]:
         """Yield states displaced to neighbours, as many together as one system can be asked of.
 
         Args:
@@ -296,13 +301,13 @@ class InTime:
         """
         told, part, n = self._told, self._part(places), len(places)
 
-        def force(chunk: Chunk, near: Near) -> Array:
+        def force(chunk: Chunk, near: PerturbedSystem) -> Array:
             """Return forces in states that stand sample by sample, (n, states of each)."""
             seen = observed(near.system, chunk.times, chunk.states, chunk.memories, chunk.programs)
             found = np.asarray(seen.contact["normal_force"]).reshape(n, -1, seen.contact.shape[-1])
             return found[np.arange(n), :, contacts]
 
-        def rate(chunk: Chunk, near: Near) -> Array:
+        def rate(chunk: Chunk, near: PerturbedSystem) -> Array:
             """Return rates of forces likewise, by the steps that are best for the run's own."""
             lines, count = _lines(chunk, near), len(chunk.times) // n
             far = np.repeat(step, count)
@@ -363,7 +368,7 @@ class InTime:
         return Displaced(chunk, *(one[places] for one in every[1:]))
 
 
-def _lines(chunk: Chunk, near: Near) -> Callable[[Array], Chunk]:
+def _lines(chunk: Chunk, near: PerturbedSystem) -> Callable[[Array], Chunk]:
     """Return what gives states as far along the flows of others as it is told, (n, of each) [s]."""
     system = near.system
     nq, nv = system.model.nq, system.model.nv

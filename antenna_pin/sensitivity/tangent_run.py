@@ -22,12 +22,12 @@ from antenna_pin.base.records import CONTACT
 from antenna_pin.base.roots import root_between
 from antenna_pin.dynamics import System, Workspace, acting_in, audit, kernels
 from antenna_pin.elements import LOSS, Change, Met
-from antenna_pin.nonlinear.coordinates import Kept
-from antenna_pin.nonlinear.kinks import Within
-from antenna_pin.nonlinear.perturbed_system import Numbers
-from antenna_pin.nonlinear.saltation import Meeting, Passed, Replay
-from antenna_pin.nonlinear.variational import Carrier
-from antenna_pin.nonlinear.vector_field import Field
+from antenna_pin.nonlinear.coordinates import ElementMemory
+from antenna_pin.nonlinear.kinks import StepStates
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.nonlinear.saltation import ElementReplay, ElementTransition, EventShift
+from antenna_pin.nonlinear.variational import TangentPropagation
+from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.sensitivity.parameters import GrazeError
 from antenna_pin.simulation.element_events import EventEffect, ImpulseEffect, ModeEffect
 from antenna_pin.simulation.events import Jump, Moment, Set, Switch, Time
@@ -58,7 +58,7 @@ class Taken:
         #: Of each element how its integrals were displaced when it last kept them, (integrals, parameters).
         self._kept: dict[str, Array] = {}
 
-    def of(self, one: ModeEffect, met: Meeting, time: float, x: Array, books: Array) -> Array:
+    def of(self, one: ModeEffect, met: ElementTransition, time: float, x: Array, books: Array) -> Array:
         """Return by how much more is lost, and what impulse is given, of a change, (2, parameters).
 
         Args:
@@ -120,7 +120,7 @@ class Happenings:
         replay: Does to states what elements did.
     """
 
-    def __init__(self, field: Field, replay: Replay) -> None:
+    def __init__(self, field: VectorField, replay: ElementReplay) -> None:
         """Allocate once."""
         self._field, self._replay, self._moment = field, replay, Moment(field.workspace)
 
@@ -162,7 +162,7 @@ class Happenings:
 
     def _brought(self, one: EventEffect, base: Array, time: float, y: Array) -> float:
         """Return the energy that an event brings in, of a state before it [J]."""
-        workspace, kept = self._field.workspace, self._field.kept.words
+        workspace, kept = self._field.workspace, self._field.memory.words
         numbers, present = self._field.numbers, workspace.program.copy()
         before = _stored(workspace, y)
         velocity, own = self._replay(one.done, time, y.copy(), present[kept])
@@ -201,7 +201,7 @@ class Deepest:
         found: Contacts and when their depth is largest [s], in order.
     """
 
-    def __init__(self, within: Within) -> None:
+    def __init__(self, within: StepStates) -> None:
         """Begin with none."""
         self._within = within
         self._table = np.zeros(len(within.workspace.table), CONTACT)
@@ -322,14 +322,16 @@ class Along:
         lasting: Contacts from onset to release.
     """
 
-    def __init__(self, run: Run, carrier: Carrier, numbers: Numbers, begin: float, count: int) -> None:
+    def __init__(
+        self, run: Run, carrier: TangentPropagation, numbers: ParameterSlopes, begin: float, count: int
+    ) -> None:
         """Begin at the run's start."""
         system = run.system
         self.carrier, self._begin, self._count = carrier, begin, count
-        self._deepest = Deepest(carrier.within)
-        self._field = Field(system, run.settings, numbers)
+        self._deepest = Deepest(carrier.states)
+        self._field = VectorField(system, run.settings, numbers)
         workspace = self._field.workspace
-        self._replay = Replay(workspace, Kept(system), self._field.numbers)
+        self._replay = ElementReplay(workspace, ElementMemory(system), self._field.numbers)
         self._losses = _losses(system)
         # Of samples what :class:`Displaced` has, in its order.
         self._seen: list[tuple[Any, ...]] = []
@@ -340,7 +342,7 @@ class Along:
         self._happenings, self._taken = Happenings(self._field, self._replay), Taken(system)
         self.lasting: list[Lasting] = []
         self._open: dict[int, int] = {}
-        carrier.seen, carrier.before = self._see, self._mark
+        carrier.on_look, carrier.on_change = self._see, self._mark
         self._take_over(run)
         nothing = np.zeros(count)
         for c in np.flatnonzero(run.workspace.memory["touching"]).tolist():
@@ -351,7 +353,7 @@ class Along:
     @property
     def books(self) -> Array:
         """Derivatives of what is integrated, so far, (nx, parameters)."""
-        return self.carrier.carried.books.copy()
+        return self.carrier.tangents.integrals.copy()
 
     @property
     def displaced(self) -> Displaced:
@@ -371,9 +373,9 @@ class Along:
         return -np.array(self._gaps)
 
     @property
-    def passed(self) -> tuple[Passed, ...]:
+    def event_shifts(self) -> tuple[EventShift, ...]:
         """When contacts have begun and ended and events happened, and how their instants are displaced."""
-        return self.carrier.passed
+        return self.carrier.event_shifts
 
     def _take_over(self, run: Run) -> None:
         self._memory, self._program = run.workspace.memory.copy(), run.workspace.program.copy()
@@ -389,17 +391,17 @@ class Along:
         self._go(run, self.carrier.end)
 
     def _go(self, run: Run, carry: Callable[[Run], None]) -> None:
-        passages, noted = list(run.actions.effects or ()), len(self.carrier.passed)
+        passages, noted = list(run.actions.effects or ()), len(self.carrier.event_shifts)
         words = self.carrier.field.numbers.program.copy() if passages and self.carrier.field.numbers else None
         for time in self._deepest.look(run.steps.log.steps):
             if time >= self._begin:
-                self.carrier.look_at(time)
+                self.carrier.add_look(time)
         carry(run)
-        new = self.carrier.passed[noted:]
+        new = self.carrier.event_shifts[noted:]
         touching, touched = run.workspace.memory["touching"], self._memory["touching"]
         flipped = np.flatnonzero(touching != touched).tolist()
         if new:
-            self._check(run.stepper.t, self.carrier.carried.matrix)
+            self._check(run.stepper.t, self.carrier.tangents.matrix)
         for mark in self._marks.values():
             there = [one for one in passages if one.time == mark.time]
             if there:
@@ -429,7 +431,7 @@ class Along:
     def _check(self, time: float, ways: Array) -> None:
         """Raise where displacements have none any more."""
         if not np.isfinite(ways).all():
-            when = max((one.time for one in self.carrier.passed if one.time <= time), default=time)
+            when = max((one.time for one in self.carrier.event_shifts if one.time <= time), default=time)
             raise GrazeError(
                 f"sensitivities: at {when:.9g} s a contact or an event comes with no speed, or coupled blows "
                 "come together: there is no derivative behind that; take other values, or a span that ends "
@@ -442,14 +444,14 @@ class Along:
         carrier = self.carrier
         self._check(time, ways)
         self._remember(ways)
-        field, carried = carrier.field, carrier.carried
+        field, carried = carrier.field, carrier.tangents
         assert field.numbers is not None
         here = y.copy(), field.workspace.memory.copy(), field.workspace.program.copy(), ways.copy()
         words = field.numbers.program.copy()
         field.workspace.locate(y, self._table)
         self._gaps.append(self._table["gap"].copy())
         doubts = carrier.doubt / np.linalg.norm(carried.matrix, axis=0)
-        self._seen.append((time, *here, carried.books.copy(), doubts, words))
+        self._seen.append((time, *here, carried.integrals.copy(), doubts, words))
 
     def _mark(self, time: float, y: Array, ways: Array) -> None:
         """Note displacements before a change."""
@@ -471,7 +473,7 @@ class Along:
         self,
         mark: _Mark,
         passages: list[EventEffect],
-        new: list[Passed],
+        new: list[EventShift],
         words: Array | None,
     ) -> None:
         """Note how elements meet their joints at an instant."""
@@ -491,7 +493,7 @@ class Along:
     def _meet(self, one: EventEffect, time: float, y: Array, there: Array, late: Array, books: Array) -> None:
         """Note how elements meet their joints, and book what blows take."""
         field = self._field
-        kept = field.kept.words
+        kept = field.memory.words
 
         def met(t: float, state: Array) -> Array:
             self._replay(one.done, t, state.copy(), field.workspace.program[kept].copy())
@@ -502,14 +504,14 @@ class Along:
         if not elements:
             return
         turned = [step for step in one.done if isinstance(step, ModeEffect)]
-        own = books + np.outer(field.booked(time, y), late)
+        own = books + np.outer(field.integrands(time, y), late)
         slopes = field.along(met, time, y, there).reshape(len(elements), 6, -1)
         # A passage of rigid parts takes no time: rates before it do not jump at a neighbour's own instant.
         struck = sum(isinstance(step, ImpulseEffect) for step in one.done)
         for found, step, slope in zip(elements, turned, slopes, strict=True):
             self.changes.append(TransitionShift(found.place, time, found.angle, late.copy(), slope))
             if struck and found.place in self._losses:
-                self.carrier.book(self._losses[found.place], slope[3])
+                self.carrier.add_integral(self._losses[found.place], slope[3])
             slope[3:5] += self._taken.of(step, found, time, y[-len(own) :], own)
 
 

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from antenna_pin import RunSettings, System, build_system, load_scenario, simulate
 from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.perturbed_system import Numbers
-from antenna_pin.nonlinear.vector_field import Field
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity import sensitivities
 from antenna_pin.sensitivity.forward_sensitivity import ByEquation
@@ -68,9 +68,9 @@ def carried_over(model: Scenario, keys: dict[str, str | float | None], span: flo
     flow, start = flow_of(model, TIGHT)
     end = np.array([span])
     flow.after(start, span)
-    made.carried(end, span, np.zeros(0))
+    made.tangents(end, span, np.zeros(0))
     once = min(seconds(lambda: flow.after(start, span)) for _ in range(5))
-    return min(seconds(lambda: made.carried(end, span, np.zeros(0))) for _ in range(3)) / once
+    return min(seconds(lambda: made.tangents(end, span, np.zeros(0))) for _ in range(3)) / once
 
 
 class Made:
@@ -99,8 +99,10 @@ def at_best(model: Scenario, keys: dict[str, str | float | None], span: float) -
     parameters = parameters_of(model, keys, "bench")
     flow, start = flow_of(model, TIGHT)
     builders = [functools.partial(displaced_by, model, one) for one in parameters]
-    field = Field(flow.system, TIGHT, Numbers(flow.system, builders, [one.key for one in parameters]))
-    carrying, run = field.carrying(), flow.begun(start, span)
+    field = VectorField(
+        flow.system, TIGHT, ParameterSlopes(flow.system, builders, [one.key for one in parameters])
+    )
+    carrying, run = field.stage_propagation(), flow.logged_run(start, span)
     assert carrying is not None
     made = Made(run)
     run.advance(observer=made)

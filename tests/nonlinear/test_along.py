@@ -5,8 +5,8 @@ import numpy as np
 from antenna_pin import load_scenario
 from antenna_pin.engine import Carrying
 from antenna_pin.nonlinear import Chart, flow_of
-from antenna_pin.nonlinear.variational import Carrier
-from antenna_pin.nonlinear.vector_field import Field
+from antenna_pin.nonlinear.variational import TangentPropagation
+from antenna_pin.nonlinear.vector_field import VectorField
 
 CLOSED = ["integrator.engine=compiled", "clearance.bore.geometry=closed-form"]
 
@@ -19,13 +19,13 @@ def pair(law, case="planar"):
 
 def carried(flow, start, span):
     """What carries all displacements over a span."""
-    return flow.carry(start, span, Chart(flow.system, start).frame)[0]
+    return flow.propagate(start, span, Chart(flow.system, start).frame)[0]
 
 
 def both_ways(monkeypatch, flow, start, span):
     """What carries all displacements over a span by the run's own stages, and by whole matrices."""
     by_stages = carried(flow, start, span)
-    monkeypatch.setattr(Field, "carrying", lambda _: None)
+    monkeypatch.setattr(VectorField, "carrying", lambda _: None)
     return by_stages, carried(flow, start, span)
 
 
@@ -33,7 +33,7 @@ def test_an_impact_by_stages_is_one_by_matrices(monkeypatch):
     """Through onset, contact and release; where nothing breaks no matrix is asked for."""
     flow, start = pair("law = 'lankarani-nikravesh', restitution = 0.5")
     by_stages, by_matrices = both_ways(monkeypatch, flow, start, 1.9e-3)
-    one, other = by_stages.carried.matrix, by_matrices.carried.matrix
+    one, other = by_stages.tangents.matrix, by_matrices.tangents.matrix
     # Each is good to a thousand of the run's tolerances of 1e-12, many steps together.
     assert np.abs(one - other).max() < 1e-8 * np.abs(other).max()
     assert by_stages.stages.made > 0 and by_stages.matrices == 0
@@ -44,7 +44,7 @@ def test_matrices_see_that_a_force_begins_with_a_root_in_a_shallow_contact(monke
     """Its slope goes with the root of depth there: by four nodes it is 6e-5 of its change off."""
     flow, start = pair("law = 'marhefka-orin', slope = 0.5")
     by_stages, by_matrices = both_ways(monkeypatch, flow, start, 1.9e-3)
-    one, other = by_stages.carried.matrix, by_matrices.carried.matrix
+    one, other = by_stages.tangents.matrix, by_matrices.tangents.matrix
     # Found: 1e-10; 1e-8 where what a polynomial leaves of it does not count.
     assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()
 
@@ -63,8 +63,8 @@ def test_a_spinning_body_by_stages(monkeypatch):
     start = flow.first(start.q, v)
     by_stages = carried(flow, start, 5e-4)
     assert by_stages.stages.made > 0
-    monkeypatch.setattr(Field, "carrying", lambda _: None)
-    one, other = by_stages.carried.matrix, carried(flow, start, 5e-4).carried.matrix
+    monkeypatch.setattr(VectorField, "carrying", lambda _: None)
+    one, other = by_stages.tangents.matrix, carried(flow, start, 5e-4).tangents.matrix
     assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()
 
 
@@ -72,10 +72,10 @@ def test_steps_together_are_steps_one_by_one(monkeypatch):
     """Displacements and what is integrated, through onset, contact and release."""
     flow, start = pair("law = 'lankarani-nikravesh', restitution = 0.5")
     together = carried(flow, start, 1.9e-3)
-    monkeypatch.setattr(Carrier, "_goes_along", lambda *_: False)
+    monkeypatch.setattr(TangentPropagation, "_goes_along", lambda *_: False)
     singly = carried(flow, start, 1.9e-3)
     # The same stages, in halves here or there: each good to a thousand tolerances of 1e-12.
-    for one, other in zip(together.carried[::3], singly.carried[::3], strict=True):
+    for one, other in zip(together.tangents[::3], singly.tangents[::3], strict=True):
         assert np.abs(one - other).max() < 1e-8 * np.abs(other).max()
 
 
@@ -86,7 +86,7 @@ def test_what_displacements_are_off_by_needs_three_stages(monkeypatch):
     room = Carrying._room
     monkeypatch.setattr(Carrying, "_room", lambda one, count, few, _: room(one, count, few, True))
     every = carried(flow, start, 1.9e-3)
-    assert np.array_equal(three.carried.matrix, every.carried.matrix)
+    assert np.array_equal(three.tangents.matrix, every.tangents.matrix)
     # Third order, where |h A w| < |w|: off by a part in 24 of a displacement in a step at most.
     assert (np.abs(three.doubt - every.doubt) <= every.doubt / 24.0).all() and every.doubt.any()
     assert not np.array_equal(three.doubt, every.doubt)
@@ -97,10 +97,10 @@ def test_a_closed_loop_by_stages(monkeypatch):
     changes = ["integrator.engine=compiled", "clearance.pin.geometry=closed-form"]
     flow, start = flow_of(load_scenario("slider_crank", case="planar", overrides=changes))
     start = flow.after(start, 1e-3)
-    assert flow.went(start, 1.2e-3).onsets >= 1
+    assert flow.traverse(start, 1.2e-3).onsets >= 1
     by_stages = carried(flow, start, 1.2e-3)
     assert by_stages.stages.made > 10 * by_stages.matrices
-    monkeypatch.setattr(Field, "carrying", lambda _: None)
-    one, other = by_stages.carried.matrix, carried(flow, start, 1.2e-3).carried.matrix
+    monkeypatch.setattr(VectorField, "carrying", lambda _: None)
+    one, other = by_stages.tangents.matrix, carried(flow, start, 1.2e-3).tangents.matrix
     # Either says it is in doubt by some 1e-6, beside derivatives of up to 457.
     assert np.abs(one - other).max() < 1e-8 * np.abs(other).max()

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from antenna_pin import RunSettings
 from antenna_pin.nonlinear import Flow, continued
-from antenna_pin.nonlinear.bifurcation_points import hidden, is_torus, where_crossed
+from antenna_pin.nonlinear.bifurcation_points import hidden_change, is_torus, locate_crossing
 
 WEIGHT = 9.0  # m g l of 1 kg at 1 m
 
@@ -145,7 +145,7 @@ def test_a_parameter_that_turns_twice_within_a_step_is_looked_at_between():
         shares = random.uniform(-0.7, 1.7, 2)
         if min(abs(shares[1] - shares[0]), *abs(shares), *abs(shares - 1.0)) < 0.04:
             continue  # between two places that are looked at, or as good as at an end
-        found = hidden(cubic_step(low + size * shares, unit, low, low + size), low, low + size)
+        found = hidden_change(cubic_step(low + size * shares, unit, low, low + size), low, low + size)
         twice = bool(((shares > 0.0) & (shares < 1.0)).all())
         assert (found is not None) == twice, shares
         assert found is None or low < found < low + size
@@ -184,7 +184,7 @@ def between(low, high, beside):
 )
 def test_a_multiplier_does_not_leave_the_unit_circle_unseen(last, more, where):
     """Where it has with no sign that says so, an orbit in between is looked at."""
-    assert hidden(between(node((0.5,)), node(last, **more), node((0.4,))), 0.0, 1.0) == where
+    assert hidden_change(between(node((0.5,)), node(last, **more), node((0.4,))), 0.0, 1.0) == where
 
 
 def test_a_crossing_is_doubted_as_its_orbits_are():
@@ -200,7 +200,7 @@ def test_a_crossing_is_doubted_as_its_orbits_are():
         return SimpleNamespace(point=point, crossing=5.0 * (along - off), margin=abs(along - off), told=True)
 
     step = SimpleNamespace(arc=2.0, node=at, point=lambda along: at(along).point)
-    found = where_crossed(step, -1.0, 1.0, 0.0)
+    found = locate_crossing(step, -1.0, 1.0, 0.0)
     assert found.value == pytest.approx(2.3, abs=1e-12) and found.along == pytest.approx(off, abs=1e-12)
     # The first orbits about it are an eighth of the step to either side; nearer ones are doubted more.
     assert found.doubt == pytest.approx(3.0 * (doubt + residual / 0.25), rel=1e-6)

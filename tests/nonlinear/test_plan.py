@@ -4,7 +4,7 @@ import pytest
 
 from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
 from antenna_pin.nonlinear import list_plans, load_plan, values_of
-from antenna_pin.nonlinear.returns import Returns
+from antenna_pin.nonlinear.returns import SectionRun
 
 PLAN = """
 scenario = "pendulum"
@@ -20,7 +20,7 @@ def test_a_shipped_diagram_can_be_made(name):
     plan = load_plan(name)
     values = plan.given()
     for value in (values[0], values[-1]):
-        Returns(plan.base().with_overrides({plan.parameter: value}), plan.where(), plan.quantities)
+        SectionRun(plan.base().with_overrides({plan.parameter: value}), plan.where(), plan.quantities)
     assert plan.title and len(values) >= 10
 
 

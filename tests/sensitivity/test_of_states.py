@@ -14,8 +14,8 @@ from antenna_pin.base.changes import JointChange, LinkChange
 from antenna_pin.constraints import CLOSURES, Closure
 from antenna_pin.elements import CallableDrive, CallableForce, Motor
 from antenna_pin.geometry import CylindricalClearance
-from antenna_pin.nonlinear.chart import Displacer
-from antenna_pin.nonlinear.perturbed_system import Beside, Numbers
+from antenna_pin.nonlinear.chart import StatePerturbation
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes, PerturbedParameters
 from antenna_pin.sensitivity.state_series import OfStates
 from antenna_pin.sensitivity.tangent_run import Displaced
 from antenna_pin.simulation.loop import Run
@@ -134,7 +134,7 @@ def gone(system, engine, start=None):
 def moved(system, numbers, chunk):
     """Return the states with displacements of no meaning, of which neighbours' are made."""
     rng, n, count = np.random.default_rng(1), len(chunk.times), numbers.count
-    size = Displacer(system, count).parts[-1].stop
+    size = StatePerturbation(system, count).parts[-1].stop
     ways = 1e-4 * rng.normal(size=(n, size, count))
     books = 1e-3 * rng.normal(size=(n, system.manifold.nx, count))
     words = np.broadcast_to(numbers.slopes["program"], (n, *numbers.slopes["program"].shape))
@@ -144,15 +144,17 @@ def moved(system, numbers, chunk):
 def by_both(system, builds, engine, start=None):
     """Return the derivatives of the series of a few states in place and of systems that are built."""
     chunk, first, settings = gone(system, engine, start)
-    numbers = Numbers(system, builds, WAYS[: len(builds)])
+    numbers = ParameterSlopes(system, builds, WAYS[: len(builds)])
     displaced = moved(system, numbers, chunk)
     found = []
     for build in (False, True):
-        beside = Beside(system, settings, numbers, lambda k, s: builds[k](s))
+        beside = PerturbedParameters(system, settings, numbers, lambda k, s: builds[k](s))
         built = beside.builds.copy()
         if build:
             beside.builds[:], beside.by_program[:] = True, False
-        told = OfStates(beside, Displacer(system, numbers.count), settings, first, np.ones(numbers.count))
+        told = OfStates(
+            beside, StatePerturbation(system, numbers.count), settings, first, np.ones(numbers.count)
+        )
         found.append(told.series(displaced))
         here = told.seen(chunk)
     return (*found, here, built)
