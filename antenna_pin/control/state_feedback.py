@@ -96,13 +96,7 @@ class StateFeedback(Controller):
                 raise InvalidParameterError(self, name, rule, given)
             if name in ("b", "c") and (given is None) != (self.a is None):
                 raise InvalidParameterError(self, name, "given beside a, and only there", given)
-        for name, size in (
-            ("start", n),
-            ("reference", p),
-            ("feedforward", m),
-            ("lower", m),
-            ("upper", m),
-        ):
+        for name, size in (("start", n), ("reference", p), ("feedforward", m), ("lower", m), ("upper", m)):
             given = getattr(self, name)
             if given is not None and len(given) != size:
                 raise InvalidParameterError(self, name, f"{size} numbers", given)

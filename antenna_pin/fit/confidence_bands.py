@@ -438,12 +438,7 @@ class _End:
 
 
 def bands_of(
-    plan: FitPlan,
-    unknowns: Unknowns,
-    whole: Array,
-    residuals: Array,
-    slopes: Array,
-    curves: NDArray[np.intp],
+    plan: FitPlan, unknowns: Unknowns, whole: Array, residuals: Array, slopes: Array, curves: NDArray[np.intp]
 ) -> Bands:
     """Return what is known of the parameters at 95 %.
 
@@ -465,13 +460,7 @@ def bands_of(
 
     def known_of(noise: Noise) -> Sure:
         return sure(
-            end,
-            at,
-            noise=noise,
-            loss=plan.loss,
-            loss_scale=plan.loss_scale,
-            curves=curves,
-            doubt=DOUBT,
+            end, at, noise=noise, loss=plan.loss, loss_scale=plan.loss_scale, curves=curves, doubt=DOUBT
         )
 
     try:

@@ -353,11 +353,7 @@ class Notebook:
 
     def write(self, asked: Asked, found: Sequence[Readings]) -> None:
         """Keep what runs came to."""
-        entry = {
-            "run": self._next,
-            "asked": list(asked),
-            "found": [_lists(one) for one in found],
-        }
+        entry = {"run": self._next, "asked": list(asked), "found": [_lists(one) for one in found]}
         if self._journal is not None:
             self._journal.add(entry)
         self._entries[_key(asked)] = entry

@@ -170,10 +170,7 @@ class Forces:
             sizes[2 if joint.planar else 3 :] = 1.0 / lever
             ways = np.eye(nv)[:, v] * sizes
             for k, (look, steps) in enumerate(
-                (
-                    (self._at, [share * depth for share in _SHARES]),
-                    (self._moving, [_SPEED]),
-                )
+                ((self._at, [share * depth for share in _SHARES]), (self._moving, [_SPEED]))
             ):
                 own, kinks = gradient(look, ways, steps)
                 (position, rate)[k][:, v] += own[:nv] / sizes

@@ -275,11 +275,7 @@ def linearise(at: At) -> Linearisation:
         ),
         forces=derived,
         acceleration=acceleration,
-        beside=(
-            n.T @ mass,
-            n.T @ (by_speed - derived.rate),
-            n.T @ stiff,
-        ),
+        beside=(n.T @ mass, n.T @ (by_speed - derived.rate), n.T @ stiff),
         rigid=rigid,
     )
 

@@ -98,14 +98,7 @@ def modes(
         y = _start(model, system, q, v)
         more = {"adjusted": first_modes(system, y)}
     found = prepared(
-        system,
-        y,
-        play=play,
-        load=load,
-        approach_speed=approach_speed,
-        hold=hold,
-        moving=moving,
-        **more,
+        system, y, play=play, load=load, approach_speed=approach_speed, hold=hold, moving=moving, **more
     )
     return modes_at(found, scenario)
 

@@ -39,13 +39,7 @@ from antenna_pin.simulation import Angle, Force, Gap, Progress, Rate
 from antenna_pin.sweep.journal import Journal, begun
 from antenna_pin.trajectory import library_versions, open_table, save_table, table_attributes
 
-__all__ = [
-    "Branch",
-    "Made",
-    "bifurcation",
-    "open_diagram",
-    "interrupting",
-]
+__all__ = ["Branch", "Made", "bifurcation", "open_diagram", "interrupting"]
 
 
 # --- one value of a diagram ---------------------------------------------------------------------------------
@@ -189,10 +183,7 @@ def _diagram_table(
     over = ("branch", "value")
     about = {
         "settled": {"long_name": "whether the points have settled"},
-        "drift": {
-            "units": "1",
-            "long_name": "largest drift of a statistic of the points",
-        },
+        "drift": {"units": "1", "long_name": "largest drift of a statistic of the points"},
         "points": {"units": "1", "long_name": "points kept"},
         "transient": {"units": "1", "long_name": "points cut before these"},
         "period": {"units": "s", "long_name": "period of the stroboscope"},

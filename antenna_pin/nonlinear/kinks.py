@@ -34,14 +34,7 @@ from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.steps import stepper_of
 
-__all__ = [
-    "JacobianPropagation",
-    "KinkDefects",
-    "StepPart",
-    "CutStep",
-    "StepStates",
-    "coincidence",
-]
+__all__ = ["JacobianPropagation", "KinkDefects", "StepPart", "CutStep", "StepStates", "coincidence"]
 
 Array = NDArray[np.float64]
 

@@ -198,9 +198,7 @@ def orbit_table(orbit: Orbit, system: System, scenario: Scenario | None = None) 
     words = {"units": "1", "long_name": "derivative of the map over a period, in error scales"}
     tangent = xr.DataArray(orbit.tangent, {"to": names, "from": names}, ("to", "from"), attrs=words)
     return found.assign(tangent=tangent).assign_attrs(
-        table_attributes("orbit", scenario),
-        free_period=int(orbit.free_period),
-        iterations=orbit.iterations,
+        table_attributes("orbit", scenario), free_period=int(orbit.free_period), iterations=orbit.iterations
     )
 
 

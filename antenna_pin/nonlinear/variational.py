@@ -49,9 +49,7 @@ from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.steps import LoggedStep
 
-__all__ = [
-    "TangentPropagation",
-]
+__all__ = ["TangentPropagation"]
 
 Array = NDArray[np.float64]
 

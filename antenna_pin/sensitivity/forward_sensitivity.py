@@ -384,11 +384,7 @@ _OF_CHANGES = (
 
 
 def by_names(
-    equation: ByEquation,
-    along: Along,
-    here: xr.Dataset,
-    run: xr.Dataset,
-    parameters: tuple[Parameter, ...],
+    equation: ByEquation, along: Along, here: xr.Dataset, run: xr.Dataset, parameters: tuple[Parameter, ...]
 ) -> list[Slopes]:
     """Return derivatives over each parameter; NaN where a number has none that is known.
 

@@ -470,11 +470,7 @@ class Along:
     # --- where something changes ----------------------------------------------------------------------------
 
     def _meet_all(
-        self,
-        mark: _Mark,
-        passages: list[EventEffect],
-        new: list[EventShift],
-        words: Array | None,
+        self, mark: _Mark, passages: list[EventEffect], new: list[EventShift], words: Array | None
     ) -> None:
         """Note how elements meet their joints at an instant."""
         time, y, ways, books = mark
