@@ -14,13 +14,13 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.confidence_bands import (
     DOUBT,
     CurveBands,
-    Searched,
-    along_jacobian,
+    SearchCoordinates,
     band_columns,
-    by_sampling,
+    linear_bands,
     profile_columns,
+    sampled_bands,
 )
-from antenna_pin.fit.experiments import without
+from antenna_pin.fit.experiments import eliminate
 from antenna_pin.fit.identifiability import Design, Identifiable, Plan, identifiable
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.profile_likelihood import Profile, profile_lines, profiles
@@ -47,9 +47,9 @@ Array = NDArray[np.float64]
 # --- bands and profiles of a fit ----------------------------------------------------------------------------
 
 
-def _sure(found: Fit) -> tuple[Searched, Sure]:
+def _sure(found: Fit) -> tuple[SearchCoordinates, Sure]:
     plan, whole = found.problem.plan, np.concatenate([found.values, found.states])
-    searched = Searched(found.problem, whole)
+    searched = SearchCoordinates(found.problem, whole)
     known = sure(
         searched,
         searched.start,
@@ -71,11 +71,11 @@ def profiles_of(
     Args:
         found: The fit.
         names: Of the parameters; all that no bound holds if left out.
-        progress: Is told the parameter and the signed root of each point.
+        progress: Called with the parameter and the signed root of each point.
     """
     plan = found.problem.plan
-    if found.bands.without:
-        raise InvalidParameterError("fit", "profiles", "left out of a fit without bands", found.bands.without)
+    if found.bands.absence:
+        raise InvalidParameterError("fit", "profiles", "left out of a fit without bands", found.bands.absence)
     searched, known = _sure(found)
     for name in names or ():
         if name not in found.names:
@@ -94,17 +94,17 @@ def certain(
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
 ) -> tuple[xr.Dataset, tuple[str, ...]]:
-    """Return a fit's dataset with bands of its curves and profiles of its parameters, and what is to be said.
+    """Return a fit's dataset with curve bands and profiles, and notes on them.
 
     Bands are to first order, or by runs at values drawn about the best ones. Where the fit has no bands
-    (:attr:`antenna_pin.fit.confidence_bands.Bands.without`), neither have its curves.
+    (:attr:`antenna_pin.fit.confidence_bands.ParameterBands.eliminate`), neither have its curves.
 
     Args:
         found: The fit.
         profile: Whether to make the profile of each parameter: some thirty fits of the others each.
         draws: Runs at drawn values; none for bands to first order.
         seed: Of the draws.
-        progress: Is told the parameter and the signed root of each point of a profile.
+        progress: Called with the parameter and the signed root of each point of a profile.
     """
     table, said = found.data(), []
     if found.problem.plan.surface is not None:
@@ -112,14 +112,14 @@ def certain(
             rule = "left out beside a surface, whose single runs scatter"
             raise InvalidParameterError("fit", "profile" if profile else "draws", rule, profile or draws)
         return table, ()
-    if found.bands.without:
+    if found.bands.absence:
         lacks = "no bands, profiles or draws" if profile or draws else "no bands"
         said_already = found.bands.beyond_chance and not (profile or draws)  # the verdict says so
-        return table, () if said_already else (f"{lacks}: {found.bands.without}",)
+        return table, () if said_already else (f"{lacks}: {found.bands.absence}",)
     searched, known = _sure(found)
     plan = found.problem.plan
     if draws:
-        bands: CurveBands = by_sampling(
+        bands: CurveBands = sampled_bands(
             searched, known, draws, seed, loss=plan.loss, loss_scale=plan.loss_scale
         )
         table.attrs |= {"draws": bands.drawn, "seed": seed, "effective": bands.effective}
@@ -130,7 +130,7 @@ def certain(
         if bands.effective < 0.1 * draws:
             said.append(f"{draws} draws are worth {bands.effective:.0f} only: draw more, or hold a parameter")
     else:
-        bands = along_jacobian(searched, known)
+        bands = linear_bands(searched, known)
     weights = [
         plan.records[str(record)].columns[str(column)].weight
         for record, column in zip(table["record"].values, table["column"].values, strict=True)
@@ -167,7 +167,7 @@ class _Parameters:
 
 
 def sizes_of(problem: Problem, values: Array) -> Array:
-    """Return the sizes of parameters at values, (p,) [SI]: of one searched by its logarithm the value."""
+    """Return the sizes of parameters at values, (p,) [SI]."""
     unknowns = problem.unknowns
     return np.asarray(np.where(unknowns.logarithmic, np.abs(values), unknowns.scale))
 
@@ -177,12 +177,12 @@ def slopes_at(problem: Problem, values: Array) -> Array:
     p = len(problem.names)
     whole = np.concatenate([values, problem.states])
     slopes = problem.jacobian(whole)
-    return without(slopes, np.arange(p, len(whole)))[:, :p]
+    return eliminate(slopes, np.arange(p, len(whole)))[:, :p]
 
 
 @takes()
 def tells(problem: Problem, values: Array | None = None, factor: float = 1.0) -> Identifiable:
-    """Return what a fit's records can tell of its parameters; nothing is fitted.
+    """Return the identifiability of parameters from a fit's records, without a fit.
 
     Args:
         problem: The fit's problem.
@@ -195,7 +195,7 @@ def tells(problem: Problem, values: Array | None = None, factor: float = 1.0) ->
 
 
 def values_in(table: xr.Dataset, problem: Problem, label: str) -> tuple[Array, float]:
-    """Return parameters' values in a saved fit, (p,) [SI], and the variance of a weighted residual there.
+    """Return values of a saved fit, (p,) [SI], and the variance of its residuals.
 
     Args:
         table: Of :func:`antenna_pin.fit.open_fit`.
@@ -226,7 +226,7 @@ def _texts(words: Sequence[str]) -> np.ndarray:
 def identifiability_table(
     found: Identifiable, units: Sequence[str], titles: Sequence[str], scenario: Scenario | None = None
 ) -> xr.Dataset:
-    """Return what a test can tell as a dataset, which :func:`antenna_pin.trajectory.save_table` writes.
+    """Return identifiability as a dataset, for :func:`antenna_pin.trajectory.save_table`.
 
     Args:
         found: What it can tell.
@@ -250,7 +250,11 @@ def identifiability_table(
         "half": (over, found.half, {"long_name": "half width of the interval to expect"}),
         "alone": (over, found.alone, {"long_name": "standard error if all others were known"}),
         "inflation": (over, found.inflation, {"units": "1", "long_name": "error over that"}),
-        "felt": (over, found.rank.felt.astype(np.int8), {"units": "1", "long_name": "whether it is felt"}),
+        "felt": (
+            over,
+            found.rank.influential.astype(np.int8),
+            {"units": "1", "long_name": "whether it is felt"},
+        ),
         "determined": (
             over,
             found.rank.determined.astype(np.int8),
@@ -290,7 +294,7 @@ def experiments_table(
     words: Mapping[str, str] | None = None,
     scenario: Scenario | None = None,
 ) -> xr.Dataset:
-    """Return experiments beside one another as a dataset, which :func:`save_table` writes.
+    """Return a comparison of experiments as a dataset, for :func:`save_table`.
 
     Args:
         found: What each would tell.
@@ -344,7 +348,7 @@ def experiments_table(
 
 @takes()
 def open_identifiability(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return what a test can tell from its file, as ``antenna-pin fit --identify --out`` writes it.
+    """Return identifiability from its file, of ``antenna-pin fit --identify --out``.
 
     Returns:
         See :func:`identifiability_table`.
@@ -357,7 +361,7 @@ def open_identifiability(path: str | os.PathLike[str]) -> xr.Dataset:
 
 @takes()
 def open_experiments(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return experiments beside one another from their file, as ``antenna-pin fit --next --out`` writes it.
+    """Return a comparison of experiments from its file, of ``antenna-pin fit --next --out``.
 
     Returns:
         See :func:`experiments_table`.

@@ -31,20 +31,16 @@ from antenna_pin.fit.uncertainty import Loss, Noise, Residuals, Sure, cost, sure
 
 __all__ = [
     "BEYOND_CHANCE",
-    "Bands",
+    "ParameterBands",
     "CurveBands",
     "DOUBT",
-    "Fitted",
-    "Natural",
-    "Searched",
+    "SearchCoordinates",
     "WITHHELD",
-    "along_jacobian",
+    "linear_bands",
     "band_columns",
-    "bands_of",
-    "by_sampling",
+    "parameter_bands",
+    "sampled_bands",
     "draws",
-    "names_of",
-    "natural",
     "profile_columns",
 ]
 
@@ -85,7 +81,7 @@ class CurveBands:
     effective: float = math.nan
 
 
-def along_jacobian(problem: Residuals, found: Sure) -> CurveBands:
+def linear_bands(problem: Residuals, found: Sure) -> CurveBands:
     """Return bands to first order in the standard errors.
 
     Directions that the record does not tell do not move its curves, and count for nothing.
@@ -95,15 +91,15 @@ def along_jacobian(problem: Residuals, found: Sure) -> CurveBands:
         found: How sure its values are.
     """
     residuals, jacobian = problem.residuals(found.values), problem.jacobian(found.values)
-    along = (jacobian * problem.scale) @ found.rank.told.T
-    spread = np.maximum(np.einsum("ij,jk,ik->i", along, found.along, along), 0.0)
+    along = (jacobian * problem.scale) @ found.rank.identified.T
+    spread = np.maximum(np.einsum("ij,jk,ik->i", along, found.direction_covariance, along), 0.0)
     curve = found.quantile * np.sqrt(spread)
     new = found.quantile * np.sqrt(spread + found.factor)
     return CurveBands(residuals - curve, residuals + curve, residuals - new, residuals + new, found.level)
 
 
 def draws(problem: Residuals, found: Sure, count: int, seed: int) -> tuple[Array, Array]:
-    """Return values drawn about the best ones, (n, p), and the logarithms of their densities, (n,).
+    """Return values drawn about the best ones, (n, p), and their log densities, (n,).
 
     They lie within their bounds, and are from Student's t of six degrees of freedom, or fewer where the
     record has fewer, with the fit's covariance; what lies beyond a bound is drawn again.
@@ -152,7 +148,7 @@ def draws(problem: Residuals, found: Sure, count: int, seed: int) -> tuple[Array
     return np.stack(rows), np.array(logs)
 
 
-def by_sampling(
+def sampled_bands(
     problem: Residuals,
     found: Sure,
     count: int = 200,
@@ -171,7 +167,7 @@ def by_sampling(
         seed: Of the draws, and of the noise of new measurements.
         loss: That the fit used.
         loss_scale: The residual at which it begins to count less [-].
-        progress: Is told how many draws are done.
+        progress: Called with how many draws are done.
 
     Raises:
         InvalidParameterError: Nothing can be drawn, or the model runs at fewer than half of the draws.
@@ -208,11 +204,11 @@ def by_sampling(
 
 
 def _log_likelihood(grown: float, phi: float, found: Sure) -> float:
-    """Return the logarithm of how well a draw does: of known noise a normal one's, else Student's t."""
+    """Return the log likelihood of a draw: normal, or Student's t of estimated noise."""
     if found.noise == "given":
         return -0.5 * grown / phi
     # With the noise's size integrated out: (S / S_least)^(-m / 2), which of a linear model is Student's t.
-    count = found.freedom + len(found.rank.told)
+    count = found.freedom + len(found.rank.identified)
     return -0.5 * count * math.log(max(grown, 1e-300) / (found.freedom * phi))
 
 
@@ -226,7 +222,7 @@ def _quantile(every: Array, share: Array, at: float) -> Array:
 
 # --- search coordinates and SI units ------------------------------------------------------------------------
 
-Columns = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
+_Columns = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 
 #: Relative error that columns of a Jacobian are taken to have [-]: differences of runs at 1e-4 of a size lose
 #: four digits of what runs are good to. Those of the equation are nearer; by how much is not known of each.
@@ -235,13 +231,13 @@ DOUBT = 1e-5
 _SIDES = ("below", "above")
 
 
-def names_of(unknowns: Unknowns) -> tuple[str, ...]:
-    """Return the names of all that is unknown, (p + h,): parameters, then states."""
+def _unknown_names(unknowns: Unknowns) -> tuple[str, ...]:
+    """Return the names of all unknowns, (p + h,): parameters, then states."""
     return (*unknowns.names, *(f"state {k + 1}" for k in range(unknowns.states)))
 
 
-class Fitted(Protocol):
-    """What the search of a fit is over."""
+class _SearchedProblem(Protocol):
+    """Problem of a search."""
 
     @property
     def unknowns(self) -> Unknowns:
@@ -251,43 +247,43 @@ class Fitted(Protocol):
         """Return weighted residuals at values with states, (m,)."""
 
     def slopes(self, searched: Array) -> Array:
-        """Return their derivatives by what is searched for, (m, p + h)."""
+        """Return their derivatives by search coordinates, (m, p + h)."""
 
 
-class Searched:
-    """Residuals over what is searched for; :class:`antenna_pin.fit.uncertainty.Residuals` of it.
+class SearchCoordinates:
+    """Residuals over search coordinates, as :class:`antenna_pin.fit.uncertainty.Residuals`.
 
     Args:
         problem: The fit's problem.
         whole: Values with states that the search starts from, (p + h,) [SI].
     """
 
-    def __init__(self, problem: Fitted, whole: Array) -> None:
-        """Take bounds and start."""
+    def __init__(self, problem: _SearchedProblem, whole: Array) -> None:
+        """Store bounds and start."""
         self._problem, self._unknowns = problem, problem.unknowns
-        self.names = names_of(self._unknowns)
-        self.start = self._unknowns.searched(whole)
+        self.names = _unknown_names(self._unknowns)
+        self.start = self._unknowns.to_search(whole)
         self.lower, self.upper = self._unknowns.bounds()
         self.scale = np.ones(len(self.start))
 
     def residuals(self, values: Array) -> Array:
-        """Return model less record, and what pieces are apart, (m,) [-]."""
-        return self._problem.residuals(self._unknowns.natural(values))
+        """Return model less record, and the gaps between pieces, (m,) [-]."""
+        return self._problem.residuals(self._unknowns.from_search(values))
 
     def jacobian(self, values: Array) -> Array:
         """Return their derivatives, (m, p + h)."""
         return self._problem.slopes(values)
 
 
-def _natural(unknowns: Unknowns, values: Array, place: int) -> Array:
-    """Return numbers of one parameter in SI units, bounds or no bounds."""
+def _parameter_in_si(unknowns: Unknowns, values: Array, place: int) -> Array:
+    """Return numbers of one parameter in SI units, without bounds."""
     with np.errstate(over="ignore"):
         found = np.exp(values) if unknowns.logarithmic[place] else values * unknowns.sizes()[place]
     return np.asarray(found)
 
 
-class Natural(NamedTuple):
-    """How sure the parameters of a fit are, in SI units.
+class _Intervals(NamedTuple):
+    """Covariance and intervals of parameters in SI units.
 
     Attributes:
         covariance: (p, p), to first order.
@@ -300,26 +296,26 @@ class Natural(NamedTuple):
     high: Array
 
 
-def natural(found: Sure, unknowns: Unknowns) -> Natural:
-    """Return how sure the parameters of a fit are, in SI units.
+def _in_si_units(found: Sure, unknowns: Unknowns) -> _Intervals:
+    """Return covariance and intervals of parameters in SI units.
 
     Args:
         found: In the coordinates of the search.
         unknowns: What these are.
     """
     p = unknowns.count
-    whole = np.array([_natural(unknowns, found.values[k], k) for k in range(p)])
+    whole = np.array([_parameter_in_si(unknowns, found.values[k], k) for k in range(p)])
     values = np.concatenate([whole, found.values[p:]])
-    rates = unknowns.rates(values)[:p]
+    rates = unknowns.search_slopes(values)[:p]
     low, high = (
-        np.array([float(_natural(unknowns, ends[k], k)) for k in range(p)])
+        np.array([float(_parameter_in_si(unknowns, ends[k], k)) for k in range(p)])
         for ends in (found.low, found.high)
     )
-    return Natural(found.covariance[:p, :p] / np.outer(rates, rates), low, high)
+    return _Intervals(found.covariance[:p, :p] / np.outer(rates, rates), low, high)
 
 
-def profile_columns(found: Sequence[Profile], unknowns: Unknowns) -> Columns:
-    """Return profiles as columns of a fit's dataset, in SI units; NaN of parameters that have none.
+def profile_columns(found: Sequence[Profile], unknowns: Unknowns) -> _Columns:
+    """Return profiles as columns of a fit's dataset, in SI units, or NaN.
 
     Args:
         found: In the coordinates of the search.
@@ -330,9 +326,9 @@ def profile_columns(found: Sequence[Profile], unknowns: Unknowns) -> Columns:
     ends, words = np.full((p, 2), np.nan), np.full((p, 2), "", dtype=object)
     for one in found:
         k = unknowns.names.index(one.name)
-        values[k, : len(one.values)] = _natural(unknowns, one.values, k)
+        values[k, : len(one.values)] = _parameter_in_si(unknowns, one.values, k)
         roots[k, : len(one.root)] = one.root
-        ends[k] = _natural(unknowns, np.array([one.low, one.high]), k)
+        ends[k] = _parameter_in_si(unknowns, np.array([one.low, one.high]), k)
         words[k] = one.ends
     steps, sides = ("parameter", "step"), ("parameter", "side")
     return {
@@ -348,8 +344,8 @@ def profile_columns(found: Sequence[Profile], unknowns: Unknowns) -> Columns:
     }
 
 
-def band_columns(found: CurveBands, predicted: xr.Dataset, weights: Array) -> Columns:
-    """Return bands of a fit's curves as columns of its dataset, in the units of its rows.
+def band_columns(found: CurveBands, predicted: xr.Dataset, weights: Array) -> _Columns:
+    """Return curve bands as columns of a fit's dataset, in its rows' units.
 
     Args:
         found: Of the weighted residuals, those of pieces' joints behind those of rows.
@@ -377,8 +373,8 @@ BEYOND_CHANCE = 1e-6
 WITHHELD = 4.0
 
 
-class Bands(NamedTuple):
-    """What is known of p parameters at 95 %.
+class ParameterBands(NamedTuple):
+    """Uncertainty of p parameters at 95 %.
 
     Attributes:
         covariance: (p, p) [SI], to first order; infinite where the records say nothing, NaN where a bound
@@ -388,8 +384,8 @@ class Bands(NamedTuple):
         high: Upper ends.
         chi2: Sum of the squares of the residuals [-].
         freedoms: Residuals less directions of the unknowns that they tell [-].
-        without: Why there are no bands, in words; "" if there are.
-        wider: How many times as wide they would be at most if what hangs together in time of the residuals
+        absence: Why there are no bands, in words; "" if there are.
+        widening: How many times as wide they would be at most if what is correlated in time of the residuals
             counted [-].
         chance: Share of records of the stated noise that would be farther from the model [-]; NaN where the
             noise is not given, or the loss not linear.
@@ -402,14 +398,14 @@ class Bands(NamedTuple):
     high: Array
     chi2: float
     freedoms: int
-    without: str = ""
-    wider: float = 1.0
+    absence: str = ""
+    widening: float = 1.0
     chance: float = math.nan
     noise: Noise = "given"
 
     @property
     def beyond_chance(self) -> bool:
-        """Whether noise of the stated size does not explain the residuals."""
+        """Whether the residuals are too large for the stated noise."""
         return self.chance < BEYOND_CHANCE
 
     @property
@@ -419,8 +415,8 @@ class Bands(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _End:
-    """The end of a search as what is made small there, in its coordinates."""
+class _SearchEnd:
+    """Residuals at the end of a search, in its coordinates."""
 
     names: tuple[str, ...]
     start: Array
@@ -437,10 +433,10 @@ class _End:
         return self.slopes
 
 
-def bands_of(
+def parameter_bands(
     plan: FitPlan, unknowns: Unknowns, whole: Array, residuals: Array, slopes: Array, curves: NDArray[np.intp]
-) -> Bands:
-    """Return what is known of the parameters at 95 %.
+) -> ParameterBands:
+    """Return the uncertainty of the parameters at 95 %.
 
     A parameter at one of its bounds has the others' bands, and none itself: it is where it was kept. Where
     the noise is given and chi2 beyond chance, bands are widened as if the residuals said how large the noise
@@ -454,8 +450,8 @@ def bands_of(
         slopes: Their derivatives by what is searched for, (m, p + h).
         curves: The number of the curve that each residual is of, (m,).
     """
-    at = unknowns.searched(whole)
-    end = _End(names_of(unknowns), at, *unknowns.bounds(), np.ones(len(at)), residuals, slopes)
+    at = unknowns.to_search(whole)
+    end = _SearchEnd(_unknown_names(unknowns), at, *unknowns.bounds(), np.ones(len(at)), residuals, slopes)
     p, chi2 = unknowns.count, float(residuals @ residuals)
 
     def known_of(noise: Noise) -> Sure:
@@ -470,28 +466,28 @@ def bands_of(
         if chance < BEYOND_CHANCE:
             found = known_of("estimated")
     except InvalidParameterError as error:  # what was found stays, whatever can be said of it
-        return _none(p, chi2, len(residuals) - len(whole), str(error))
+        return _no_bands(p, chi2, len(residuals) - len(whole), str(error))
     if chance < BEYOND_CHANCE and chi2 > WITHHELD * found.freedom:
         said = "residuals are too large for noise, and the model's slopes hold near a fit only"
-        return _none(p, chi2, found.freedom, said)._replace(chance=chance, noise=found.noise)
-    known = natural(found, unknowns)
+        return _no_bands(p, chi2, found.freedom, said)._replace(chance=chance, noise=found.noise)
+    known = _in_si_units(found, unknowns)
     held = found.held[:p]
     covariance, low, high = known.covariance.copy(), known.low.copy(), known.high.copy()
     covariance[held, :] = covariance[:, held] = np.nan
     low[held] = high[held] = np.nan
     sd = np.sqrt(np.diag(covariance))
-    wider = _wider(found, known_of, p)
-    return Bands(covariance, sd, low, high, chi2, found.freedom, "", wider, chance, found.noise)
+    wider = _widening(found, known_of, p)
+    return ParameterBands(covariance, sd, low, high, chi2, found.freedom, "", wider, chance, found.noise)
 
 
-def _none(count: int, chi2: float, freedoms: int, why: str) -> Bands:
-    """Return that there are no bands."""
+def _no_bands(count: int, chi2: float, freedoms: int, why: str) -> ParameterBands:
+    """Return bands that are absent."""
     none = np.full(count, np.nan)
-    return Bands(np.full((count, count), np.nan), none, none, none, chi2, freedoms, why)
+    return ParameterBands(np.full((count, count), np.nan), none, none, none, chi2, freedoms, why)
 
 
-def _wider(found: Sure, known_of: Callable[[Noise], Sure], count: int) -> float:
-    """Return by how much intervals of the first values would be wider at most, as :class:`Bands` has it."""
+def _widening(found: Sure, known_of: Callable[[Noise], Sure], count: int) -> float:
+    """Return the largest ratio of intervals with correlated noise to those without."""
     if found.noise == "correlated" or found.freedom < 1:
         return 1.0
     told = found.error[:count]

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number, prefixed, readable
-from antenna_pin.fit.confidence_bands import Bands
+from antenna_pin.fit.confidence_bands import ParameterBands
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.runs import NoRunError
-from antenna_pin.fit.uncertainty import hang_together, persistence
+from antenna_pin.fit.uncertainty import autocorrelation, is_correlated
 
-__all__ = ["advises_starts", "verdict_of"]
+__all__ = ["recommends_starts", "verdict"]
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ _UNIT, _SIGN, _CLOCK, _SHIFTS = 5.0, -0.8, 0.8, np.linspace(-0.2, 0.2, 161)
 
 
 class _Curve(NamedTuple):
-    """A column that is compared row by row: its name, times, model and record."""
+    """Column compared row by row: name, times, model and record."""
 
     name: str
     at: Array
@@ -37,8 +37,8 @@ class _Curve(NamedTuple):
     data: Array
 
 
-def verdict_of(problem: Problem, whole: Array, bands: Bands) -> tuple[str, ...]:
-    """Return what must be known before any value is read: the judgement and its likely causes, a line each.
+def verdict(problem: Problem, whole: Array, bands: ParameterBands) -> tuple[str, ...]:
+    """Return objections to a fit as a whole and their likely causes, line by line.
 
     Args:
         problem: What was fitted.
@@ -53,30 +53,30 @@ def verdict_of(problem: Problem, whole: Array, bands: Bands) -> tuple[str, ...]:
         spread = math.sqrt(2.0 * bands.freedoms)
         lines.append(
             f"the model does not fit the records: chi2 is {number(bands.chi2, 4)}, where noise of the stated "
-            f"sd leaves {bands.freedoms} ± {number(spread, 2)}; {_of_bands(bands)}"
+            f"sd leaves {bands.freedoms} ± {number(spread, 2)}; {_bands_note(bands)}"
         )
         lines += [f"  may be {cause}" for cause in _causes(problem, whole, bands)]
     return tuple(lines)
 
 
-def advises_starts(problem: Problem, bands: Bands) -> bool:
-    """Return whether a search from many starts, which the plan could have, comes before other advice."""
+def recommends_starts(problem: Problem, bands: ParameterBands) -> bool:
+    """Return whether a search from many starts comes before other advice."""
     bounded = all(one.between is not None for one in problem.plan.parameters.values())
     return bands.beyond_chance and problem.plan.starts is None and bounded
 
 
-def _of_bands(bands: Bands) -> str:
-    if bands.without:
-        return f"the values have no bands: {bands.without}"
+def _bands_note(bands: ParameterBands) -> str:
+    if bands.absence:
+        return f"the values have no bands: {bands.absence}"
     widened = number(math.sqrt(bands.excess), 3)
     return f"bands are widened by {widened}, as if each sd was larger by that"
 
 
 def _at_bounds(problem: Problem, whole: Array) -> Iterator[str]:
-    """Yield a line if each parameter stands at a bound."""
+    """Yield a line if every parameter is at a bound."""
     unknowns = problem.unknowns
     p = unknowns.count
-    at, (lower, upper) = unknowns.searched(whole)[:p], (one[:p] for one in unknowns.bounds())
+    at, (lower, upper) = unknowns.to_search(whole)[:p], (one[:p] for one in unknowns.bounds())
     width = np.where(np.isfinite(upper - lower), upper - lower, 1.0)
     if np.all(np.minimum(at - lower, upper - at) <= _AT_BOUND * width):
         said = []
@@ -86,13 +86,13 @@ def _at_bounds(problem: Problem, whole: Array) -> Iterator[str]:
         yield f"{every} at its bound, {', '.join(said)}: the records ask for what lies beyond"
 
 
-def _causes(problem: Problem, whole: Array, bands: Bands) -> Iterator[str]:
-    """Yield what may be wrong, the likeliest first."""
+def _causes(problem: Problem, whole: Array, bands: ParameterBands) -> Iterator[str]:
+    """Yield likely causes of a bad fit, the likeliest first."""
     begun, ended = (_curves(problem, at) for at in (np.concatenate([problem.first, problem.states]), whole))
-    yield from _of_units(begun)
-    clocks = [*_of_clocks(begun), *_of_clocks(ended)]
+    yield from _unit_errors(begun)
+    clocks = [*_clock_errors(begun), *_clock_errors(ended)]
     yield from clocks[:1]
-    if advises_starts(problem, bands):
+    if recommends_starts(problem, bands):
         yield "a wrong valley of the sum of squares: search from many points, [starts] with count = 64"
     elif problem.plan.starts is None:
         yield "a wrong valley of the sum of squares: give each parameter bounds (between), and [starts]"
@@ -100,7 +100,7 @@ def _causes(problem: Problem, whole: Array, bands: Bands) -> Iterator[str]:
 
 
 def _curves(problem: Problem, whole: Array) -> list[_Curve]:
-    """Return the columns that are compared as curves; none where there is no run."""
+    """Return the columns compared as curves; none without a run."""
     try:
         found = problem.predictions(whole)
     except NoRunError:
@@ -117,8 +117,8 @@ def _curves(problem: Problem, whole: Array) -> list[_Curve]:
     return curves
 
 
-def _of_units(curves: Sequence[_Curve]) -> Iterator[str]:
-    """Yield columns whose size or sign is not the model's where the search began."""
+def _unit_errors(curves: Sequence[_Curve]) -> Iterator[str]:
+    """Yield columns whose size or sign differs from the model's at the start."""
     for name, _, model, data in curves:
         if not (np.ptp(model) > 0.0 and np.ptp(data) > 0.0):
             continue
@@ -130,7 +130,7 @@ def _of_units(curves: Sequence[_Curve]) -> Iterator[str]:
             yield f"the sign of {name}: the record goes against the model at the start; give gain = -1"
 
 
-def _of_clocks(curves: Sequence[_Curve]) -> Iterator[str]:
+def _clock_errors(curves: Sequence[_Curve]) -> Iterator[str]:
     """Yield records that a shift of the clock would bring nearer to the model."""
     for name, at, model, data in curves:
         shifts, costs = _SHIFTS * float(at[-1] - at[0]), []
@@ -155,8 +155,8 @@ def _of_clocks(curves: Sequence[_Curve]) -> Iterator[str]:
 _FEWEST, _RARE, _TAILS = 20, 1e-4, 1.0
 
 
-class ResidualTests(NamedTuple):
-    """Tests of the residuals of one column, chances being those that noise does as badly.
+class _ResidualTests(NamedTuple):
+    """Tests of the residuals of one column, with the probabilities of worse ones by noise.
 
     Attributes:
         correlation: Of each residual with the next [-].
@@ -173,8 +173,8 @@ class ResidualTests(NamedTuple):
     normal_chance: float
 
 
-def tests_of(residuals: Array) -> ResidualTests | None:
-    """Return the tests of residuals in the order of time, (n,); None of fewer than 20, or all the same."""
+def residual_tests(residuals: Array) -> _ResidualTests | None:
+    """Return tests of residuals in order of time, (n,), or None."""
     from scipy import stats
 
     if len(residuals) < _FEWEST or not np.ptp(residuals) > 0.0:
@@ -184,8 +184,8 @@ def tests_of(residuals: Array) -> ResidualTests | None:
     expected = 1.0 + 2.0 * a * b / (a + b)
     variance = (expected - 1.0) * (expected - 2.0) / (a + b - 1.0)
     apart = abs(runs - expected) / math.sqrt(variance)
-    return ResidualTests(
-        persistence(residuals),
+    return _ResidualTests(
+        autocorrelation(residuals),
         runs,
         float(2.0 * stats.norm.sf(apart)),
         float(stats.kurtosis(residuals)),
@@ -193,14 +193,14 @@ def tests_of(residuals: Array) -> ResidualTests | None:
     )
 
 
-def notes_on_residuals(curves: Mapping[str, Array]) -> Iterator[str]:
-    """Yield a line for each column whose residuals are no noise, though their correlation is that of noise.
+def residual_notes(curves: Mapping[str, Array]) -> Iterator[str]:
+    """Yield a line for each column whose uncorrelated residuals are not normal noise.
 
     Args:
         curves: Residuals of each column that is compared row by row, in the order of time.
     """
     for name, residuals in curves.items():
-        found = None if hang_together(residuals) else tests_of(residuals)
+        found = None if is_correlated(residuals) else residual_tests(residuals)
         if found is not None and found.runs_chance < _RARE:
             yield (
                 f"note: residuals of {name} have {found.runs} stretches of one sign, as by chance "
@@ -225,11 +225,11 @@ _AT_LEAST = 3.0  # growths by e that have passed, where the rate is unknown
 _ROUND_OFF = 1e-9  # of readings [-]
 
 
-class Growth(NamedTuple):
-    """How differences grow along a record that one run does not hold.
+class DifferenceGrowth(NamedTuple):
+    """Growth of differences along a record too long for one run.
 
     Attributes:
-        since: From when on neighbours differ by more than is straight [s].
+        since: From when on perturbed runs differ by more than is straight [s].
         fold: In what time a difference grows by e [s].
     """
 
@@ -238,7 +238,7 @@ class Growth(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Length of pieces over which it does not grow by much [s]."""
+        """Length of pieces over which differences grow little [s]."""
         return _FOLDS * self.fold
 
     def words(self, record: str, parameter: str, step: float) -> str:
@@ -246,7 +246,7 @@ class Growth(NamedTuple):
 
         Args:
             record: Name of the record.
-            parameter: Name of the parameter that neighbours differ by.
+            parameter: Name of the parameter that perturbed runs differ by.
             step: By how much of its size [-].
         """
         since, fold, length = (_time(one) for one in (self.since, self.fold, self.length))
@@ -262,15 +262,17 @@ def _time(value: float) -> str:
     return f"{factor * value:.2g} {unit.replace('µ', 'u')}"
 
 
-def growth_of(time: Array, below: Array, here: Array, above: Array, reach: float = 1.0) -> Growth | None:
-    """Return how differences of neighbours grow along a record; None where they stay small.
+def difference_growth(
+    time: Array, below: Array, here: Array, above: Array, reach: float = 1.0
+) -> DifferenceGrowth | None:
+    """Return the growth of differences between perturbed runs, or None if small.
 
     Args:
         time: Of its rows [s].
         below: What is read in a run on one side, over the noise, (columns, rows).
         here: Likewise in the run itself.
         above: On the other side.
-        reach: How much farther neighbours are looked for than these are, by how the difference bends.
+        reach: How much farther perturbed runs are looked for than these are, by how the difference bends.
     """
     if len(time) < 2 * _PARTS:
         return None
@@ -293,4 +295,4 @@ def growth_of(time: Array, below: Array, here: Array, above: Array, reach: float
         if not rate > 0.0:
             return None
         fold = min(fold, 1.0 / rate)
-    return Growth(float(middles[first]), fold) if fold > 0.0 else None
+    return DifferenceGrowth(float(middles[first]), fold) if fold > 0.0 else None

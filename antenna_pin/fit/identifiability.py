@@ -32,10 +32,9 @@ from numpy.typing import NDArray
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.fit.uncertainty import DOUBT, Rank, Residuals, rank_of, student
+from antenna_pin.fit.uncertainty import DOUBT, Rank, Residuals, rank_of, student_quantile
 
 __all__ = [
-    "CRITERIA",
     "Criterion",
     "Design",
     "Identifiable",
@@ -43,7 +42,6 @@ __all__ = [
     "design",
     "identifiable",
     "planned",
-    "said_of_direction",
 ]
 
 Array = NDArray[np.float64]
@@ -54,12 +52,12 @@ Array = NDArray[np.float64]
 _SAID = 0.02
 
 #: An expected interval as wide as this many times the size of the value tells hardly anything [-].
-POOR = 1.0
+_POOR = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Identifiable:
-    """What a record can tell of parameters at given values.
+    """Identifiability of parameters from a record, at given values.
 
     Attributes:
         names: Of the parameters.
@@ -96,8 +94,8 @@ class Identifiable:
 
     @property
     def poor(self) -> tuple[str, ...]:
-        """Names of those that the record tells, but to no better than their own size."""
-        wide = np.isfinite(self.half) & (self.half > POOR * self.scale)
+        """Names of identifiable parameters with intervals wider than their own size."""
+        wide = np.isfinite(self.half) & (self.half > _POOR * self.scale)
         return tuple(name for name, one in zip(self.names, wide, strict=True) if one)
 
 
@@ -105,7 +103,7 @@ class Identifiable:
 def identifiable(
     problem: Residuals, values: Array | None = None, *, level: float = 0.95, doubt: float = DOUBT
 ) -> Identifiable:
-    """Return what a record can tell of parameters; nothing is fitted, one Jacobian is made.
+    """Return the identifiability of parameters from one Jacobian, without a fit.
 
     Args:
         problem: What would be fitted.
@@ -119,12 +117,12 @@ def identifiable(
     scale, names = np.asarray(problem.scale, dtype=float), tuple(problem.names)
     jacobian = problem.jacobian(at)
     rank = rank_of(jacobian, scale, doubt)
-    root = rank.told.T / rank.singular[: len(rank.told)]
+    root = rank.identified.T / rank.singular[: len(rank.identified)]
     error = np.where(rank.determined, np.linalg.norm(root, axis=1) * scale, math.inf)
     with np.errstate(divide="ignore", invalid="ignore"):
-        alone = np.where(rank.felt, scale / rank.lengths, math.inf)
-        inflation = np.where(rank.felt, error / alone, math.nan)
-    reach = student(level, math.inf)
+        alone = np.where(rank.influential, scale / rank.lengths, math.inf)
+        inflation = np.where(rank.influential, error / alone, math.nan)
+    reach = student_quantile(level, math.inf)
     _, singular, directions = np.linalg.svd(jacobian * scale, full_matrices=len(jacobian) < len(scale))
     singular = np.concatenate([singular, np.zeros(len(scale) - len(singular))])
     return Identifiable(
@@ -140,13 +138,13 @@ def identifiable(
         reach,
         singular,
         directions,
-        tuple(said_of_direction(row, names, scale, at) for row in rank.null),
+        tuple(_direction_text(row, names, scale, at) for row in rank.null),
         tuple(names[int(np.abs(row).argmax())] for row in rank.null),
     )
 
 
-def said_of_direction(row: Array, names: tuple[str, ...], scale: Array, values: Array) -> str:
-    """Return in words along which changes of parameters a record stays as it is.
+def _direction_text(row: Array, names: tuple[str, ...], scale: Array, values: Array) -> str:
+    """Return a direction that leaves the record unchanged, as text.
 
     Args:
         row: The direction, in scales of the parameters, (p,).
@@ -172,15 +170,15 @@ def said_of_direction(row: Array, names: tuple[str, ...], scale: Array, values: 
 Criterion = Literal["D", "c", "A", "E"]
 """What is to be small: volume, one variance, the sum of variances, the longest axis."""
 
-CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
+_CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
 
 #: Rounds of multiplication, and how near to the best its bound must come, as a share.
-ROUNDS, NEAR = 20_000, 1e-6
+_ROUNDS, _NEAR = 20_000, 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Design:
-    """Experiments beside one another, each added to what is known.
+    """Comparison of experiments, each added to the known records.
 
     Attributes:
         names: Of the parameters.
@@ -209,7 +207,7 @@ class Design:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """How often to make each of some experiments, for the most that a number of them can tell.
+    """Optimal number of repetitions of each experiment.
 
     Attributes:
         experiments: Names, as given.
@@ -237,7 +235,7 @@ def design(
     level: float = 0.95,
     doubt: float = DOUBT,
 ) -> Design:
-    """Return experiments in the order of what they tell, added to what is known.
+    """Return experiments in order of their information, added to the known records.
 
     Args:
         jacobians: Derivatives of each experiment's residuals, in units of the noise, by its name, (m, p)
@@ -255,17 +253,18 @@ def design(
         UnknownNameError: There is no such parameter.
     """
     known_rows = np.zeros((1, len(scale))) if known is None else known
-    place = _wanted(criterion, wanted, names)
+    place = _parameter_place(criterion, wanted, names)
     _check(jacobians)
-    reach = student(level, math.inf)
-    before, _ = _worth(known_rows, scale, place, doubt)
+    reach = student_quantile(level, math.inf)
+    before, _ = _expected_errors(known_rows, scale, place, doubt)
     found = {
-        name: _worth(np.vstack([known_rows, rows]), scale, place, doubt) for name, rows in jacobians.items()
+        name: _expected_errors(np.vstack([known_rows, rows]), scale, place, doubt)
+        for name, rows in jacobians.items()
     }
     order = sorted(found, key=lambda name: (found[name][1][criterion], float(np.sum(found[name][0] / scale))))
     criteria: dict[Criterion, Array] = {
         one: np.array([found[name][1][one] for name in order])
-        for one in CRITERIA
+        for one in _CRITERIA
         if one in found[order[0]][1]
     }
     return Design(
@@ -281,9 +280,9 @@ def design(
     )
 
 
-def _wanted(criterion: Criterion, wanted: str | None, names: Sequence[str]) -> int | None:
-    if criterion not in CRITERIA:
-        raise UnknownNameError("fit", "criterion", criterion, CRITERIA)
+def _parameter_place(criterion: Criterion, wanted: str | None, names: Sequence[str]) -> int | None:
+    if criterion not in _CRITERIA:
+        raise UnknownNameError("fit", "criterion", criterion, _CRITERIA)
     if wanted is None:
         if criterion == "c":
             raise InvalidParameterError("fit", "wanted", "the parameter that c is of", said="none")
@@ -298,17 +297,17 @@ def _check(jacobians: Mapping[str, Array]) -> None:
         raise InvalidParameterError("fit", "experiments", "one or more", said="none")
 
 
-def _worth(
+def _expected_errors(
     rows: Array, scale: Array, place: int | None, doubt: float
 ) -> tuple[Array, dict[Criterion, float]]:
-    """Return the standard errors that rows let expect, (p,), and every criterion's length in scales."""
+    """Return expected standard errors, (p,), and every criterion's length in scales."""
     count = len(scale)
     if not np.any(rows):
         error = np.full(count, math.inf)
         every: dict[Criterion, float] = {"D": math.inf, "A": math.inf, "E": math.inf}
         return error, every if place is None else every | {"c": math.inf}
     rank = rank_of(rows, scale, doubt)
-    root = rank.told.T / rank.singular[: len(rank.told)]
+    root = rank.identified.T / rank.singular[: len(rank.identified)]
     error = np.where(rank.determined, np.linalg.norm(root, axis=1) * scale, math.inf)
     if rank.full:
         axes = np.linalg.svd(root, compute_uv=False)
@@ -335,7 +334,7 @@ def planned(
     criterion: Literal["D", "c", "A"] = "D",
     wanted: str | None = None,
 ) -> Plan:
-    r"""Return how often to make each of some experiments so that so many of them tell most.
+    r"""Return the optimal repetitions of experiments for a total number.
 
     Weights are multiplied by :math:`(\mathrm{tr}(C F_k) / \mathrm{mean})^{1/2}`, with C the slope of the
     criterion in the information, until no experiment has more than the mean; whole numbers are those nearest
@@ -353,7 +352,7 @@ def planned(
     Raises:
         InvalidParameterError: All of them together do not tell every parameter.
     """
-    place = _wanted(criterion, wanted, names)
+    place = _parameter_place(criterion, wanted, names)
     _check(jacobians)
     if total < 1:
         raise InvalidParameterError("fit", "total", "1 or more [-]", total)
@@ -373,7 +372,7 @@ def planned(
     weight = np.outer(rank.lengths, rank.lengths)
     parts, have, size = parts / weight, have / weight, 1.0 / rank.lengths
     weights, gap = _weights(parts, have, total, criterion, place, size)
-    counts = _whole(weights, parts, have, total, criterion, place, size)
+    counts = _whole_counts(weights, parts, have, total, criterion, place, size)
     return Plan(tuple(jacobians), weights, counts, gap)
 
 
@@ -391,7 +390,7 @@ def _loss(inverse: Array, criterion: str, place: int | None, size: Array) -> flo
 def _gains(
     inverse: Array, parts: Array, criterion: str, place: int | None, size: Array
 ) -> NDArray[np.float64]:
-    """Return how fast the criterion falls in each experiment's weight, (e,)."""
+    """Return the derivative of the criterion by each experiment's weight, (e,), negated."""
     if criterion == "D":
         slope = inverse
     elif criterion == "A":
@@ -407,24 +406,24 @@ def _weights(
 ) -> tuple[Array, float]:
     weights = np.full(len(parts), 1.0 / len(parts))
     gap = math.inf
-    for _ in range(ROUNDS):
+    for _ in range(_ROUNDS):
         inverse = np.linalg.inv(have + total * np.einsum("k,kij->ij", weights, parts))
         gains = total * _gains(inverse, parts, criterion, place, size)
         mean = float(weights @ gains)
         # The criterion is convex: it lies above its tangent, so that it can fall by no more than this.
         value = 1.0 if criterion == "D" else _loss(inverse, criterion, place, size)
         gap = (float(gains.max()) - mean) / (len(have) if criterion == "D" else value)
-        if gap <= NEAR or not mean > 0.0:
+        if gap <= _NEAR or not mean > 0.0:
             break
         weights = weights * np.sqrt(gains / mean)
         weights /= weights.sum()
     return weights, gap
 
 
-def _whole(
+def _whole_counts(
     weights: Array, parts: Array, have: Array, total: int, criterion: str, place: int | None, size: Array
 ) -> NDArray[np.intp]:
-    """Return whole numbers near weights, exchanged one for another as long as the criterion falls."""
+    """Return whole counts near weights, exchanged while the criterion falls."""
     counts = np.floor(total * weights + 1e-9).astype(np.intp)
     rest = np.argsort(-(total * weights - counts), kind="stable")
     counts[rest[: total - int(counts.sum())]] += 1

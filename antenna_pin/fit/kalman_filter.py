@@ -18,11 +18,20 @@ from numpy.typing import NDArray
 from antenna_pin.base.state import State
 from antenna_pin.errors import ScenarioError
 from antenna_pin.fit.plan import Unknowns
-from antenna_pin.fit.runs import Bench, Ran, Rig, bench_of, reason_of, rows_of, sensed, touching
+from antenna_pin.fit.runs import (
+    PreparedScenario,
+    RecordTest,
+    RunSamples,
+    failure_reason,
+    piece_rows,
+    prepared_scenario,
+    sensor_readings,
+    with_contacts,
+)
 from antenna_pin.nonlinear import Chart
 from antenna_pin.nonlinear.coordinates import configuration_difference
 
-__all__ = ["Along", "Curve", "Found", "Known", "Piece", "estimate_starts"]
+__all__ = ["ColumnData", "ParameterEstimate", "estimate_starts"]
 
 Array = NDArray[np.float64]
 
@@ -35,8 +44,8 @@ _STEP, _ROUNDS, _ROUGHLY = 1e-4, 10, 0.01
 _LOST = 4.0
 
 
-class Curve(NamedTuple):
-    """A column of a record.
+class ColumnData(NamedTuple):
+    """Column of a record.
 
     Attributes:
         gain: Of its readings [-], and by the number of which unknown; -1 if it is none.
@@ -51,15 +60,15 @@ class Curve(NamedTuple):
     noise: Array
 
 
-class _Made(NamedTuple):
-    """A run of a piece: how far it is from its rows, over their noise, and where it ends."""
+class _PieceRun(NamedTuple):
+    """Run of a piece: residuals over their noise, and its end."""
 
     off: Array
     end: State
 
 
-class Found(NamedTuple):
-    """Where numbers and a piece's start have come to.
+class _PieceEstimate(NamedTuple):
+    """Estimate of parameters and of a piece's start.
 
     Attributes:
         at: Both, as a search has them, (p + n,).
@@ -82,13 +91,13 @@ class Found(NamedTuple):
     failed: str = ""
 
 
-class Piece:
-    """One piece of a record, from about where the piece before has come to.
+class _PieceEstimator:
+    """Estimator for one piece of a record, from the end of the piece before.
 
     Args:
-        rig: The record's test, its pieces known.
+        test: The record's test, its pieces known.
         unknowns: Parameters of the fit.
-        own: Which of them are the rig's values.
+        own: Which of them are the test's values.
         curves: Of the record's columns.
         shift: Of its clock [s].
         piece: Number of the piece.
@@ -101,19 +110,19 @@ class Piece:
 
     def __init__(
         self,
-        rig: Rig,
+        test: RecordTest,
         unknowns: Unknowns,
         own: Sequence[int],
-        curves: Sequence[Curve],
+        curves: Sequence[ColumnData],
         shift: float,
         piece: int,
         at: Array,
         origin: State | None,
     ) -> None:
-        """Take its rows."""
-        self._rig, self._unknowns, self._own = rig, unknowns, list(own)
-        self._rows, self._until = rows_of(rig, shift, piece), rig.pieces[piece + 1]
-        first = int(np.searchsorted(rig.time + shift, self._rows[0])) if len(self._rows) else 0
+        """Select its rows."""
+        self._test, self._unknowns, self._own = test, unknowns, list(own)
+        self._rows, self._until = piece_rows(test, shift, piece), test.pieces[piece + 1]
+        first = int(np.searchsorted(test.time + shift, self._rows[0])) if len(self._rows) else 0
         here = slice(first, first + len(self._rows))
         self._curves = [one._replace(data=one.data[here], noise=one.noise[here]) for one in curves]
         self._calibrated = [k for one in curves for _, k in (one.gain, one.offset) if k >= 0]
@@ -121,8 +130,8 @@ class Piece:
         self._chart = None if origin is None else Chart(self._bench(at).system, origin)
         self.size = 0 if self._chart is None else 2 * self._chart.positions
 
-    def found(self, covariance: Array) -> Found:
-        """Return numbers and start for which a run is near to the rows, as far as they are not known yet.
+    def found(self, covariance: Array) -> _PieceEstimate:
+        """Return the estimate from the rows and the covariance so far.
 
         Args:
             covariance: Of what is known of them, (p + n, p + n).
@@ -135,7 +144,7 @@ class Piece:
         held = (axes / np.sqrt(np.maximum(values, 1e-12 * values[-1]))).T
         made = self._made([before])[0]
         if isinstance(made, str):
-            return Found(before, None, None, covariance, covariance, np.inf, True, made)
+            return _PieceEstimate(before, None, None, covariance, covariance, np.inf, True, made)
         latest: dict[str, Any] = {}
 
         def residuals(x: Array) -> Array:
@@ -167,11 +176,13 @@ class Piece:
         ahead = np.zeros((p + len(latest["ends"]), p + n))
         ahead[:p, :p] = np.eye(p)
         ahead[p:] = latest["ends"]
-        return Found(x, self._first(x), one.end, after, ahead @ after @ ahead.T, cost, cost > _LOST * count)
+        return _PieceEstimate(
+            x, self._first(x), one.end, after, ahead @ after @ ahead.T, cost, cost > _LOST * count
+        )
 
-    def _bench(self, at: Array) -> Bench:
-        values = self._unknowns.natural(np.concatenate([at, np.zeros(self._unknowns.states)]))
-        return bench_of(self._rig, tuple(values[self._own].tolist()))
+    def _bench(self, at: Array) -> PreparedScenario:
+        values = self._unknowns.from_search(np.concatenate([at, np.zeros(self._unknowns.states)]))
+        return prepared_scenario(self._test, tuple(values[self._own].tolist()))
 
     def _first(self, x: Array) -> State | None:
         """Return the piece's first state; None of the scenario's own."""
@@ -181,8 +192,8 @@ class Piece:
         whole[: self.size] = x[self._unknowns.count :]
         return self._chart.state(whole, self._bench(x[: self._unknowns.count]).system)
 
-    def _made(self, every: Sequence[Array]) -> list[_Made | str]:
-        """Return a run from each of several starts, all of the same numbers, or why there is none.
+    def _made(self, every: Sequence[Array]) -> list[_PieceRun | str]:
+        """Return a run or a reason for each of several starts, with the same parameters.
 
         Their sensors are read at once, which takes longer than a short run does.
         """
@@ -190,12 +201,14 @@ class Piece:
         try:
             bench = self._bench(numbers)
         except Exception as error:
-            return [reason_of(error)] * len(every)
+            return [failure_reason(error)] * len(every)
         ran = [self._ran(bench, x) for x in every]
-        good = [one.chunk for one in ran if isinstance(one, Ran)]
-        read = iter(sensed(self._rig, bench, [self._rows] * len(good), good) if len(self._rows) else ())
-        values = self._unknowns.natural(np.concatenate([numbers, np.zeros(self._unknowns.states)]))
-        found: list[_Made | str] = []
+        good = [one.chunk for one in ran if isinstance(one, RunSamples)]
+        read = iter(
+            sensor_readings(self._test, bench, [self._rows] * len(good), good) if len(self._rows) else ()
+        )
+        values = self._unknowns.from_search(np.concatenate([numbers, np.zeros(self._unknowns.states)]))
+        found: list[_PieceRun | str] = []
         for one in ran:
             if isinstance(one, str):
                 found.append(one)
@@ -204,15 +217,15 @@ class Piece:
             for reading, (gain, offset, data, noise) in zip(next(read, ()), self._curves, strict=False):
                 by, and_by = (values[k] if k >= 0 else value for value, k in (gain, offset))
                 off.append((by * reading + and_by - data) / noise)
-            found.append(_Made(np.concatenate(off), one.end))
+            found.append(_PieceRun(np.concatenate(off), one.end))
         return found
 
-    def _ran(self, bench: Bench, x: Array) -> Ran | str:
+    def _ran(self, bench: PreparedScenario, x: Array) -> RunSamples | str:
         try:
             first = self._first(x)
-            ran = bench.run(self._rows, self._until, first and touching(first, bench.system))
+            ran = bench.run(self._rows, self._until, first and with_contacts(first, bench.system))
         except Exception as error:
-            return reason_of(error)
+            return failure_reason(error)
         return ran.failed or ran
 
     def _slopes(self, x: Array) -> tuple[Array, Array]:
@@ -229,7 +242,7 @@ class Piece:
             one[k] += sign * _STEP
             if k < p:
                 one[k] = min(max(one[k], lower[k]), upper[k])
-        made: dict[tuple[int, float], _Made | str] = {}
+        made: dict[tuple[int, float], _PieceRun | str] = {}
         together = [[one] for one in there if one[0] < p] + [[one for one in there if one[0] >= p]]
         for keys in filter(None, together):
             made.update(zip(keys, self._made([there[one] for one in keys]), strict=True))
@@ -241,12 +254,14 @@ class Piece:
             (left, below), (right, above) = sides
             if right > left:
                 rows[:, k] = (above.off - below.off) / (right - left)
-                ends[:, k] = (_ways(chart, above.end) - _ways(chart, below.end)) / (right - left)
+                ends[:, k] = (_chart_coordinates(chart, above.end) - _chart_coordinates(chart, below.end)) / (
+                    right - left
+                )
         return rows, ends
 
 
-def _ways(chart: Chart, there: State) -> Array:
-    """Return how far a state is from a chart's origin along its freedoms, ways and rates, in error scales."""
+def _chart_coordinates(chart: Chart, there: State) -> Array:
+    """Return coordinates of a state along a chart's freedoms, positions and rates."""
     origin, units, free = chart.origin, chart.units, chart.frame.free
     way = configuration_difference(chart.system, origin.q, there.q) / units.position
     rate = (there.v - origin.v) / units.rate
@@ -262,8 +277,8 @@ _NUMBER, _STATE, _BENT = 1.0, 1.0, 1e-2
 _PASSES, _AGAIN = 2, 0.1
 
 
-class Known(NamedTuple):
-    """What is known of a fit's numbers so far, as a search has them.
+class ParameterEstimate(NamedTuple):
+    """Estimate of a fit's parameters, in search coordinates.
 
     Attributes:
         at: Their values, (p,).
@@ -274,13 +289,13 @@ class Known(NamedTuple):
     covariance: Array
 
     @classmethod
-    def before(cls, unknowns: Unknowns) -> Known:
-        """Return what is known before any row is seen."""
-        return cls(unknowns.searched(unknowns.start), _NUMBER**2 * np.eye(unknowns.count))
+    def before(cls, unknowns: Unknowns) -> ParameterEstimate:
+        """Return the estimate before any row."""
+        return cls(unknowns.to_search(unknowns.start), _NUMBER**2 * np.eye(unknowns.count))
 
 
-class Along(NamedTuple):
-    """Where following a record has come to.
+class _RecordEstimate(NamedTuple):
+    """Estimate from a whole record.
 
     Attributes:
         origins: State in which each piece starts but the first, as text.
@@ -288,24 +303,24 @@ class Along(NamedTuple):
     """
 
     origins: tuple[str, ...]
-    known: Known
+    known: ParameterEstimate
 
 
 def estimate_starts(
-    rig: Rig,
+    test: RecordTest,
     unknowns: Unknowns,
     own: Sequence[int],
-    known: Known,
-    curves: Sequence[Curve],
+    known: ParameterEstimate,
+    curves: Sequence[ColumnData],
     shift: float,
     place: str,
-) -> Along:
-    """Follow a record in pieces.
+) -> _RecordEstimate:
+    """Estimate the start states of a record's pieces.
 
     Args:
-        rig: The record's test, its pieces known.
+        test: The record's test, its pieces known.
         unknowns: Parameters of the fit.
-        own: Which of them are the rig's values.
+        own: Which of them are the test's values.
         known: What is known of them.
         curves: Of the columns.
         shift: Of its clock [s].
@@ -316,7 +331,7 @@ def estimate_starts(
     """
     best: _Pass | None = None
     for _ in range(_PASSES):
-        made = _once(rig, unknowns, own, known, curves, shift)
+        made = _filter_once(test, unknowns, own, known, curves, shift)
         if isinstance(made, str):
             if best is None:
                 raise ScenarioError(f"{place}: {made}")
@@ -325,34 +340,39 @@ def estimate_starts(
             best = made
         if best.lost == 0 or best is not made:
             break
-        known = Known(made.known.at, _AGAIN**2 * np.eye(unknowns.count))
+        known = ParameterEstimate(made.known.at, _AGAIN**2 * np.eye(unknowns.count))
     assert best is not None
-    return Along(best.origins, best.known)
+    return _RecordEstimate(best.origins, best.known)
 
 
 class _Pass(NamedTuple):
-    """A record followed once.
+    """One pass of the filter over a record.
 
     Attributes:
-        origins: As of :class:`Along`.
+        origins: As of :class:`_RecordEstimate`.
         known: Likewise.
         lost: How many of its pieces were not found.
     """
 
     origins: tuple[str, ...]
-    known: Known
+    known: ParameterEstimate
     lost: int
 
 
-def _once(
-    rig: Rig, unknowns: Unknowns, own: Sequence[int], known: Known, curves: Sequence[Curve], shift: float
+def _filter_once(
+    test: RecordTest,
+    unknowns: Unknowns,
+    own: Sequence[int],
+    known: ParameterEstimate,
+    curves: Sequence[ColumnData],
+    shift: float,
 ) -> _Pass | str:
-    """Follow a record once, or return why there is no run."""
+    """Run the filter over a record once, or return the reason for no run."""
     origins: list[str] = []
     state: State | None = None
     spread, lost, p = np.zeros((0, 0)), 0, unknowns.count
-    for piece in range(len(rig.pieces) - 1):
-        one = Piece(rig, unknowns, own, curves, shift, piece, known.at, state)
+    for piece in range(len(test.pieces) - 1):
+        one = _PieceEstimator(test, unknowns, own, curves, shift, piece, known.at, state)
         n = one.size
         whole = np.zeros((p + n, p + n))
         whole[:p, :p] = known.covariance
@@ -361,7 +381,7 @@ def _once(
             whole[p:, p:] += _BENT**2 * np.eye(n)
         found = one.found(whole)
         if found.lost and n:
-            again = one.found(_apart(known, n))
+            again = one.found(_with_unknown_state(known, n))
             found = again if again.cost < found.cost else found
         if found.failed:
             return found.failed
@@ -370,14 +390,14 @@ def _once(
         lost, state = lost + found.lost, found.end
         if found.lost:  # it says from where to go on, and nothing for sure
             known = known._replace(at=found.at[:p])
-            spread = _apart(known, len(found.ahead) - p)
+            spread = _with_unknown_state(known, len(found.ahead) - p)
         else:
-            known, spread = Known(found.at[:p], found.covariance[:p, :p]), found.ahead
+            known, spread = ParameterEstimate(found.at[:p], found.covariance[:p, :p]), found.ahead
     return _Pass(tuple(origins), known, lost)
 
 
-def _apart(known: Known, n: int) -> Array:
-    """Return the covariance of numbers, with that of a state of n coordinates of which nothing is known."""
+def _with_unknown_state(known: ParameterEstimate, n: int) -> Array:
+    """Return the covariance of parameters with that of n unknown state coordinates."""
     p = len(known.at)
     whole = _STATE**2 * np.eye(p + n)
     whole[:p, :p] = known.covariance

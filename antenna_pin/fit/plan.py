@@ -25,14 +25,12 @@ from antenna_pin.scenario.spec import Count, Folder, Quantity, Spec, refuse, ref
 
 __all__ = [
     "FitPlan",
-    "PiecesSpec",
     "RecordSpec",
-    "StartsSpec",
     "SurfaceSpec",
     "Unknowns",
     "load_fit",
-    "place_in_record",
-    "size_of",
+    "record_place",
+    "parameter_size",
 ]
 
 Array = NDArray[np.float64]
@@ -40,18 +38,18 @@ Array = NDArray[np.float64]
 #: Of a record's own numbers: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")
 
-Jacobian = Literal["differences", "equation"]
+_Jacobian = Literal["differences", "equation"]
 
 _LEAST_TOLERANCE = 1e-15  # [-]
 
 
-def place_in_record(key: str) -> tuple[str, str, str] | None:
-    """Return record, column ("" of the record itself) and name of the number that a key is, or None."""
+def record_place(key: str) -> tuple[str, str, str] | None:
+    """Return record, column or "" and number named by a key, or None."""
     found = _OF_RECORD.fullmatch(key)
     return None if found is None else (found[1], found[3] or "", found[2] or found[4])
 
 
-class PiecesSpec(Spec):
+class _PiecesSpec(Spec):
     """A record cut into pieces that start from states of their own (multiple shooting).
 
     Attributes:
@@ -85,13 +83,13 @@ class RecordSpec(LayoutSpec):
     gaps: Literal["refuse", "skip"] = "refuse"
     case: str | None = None
     set: dict[str, Any] = Field(default_factory=dict)
-    pieces: PiecesSpec | None = None
+    pieces: _PiecesSpec | None = None
     columns: dict[str, ColumnSpec]
 
     @model_validator(mode="before")
     @classmethod
     def _nest(cls, data: Any) -> Any:
-        """Let keys of the scenario stand with dots."""
+        """Accept keys of the scenario with dots."""
         if isinstance(data, Mapping) and isinstance(data.get("set"), Mapping):
             return {**data, "set": nested(data["set"])}
         return data
@@ -110,7 +108,7 @@ class RecordSpec(LayoutSpec):
         return self
 
 
-class StartsSpec(Spec):
+class _StartsSpec(Spec):
     """Many starts, for a sum of squares with several valleys: Sobol' points between the bounds.
 
     Attributes:
@@ -131,7 +129,7 @@ class StartsSpec(Spec):
 
 
 class SurfaceSpec(Spec):
-    """Of statistics of chaotic motions: surfaces through what many runs come to, in place of derivatives.
+    """Response surfaces through many runs, for statistics of chaotic motions.
 
     Attributes:
         runs: At points of a box, each time, a power of two [-].
@@ -153,7 +151,7 @@ class SurfaceSpec(Spec):
 
 
 class FitPlan(RunsFile):
-    """A fit that can be asked for by a file.
+    """Fit defined by a file.
 
     Attributes:
         parameters: What is unknown, by name.
@@ -161,7 +159,7 @@ class FitPlan(RunsFile):
         records: What was measured, by name.
         validation: Records that are not fitted: the fit is judged by them.
         noise: ``given``, the columns' ``sd`` are what they say; ``estimated``, only their ratios are, and
-            what the residuals come to says how large the noise is; or ``correlated``, and they hang together
+            what the residuals come to says how large the noise is; or ``correlated``, and they are correlated
             in time.
         loss: How a residual counts, as SciPy's ``least_squares`` has it: ``linear`` by its square, the others
             less where it is large.
@@ -187,11 +185,11 @@ class FitPlan(RunsFile):
     noise: Noise = "given"
     loss: Loss = "linear"
     loss_scale: Annotated[float, Quantity("1", "positive")] = 1.0
-    jacobian: Jacobian = "differences"
+    jacobian: _Jacobian = "differences"
     difference_step: Annotated[float, Quantity("1", "between 0 and 1")] = 1e-4
     tolerance: Annotated[float, Quantity("1", "between 0 and 1")] = 1e-8
     most: Annotated[int, BeforeValidator(Count(1, 100_000).read)] = 100
-    starts: StartsSpec | None = None
+    starts: _StartsSpec | None = None
     surface: SurfaceSpec | None = None
     name: str = "fit"
     folder: Folder = Path()
@@ -269,7 +267,7 @@ class FitPlan(RunsFile):
         return self
 
     def _check_derived(self, name: str, derived: DerivedSpec, owners: dict[tuple[str, str], str]) -> None:
-        """Refuse a derived number of what is not there, or of what somebody else sets."""
+        """Refuse a derived number of unknown names, or of a key set elsewhere."""
         for used in names_in(derived.value):
             if used not in self.parameters:
                 refuse_name("parameter", used, self.parameters, "derived", name, "value")
@@ -289,13 +287,13 @@ class FitPlan(RunsFile):
             refuse(str(error), "derived", name, "value")
 
     def own_parameters(self, record: str) -> list[int]:
-        """Return the places of the parameters that a record's scenario depends on."""
+        """Return the indices of the parameters in a record's scenario."""
         derived = [one for one in self.derived.values() if one.records is None or record in one.records]
         used = {name for one in derived for name in names_in(one.value)}
         places = []
         for i, (name, one) in enumerate(self.parameters.items()):
             mine = one.records is None or record in one.records
-            if name in used or (mine and one.keys_set and place_in_record(one.keys_set[0]) is None):
+            if name in used or (mine and one.keys_set and record_place(one.keys_set[0]) is None):
                 places.append(i)
         return places
 
@@ -312,17 +310,17 @@ class FitPlan(RunsFile):
         kept = {
             name: one.model_copy(update={"records": None, "prior": None})
             for name, one in self.parameters.items()
-            if not one.keys_set or place_in_record(one.keys_set[0]) is None
+            if not one.keys_set or record_place(one.keys_set[0]) is None
         }
         derived = {name: one.model_copy(update={"records": None}) for name, one in self.derived.items()}
         changed = {"parameters": kept, "derived": derived, "records": self.validation, "validation": {}}
         return self.model_copy(update=changed | {"starts": None})
 
     def _check_of_record(self, name: str, key: str) -> None:
-        """Refuse a parameter of a record, column or number that is not there."""
+        """Refuse a parameter of an unknown record, column or number."""
         if not key.startswith("records."):
             return
-        place = place_in_record(key)
+        place = record_place(key)
         at = ("parameters", name, "key")
         if place is None:
             rule = "must be records.NAME.clock_shift, or records.NAME.columns.COLUMN.gain or .offset"
@@ -336,7 +334,7 @@ class FitPlan(RunsFile):
             refuse("must be left out for a number of a record, whose it is", "parameters", name, "records")
 
     def check_output(self, path: Path) -> None:
-        """Refuse to write over what the fit reads: its scenario's file, a record.
+        """Refuse an output path that the fit reads from.
 
         Raises:
             OutputError: The path is that of one of them.
@@ -379,7 +377,7 @@ _REACH = 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Unknowns:
-    """The numbers that are looked for: p parameters, and h coordinates of pieces' starts behind them.
+    """Unknowns of a fit: p parameters, then h coordinates of pieces' starts.
 
     A search has each over its size, of some the logarithm.
 
@@ -411,7 +409,7 @@ class Unknowns:
 
     @classmethod
     def of(cls, plan: FitPlan, states: int) -> Unknowns:
-        """Return those of a fit's file with so many coordinates of pieces' starts."""
+        """Return the unknowns of a fit's file, with a number of start coordinates."""
         specs = plan.parameters
         numbers = [one.numbers() for one in specs.values()]
         start, lower, upper = (np.array([n[k] for n in numbers], dtype=float) for k in range(3))
@@ -422,7 +420,7 @@ class Unknowns:
             start=start,
             lower=lower,
             upper=upper,
-            scale=np.array([size_of(*n[:3]) for n in numbers]),
+            scale=np.array([parameter_size(*n[:3]) for n in numbers]),
             prior_mean=np.array([one.prior_numbers()[0] for one in specs.values()]),
             prior_sd=np.array([one.prior_numbers()[1] for one in specs.values()]),
             logarithmic=np.array([one.scale == "log" for one in specs.values()]),
@@ -431,30 +429,30 @@ class Unknowns:
 
     @property
     def count(self) -> int:
-        """How many parameters there are."""
+        """Number of parameters."""
         return len(self.names)
 
     def sizes(self) -> Array:
         """Return the size of each, (p + h,): of a logarithm 1."""
         return np.concatenate([np.where(self.logarithmic, 1.0, self.scale), np.full(self.states, _REACH)])
 
-    def searched(self, whole: Array) -> Array:
-        """Return what a search has for values with states, (p + h,)."""
+    def to_search(self, whole: Array) -> Array:
+        """Return search coordinates of values with states, (p + h,)."""
         found, p = np.array(whole, dtype=float), self.count
         logarithms = np.log(np.where(self.logarithmic, found[:p], 1.0))
         found[:p] = np.where(self.logarithmic, logarithms, found[:p])
         return found / self.sizes()
 
-    def natural(self, searched: Array) -> Array:
-        """Return values with states from what a search has, (p + h,)."""
+    def from_search(self, searched: Array) -> Array:
+        """Return values with states from search coordinates, (p + h,)."""
         found, p = np.asarray(searched, dtype=float) * self.sizes(), self.count
         values = np.where(self.logarithmic, np.exp(np.where(self.logarithmic, found[:p], 0.0)), found[:p])
         # What exp and log round must not lead out of the bounds, beyond which a scenario may be none.
         found[:p] = np.clip(values, self.lower, self.upper)
         return found
 
-    def rates(self, whole: Array) -> Array:
-        """Return the derivative of what a search has by each value, (p + h,)."""
+    def search_slopes(self, whole: Array) -> Array:
+        """Return the derivative of each search coordinate by its value, (p + h,)."""
         rates, p = 1.0 / self.sizes(), self.count
         rates[:p] = np.where(self.logarithmic, 1.0 / np.where(self.logarithmic, whole[:p], 1.0), rates[:p])
         return rates
@@ -465,24 +463,24 @@ class Unknowns:
         return np.asarray(((whole[: self.count] - self.prior_mean) / self.prior_sd)[known])
 
     def prior_slopes(self, whole: Array) -> Array:
-        """Return the derivatives of the same by what a search has, (priors, p + h)."""
+        """Return the derivatives of prior residuals by search coordinates, (priors, p + h)."""
         known = np.isfinite(self.prior_sd)
         slopes = np.zeros((self.count, len(whole)))
-        slopes[:, : self.count] = np.diag(1.0 / self.prior_sd / self.rates(whole)[: self.count])
+        slopes[:, : self.count] = np.diag(1.0 / self.prior_sd / self.search_slopes(whole)[: self.count])
         return slopes[known]
 
     def bounds(self) -> tuple[Array, Array]:
-        """Return the bounds of what a search has, (p + h,) each."""
+        """Return the bounds of search coordinates, (p + h,) each."""
         free = np.full(self.states, math.inf)
         lower = np.where(self.logarithmic & ~np.isfinite(self.lower), 0.0, self.lower)
         with np.errstate(divide="ignore"):
-            return self.searched(np.concatenate([lower, -free])), self.searched(
+            return self.to_search(np.concatenate([lower, -free])), self.to_search(
                 np.concatenate([self.upper, free])
             )
 
 
-def size_of(start: float, low: float, high: float) -> float:
-    """Return what a change of a parameter is small beside: its start, or the way between its bounds [SI]."""
+def parameter_size(start: float, low: float, high: float) -> float:
+    """Return the size of a parameter: of its start, or its bounds' distance [SI]."""
     if start != 0.0:
         return abs(start)
     return high - low if math.isfinite(high - low) else 1.0

@@ -16,17 +16,28 @@ from numpy.typing import NDArray
 from antenna_pin.base.parameters import LARGEST
 from antenna_pin.base.units import unit_factor
 from antenna_pin.errors import AntennaPinError, ScenarioError
-from antenna_pin.fit.kalman_filter import Curve, Known, estimate_starts
-from antenna_pin.fit.plan import FitPlan, RecordSpec, Unknowns, place_in_record, size_of
+from antenna_pin.fit.kalman_filter import ColumnData, ParameterEstimate, estimate_starts
+from antenna_pin.fit.plan import FitPlan, RecordSpec, Unknowns, parameter_size, record_place
 from antenna_pin.fit.record_file import read_columns
-from antenna_pin.fit.runs import Bench, Rig, instants_of, scenario_with, ways_of
-from antenna_pin.fit.sensors import Target, amount, check_sensor, noise_of, reading, target_of, unit_of
+from antenna_pin.fit.runs import PreparedScenario, RecordTest, piece_times, scenario_with, start_size
+from antenna_pin.fit.sensors import (
+    Target,
+    check_sensor,
+    comparison_target,
+    reading,
+    reading_noise,
+    sensor_unit,
+    si_amount,
+)
 from antenna_pin.fit.specs import ColumnSpec, FitParameterSpec, evaluate
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.sweep.design import put_value
 
-__all__ = ["Measured", "Prepared", "prepare_records", "read_record"]
+__all__ = [
+    "Prepared",
+    "prepare_records",
+]
 
 Array = NDArray[np.float64]
 
@@ -40,8 +51,8 @@ _STAYS = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
-    """What was measured in one record.
+class _Measured:
+    """Measured data of a record.
 
     Attributes:
         time: Of the rows that count, by the file's clock, rising [s].
@@ -54,8 +65,8 @@ class Measured:
     notes: tuple[str, ...] = ()
 
 
-def read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: str) -> Measured:
-    """Return a record from its file, or say what is wrong with it.
+def _read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: str) -> _Measured:
+    """Return a record from its file, or refuse it.
 
     Args:
         spec: What the fit file says of it.
@@ -113,13 +124,13 @@ def read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place:
     notes = [
         f"records.{place.rpartition('records.')[2]}: {path.name}: {in_file[name]} {words}"
         for name, one in spec.columns.items()
-        if one.sensor != "encoder" and (words := _odd(found[name], rows))
+        if one.sensor != "encoder" and (words := _suspicion(found[name], rows))
     ]
-    return Measured(time, found, tuple(notes))
+    return _Measured(time, found, tuple(notes))
 
 
-def _odd(values: Array, rows: NDArray[np.int64]) -> str:
-    """Return what is odd about a column whose noise never lets it repeat itself, in words; or nothing.
+def _suspicion(values: Array, rows: NDArray[np.int64]) -> str:
+    """Return a note on a column that is constant or saturated, or "".
 
     Args:
         values: The column, (rows,).
@@ -142,7 +153,7 @@ def _odd(values: Array, rows: NDArray[np.int64]) -> str:
 
 
 def _factor(column: ColumnSpec, in_file: str | None, unit: str, place: str) -> float:
-    """Return what one of a column's unit is in SI units: as the fit file says, else its own, else 1."""
+    """Return a column's unit in SI units: of the fit file, its own, or 1."""
     if column.unit is not None:
         return unit_factor(column.unit, unit, f"{place}.unit")
     if in_file is None:
@@ -201,7 +212,7 @@ class Prepared:
 
     Attributes:
         place: How messages call the fit.
-        rigs: Of the records, in order.
+        record_tests: Of the records, in order.
         targets: What is compared, by ``record.column``, in order.
         units: SI unit of what is read, likewise.
         offsets: Of the readings [SI], likewise.
@@ -213,7 +224,7 @@ class Prepared:
     """
 
     place: str
-    rigs: tuple[Rig, ...]
+    record_tests: tuple[RecordTest, ...]
     targets: dict[str, Target]
     units: dict[str, str]
     offsets: dict[str, float]
@@ -231,7 +242,7 @@ class Prepared:
         return self.joints
 
     def check_span(self, record: str, least: float, most: float, span: float, windowed: bool) -> None:
-        """Refuse a record with rows before its run's start or behind its end.
+        """Refuse rows before a run's start or behind its end.
 
         Args:
             record: Its name.
@@ -240,8 +251,8 @@ class Prepared:
             span: Of the run [s].
             windowed: Whether a window of it is given, which may be as short as is wanted.
         """
-        rig = next(one for one in self.rigs if one.name == record)
-        first, last = float(rig.time[0]) + least, float(rig.time[-1]) + most
+        test = next(one for one in self.record_tests if one.name == record)
+        first, last = float(test.time[0]) + least, float(test.time[-1]) + most
         where = f"{self.place}: records.{record}"
         if first < 0.0:
             rule = "must begin at the run's start, 0 s, or later"
@@ -267,7 +278,7 @@ def prepare_records(plan: FitPlan) -> Prepared:
         AntennaPinError: Something is not valid; the message names its place in the fit's file.
     """
     place = f"fit {plan.name}"
-    rigs: list[Rig] = []
+    record_tests: list[RecordTest] = []
     targets: dict[str, Target] = {}
     units: dict[str, str] = {}
     offsets: dict[str, float] = {}
@@ -275,39 +286,44 @@ def prepare_records(plan: FitPlan) -> Prepared:
     joints: list[int] = []
     notes: list[str] = []
     unknowns = Unknowns.of(plan, 0)
-    known = Known.before(unknowns)
+    known = ParameterEstimate.before(unknowns)
     for name, spec in plan.records.items():
         where = f"{place}: records.{name}"
         base = plan.scenario_of(name)
         begun = _at_start(plan, name, base)
-        data, counted = _glance(begun, where)
+        data, counted = _probe(begun, where)
         read_in = {}
         for column, one in spec.columns.items():
             at = f"{where}.columns.{column}"
-            read_in[column] = unit_of(data, one, at)
+            read_in[column] = sensor_unit(data, one, at)
             check_sensor(one, read_in[column], at)
             if spec.pieces is not None or plan.jacobian == "equation":
-                _check_of_states(one, read_in[column], counted, at, "pieces" if spec.pieces else "jacobian")
-        found = read_record(spec, plan.folder, read_in, where)
+                _check_state_function(
+                    one, read_in[column], counted, at, "pieces" if spec.pieces else "jacobian"
+                )
+        found = _read_record(spec, plan.folder, read_in, where)
         notes.extend(found.notes)
         for column, one in spec.columns.items():
             _check_pace(one, found.time, f"{where}.columns.{column}")
             full = f"{name}.{column}"
             at = f"{where}.columns.{column}"
             _check_sizes(one, found.values[column], read_in[column], at)
-            targets[full] = target_of(one, read_in[column], found.time, found.values[column], at)
-            units[full], offsets[full] = read_in[column], amount(one.offset, read_in[column], f"{at}.offset")
+            targets[full] = comparison_target(one, read_in[column], found.time, found.values[column], at)
+            units[full], offsets[full] = (
+                read_in[column],
+                si_amount(one.offset, read_in[column], f"{at}.offset"),
+            )
         numbers = plan.own_parameters(name)
         names = [list(plan.parameters)[k] for k in numbers]
         fitted = [plan.parameters[one] for one in names]
-        rig = Rig(
+        test = RecordTest(
             name=name,
             scenario=base.model_dump_json(),
-            keys=tuple(one.keys_set if _sets(one, name) else () for one in fitted),
+            keys=tuple(one.keys_set if _applies_to(one, name) else () for one in fitted),
             names=tuple(names),
             derived=tuple((one.keys_set, one.value) for one in plan.derived_of(name).values()),
             units=tuple(one.numbers()[3] for one in fitted),
-            sizes=tuple(size_of(*one.numbers()[:3]) for one in fitted),
+            sizes=tuple(parameter_size(*one.numbers()[:3]) for one in fitted),
             columns=dict(spec.columns),
             read_in=read_in,
             time=found.time,
@@ -315,7 +331,7 @@ def prepare_records(plan: FitPlan) -> Prepared:
         if spec.pieces is not None:
             check_without_controllers(where, begun)
             curves = [
-                Curve(
+                ColumnData(
                     (one.gain, _number(plan, f"records.{name}.columns.{column}.gain")),
                     (offsets[full], _number(plan, f"records.{name}.columns.{column}.offset")),
                     *targets[full][2:4],
@@ -323,18 +339,18 @@ def prepare_records(plan: FitPlan) -> Prepared:
                 for column, one in spec.columns.items()
                 for full in (f"{name}.{column}",)
             ]
-            rig, known = _in_pieces(rig, spec, unknowns, numbers, known, curves, where)
-        rigs.append(rig)
-        ways.append(tuple(ways_of(rig.begun, origin) for origin in rig.origins))
-        joints.append(2 * data.sizes["coordinate"] * len(rig.origins))
-    first = unknowns.natural(known.at) if any(rig.pieces for rig in rigs) else unknowns.start
+            test, known = _cut_into_pieces(test, spec, unknowns, numbers, known, curves, where)
+        record_tests.append(test)
+        ways.append(tuple(start_size(test.begun, origin) for origin in test.origins))
+        joints.append(2 * data.sizes["coordinate"] * len(test.origins))
+    first = unknowns.from_search(known.at) if any(test.pieces for test in record_tests) else unknowns.start
     return Prepared(
-        place, tuple(rigs), targets, units, offsets, tuple(ways), tuple(joints), first, tuple(notes)
+        place, tuple(record_tests), targets, units, offsets, tuple(ways), tuple(joints), first, tuple(notes)
     )
 
 
 def _check_pace(column: ColumnSpec, time: np.ndarray, place: str) -> None:
-    """Refuse a filter of which rows are too far apart to show what it passes."""
+    """Refuse a filter with a corner beyond the row rate, or too low."""
     pace = 1.0 / float(np.median(np.diff(time)))
     if column.filter is not None and column.filter.corner > 0.5 * pace:
         raise ScenarioError(
@@ -350,7 +366,7 @@ def _check_pace(column: ColumnSpec, time: np.ndarray, place: str) -> None:
 
 
 def _check_sizes(column: ColumnSpec, values: np.ndarray, unit: str, place: str) -> None:
-    """Refuse readings, or a noise beside them, whose squares are no numbers any more."""
+    """Refuse readings, or noise beside them, whose squares overflow or vanish."""
     most = float(np.max(np.abs(values)))
     if most > LARGEST:
         row = int(np.argmax(np.abs(values)))
@@ -358,44 +374,44 @@ def _check_sizes(column: ColumnSpec, values: np.ndarray, unit: str, place: str) 
             f"{place} must be at most {LARGEST:g} in size, got {values[row]:g} in row {row + 1} of those "
             'that count; empty it, and give gaps = "skip"'
         )
-    if column.compare in ("curve", "rms") and noise_of(column, unit) < _LEAST_NOISE * most:
+    if column.compare in ("curve", "rms") and reading_noise(column, unit) < _LEAST_NOISE * most:
         rule = f"must be {_LEAST_NOISE:g} of the largest reading or more, {_LEAST_NOISE * most:.2g} {unit}"
         raise ScenarioError(f"{place}.sd {rule}, got {column.sd}; give that of the sensor's noise")
 
 
 def _number(plan: FitPlan, key: str) -> int:
-    """Return which parameter a number of a record is; -1 if it is none."""
+    """Return the parameter of a record's number, or -1."""
     every = list(plan.parameters.values())
     return next((k for k, one in enumerate(every) if key in one.keys_set), -1)
 
 
-def _sets(parameter: FitParameterSpec, record: str) -> bool:
+def _applies_to(parameter: FitParameterSpec, record: str) -> bool:
     """Return whether a parameter sets keys of a record's scenario."""
     return parameter.records is None or record in parameter.records
 
 
-def _in_pieces(
-    rig: Rig,
+def _cut_into_pieces(
+    test: RecordTest,
     spec: RecordSpec,
     unknowns: Unknowns,
     numbers: list[int],
-    known: Known,
-    curves: list[Curve],
+    known: ParameterEstimate,
+    curves: list[ColumnData],
     place: str,
-) -> tuple[Rig, Known]:
-    """Return a record's test in pieces, each beginning where its record is about, and what is known then."""
+) -> tuple[RecordTest, ParameterEstimate]:
+    """Return a record's test in pieces with estimated starts, and the parameters' estimate."""
     assert spec.pieces is not None
-    length, last = spec.pieces.length, float(rig.time[-1])
+    length, last = spec.pieces.length, float(test.time[-1])
     if not length < last:
         rule = f"must be shorter than the record, whose last row is at {last:g} s"
         raise ScenarioError(f"{place}.pieces.length {rule}, got {length:g} s")
-    least = last / len(rig.time)
+    least = last / len(test.time)
     if length < least:
         rule = f"must be {least:.3g} s or more, for a row in each piece"
         raise ScenarioError(f"{place}.pieces.length {rule}, got {length:g} s")
-    cut = dataclasses.replace(rig, pieces=instants_of(length, last + spec.clock_shift))
+    cut = dataclasses.replace(test, pieces=piece_times(length, last + spec.clock_shift))
     along = estimate_starts(cut, unknowns, numbers, known, curves, spec.clock_shift, place)
-    values = unknowns.natural(along.known.at)[numbers]
+    values = unknowns.from_search(along.known.at)[numbers]
     begun = scenario_with(cut, tuple(values.tolist())).model_dump_json()
     return dataclasses.replace(cut, origins=along.origins, begun=begun), along.known
 
@@ -408,7 +424,7 @@ def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
             continue
         where = f"fit {plan.name}: parameters.{name}"
         for key in one.keys_set:
-            if place_in_record(key) is not None:
+            if record_place(key) is not None:
                 continue
             try:
                 put_value(overrides, key, one.start, base)
@@ -429,18 +445,20 @@ def _at_start(plan: FitPlan, record: str, base: Scenario) -> Scenario:
     return found if overrides else base
 
 
-def _glance(scenario: Scenario, place: str) -> tuple[xr.Dataset, xr.Dataset]:
-    """Return a run's data of next to no time, which has all its variables, and what counts along a run."""
+def _probe(scenario: Scenario, place: str) -> tuple[xr.Dataset, xr.Dataset]:
+    """Return a very short run's data, and the change of its integrals."""
     try:
-        bench = Bench(scenario)
+        bench = PreparedScenario(scenario)
         chunk = bench.run(np.zeros(1), max(_GLANCE * scenario.duration, 1e-9)).chunk
         return bench.data(chunk), bench.data(bench.counted(chunk))
     except AntennaPinError as error:
         raise ScenarioError(f"{place}: {error}") from None
 
 
-def _check_of_states(column: ColumnSpec, unit: str, counted: xr.Dataset, place: str, beside: str) -> None:
-    """Refuse a column of what is integrated along a run where runs begin anew, or states are displaced."""
+def _check_state_function(
+    column: ColumnSpec, unit: str, counted: xr.Dataset, place: str, beside: str
+) -> None:
+    """Refuse a column that depends on integrals where states must suffice."""
     here, other = reading(counted, column.model_copy(update={"filter": None}), unit, np.zeros(2))
     if here != other and not (np.isnan(here) and np.isnan(other)):
         way_out = "leave the pieces out" if beside == "pieces" else 'take jacobian = "differences"'

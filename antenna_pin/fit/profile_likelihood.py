@@ -30,11 +30,11 @@ from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.fit.uncertainty import DOUBT, Loss, Residuals, Sure, cost
 
-__all__ = ["End", "FAR", "Profile", "from_to", "profile_interval", "profile_lines", "profiles"]
+__all__ = ["Profile", "interval_text", "profile_interval", "profile_lines", "profiles"]
 
 Array = NDArray[np.float64]
 
-End = Literal["crossed", "bounded", "open", "stopped"]
+_End = Literal["crossed", "bounded", "open", "stopped"]
 """How a side of an interval ends: where the loss is too high; at a bound of the parameter; nowhere, as far as
 was looked; where the model cannot be run."""
 
@@ -43,14 +43,14 @@ _STEP, _MOST = 0.25, 40
 # A step is at most this many times as long as the one before.
 _GROWTH = 3.0
 # How far a side is looked along, in scales of the parameter: one that has not risen there is open.
-FAR = 100.0
+_FAR = 100.0
 # How near to the threshold its crossing is found, as a share of it.
 _NEAR = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Profile:
-    """The profile of one parameter.
+    """Profile of one parameter.
 
     Attributes:
         name: Of the parameter.
@@ -72,7 +72,7 @@ class Profile:
     others: Array
     low: float
     high: float
-    ends: tuple[End, End]
+    ends: tuple[_End, _End]
     threshold: float
     better: Array | None
 
@@ -87,7 +87,7 @@ def profiles(
     loss_scale: float = 1.0,
     progress: Callable[[str, float], None] | None = None,
 ) -> tuple[Profile, ...]:
-    """Return the profiles of parameters, each with its interval of the level of the fit's others.
+    """Return the profiles of parameters, each with its interval.
 
     Args:
         problem: What was fitted.
@@ -95,7 +95,7 @@ def profiles(
         names: Of the parameters; all that are not held at a bound if left out.
         loss: That the fit used.
         loss_scale: The residual at which it begins to count less [-].
-        progress: Is told the parameter and tau of each point.
+        progress: Called with the parameter and tau of each point.
 
     Raises:
         InvalidParameterError: There is no noise.
@@ -110,13 +110,13 @@ def profiles(
             raise UnknownNameError("fit", "parameter", name, found.names)
     made = []
     for name in wanted if names is None else names:
-        path = _Path(problem, found, found.names.index(name), loss, loss_scale, progress)
+        path = _ProfilePath(problem, found, found.names.index(name), loss, loss_scale, progress)
         made.append(path.profile())
     return tuple(made)
 
 
-class _Path:
-    """The way along one parameter."""
+class _ProfilePath:
+    """Path of fits along one parameter."""
 
     def __init__(
         self,
@@ -141,7 +141,7 @@ class _Path:
         self._tangent = self._straight_on()
 
     def profile(self) -> Profile:
-        """Return the whole of it."""
+        """Return the whole profile."""
         below, first, low = self._side(-1.0)
         above, last, high = self._side(1.0)
         points = [*reversed(below), (0.0, self._found.values), *above]
@@ -158,8 +158,8 @@ class _Path:
             self._better,
         )
 
-    def _side(self, way: float) -> tuple[list[tuple[float, Array]], End, float]:
-        """Return tau and parameters along one side, how it ends, and where."""
+    def _side(self, way: float) -> tuple[list[tuple[float, Array]], _End, float]:
+        """Return tau and parameters along one side, its kind of end and place."""
         place, found, threshold = self._place, self._found, self._found.quantile
         centre = float(found.values[place])
         bound = float((self._problem.upper if way > 0.0 else self._problem.lower)[place])
@@ -181,14 +181,14 @@ class _Path:
                 end = self._crossed(points, way)
                 return points[1:], "crossed", end
             grown = max(abs(new[0]) - abs(last[0]), 1e-3 * _STEP * threshold)
-            if abs(x - centre) >= FAR * max(scale, abs(centre)):
+            if abs(x - centre) >= _FAR * max(scale, abs(centre)):
                 break
             step *= min(_GROWTH, max(1.0 / _GROWTH, _STEP * threshold / grown))
             step = max(step, 1e-12 * max(abs(centre), scale))
         return points[1:], "open", way * math.inf
 
     def _crossed(self, points: list[tuple[float, Array]], way: float) -> float:
-        """Return where the size of tau is the threshold, and put the point there in its place."""
+        """Return the crossing of tau's threshold, and insert its point."""
         place, threshold = self._place, self._found.quantile
         beyond = points.pop()
         inner, outer = points[-1], beyond
@@ -214,7 +214,7 @@ class _Path:
         return float(inner[1][place] + rest * (outer[1][place] - inner[1][place]))
 
     def _at(self, x: float, points: Sequence[tuple[float, Array]]) -> tuple[float, Array] | None:
-        """Return tau and the parameters with this one held at x, the rest fitted; None if none can be run."""
+        """Return tau and parameters with this parameter at x, or None."""
         place = self._place
         near = sorted(points, key=lambda one: abs(one[1][place] - x))[:2]
         slope = self._tangent
@@ -240,7 +240,7 @@ class _Path:
         return tau, found
 
     def _straight_on(self) -> Array:
-        """Return how parameters go with this one at the best values, (p,), so as to stay in their valley."""
+        """Return the direction of the valley at the best values, (p,)."""
         jacobian, others = self._problem.jacobian(self._found.values), self._others
         slope = np.zeros(len(self._found.names))
         if len(others):
@@ -250,7 +250,7 @@ class _Path:
         return slope
 
     def _fitted(self, guess: Array) -> Array:
-        """Return the parameters whose loss is least with one of them held as it is."""
+        """Return the parameters of least loss with this parameter held."""
         if not len(self._others):
             return guess
         from scipy.optimize import least_squares
@@ -311,7 +311,7 @@ def profile_lines(table: xr.Dataset) -> list[str]:
 
 
 def profile_interval(one: xr.Dataset) -> str:
-    """Return from where to where the profile of one parameter reaches, in words; "" if it has none.
+    """Return the interval of one parameter's profile as text, or "".
 
     Args:
         one: A fit's table at that parameter.
@@ -322,7 +322,7 @@ def profile_interval(one: xr.Dataset) -> str:
     value, unit = float(one["value"]), str(one["units"].item())
     ends = [float(end) for end in one["profile_end"].values]
     if how == ["crossed", "crossed"]:
-        return f"from {from_to(value, ends[0], ends[1], unit)}"
+        return f"from {interval_text(value, ends[0], ends[1], unit)}"
     said = [
         f"{text}{_BEHIND.get(word, '')}"
         for text, word in zip(_printed(value, ends, unit, each=True), how, strict=True)
@@ -336,13 +336,13 @@ def profile_interval(one: xr.Dataset) -> str:
     return f"from {said[0]} to {said[1]}"
 
 
-def from_to(value: float, low: float, high: float, unit: str) -> str:
-    """Return an interval about a value, with as many digits as show how wide it is: ``0.9 to 1.2 mm``."""
+def interval_text(value: float, low: float, high: float, unit: str) -> str:
+    """Return an interval with digits that suit its width: ``0.9 to 1.2 mm``."""
     return " to ".join(_printed(value, [low, high], unit, each=False))
 
 
 def _printed(value: float, ends: list[float], unit: str, each: bool) -> list[str]:
-    """Return ends in the unit that suits the value, which stands behind each or behind the last."""
+    """Return ends in the value's unit, printed behind each or behind the last."""
     factor, printed = prefixed(unit or "1", [value])
     half = max((abs(end - value) for end in ends if math.isfinite(end)), default=0.0)
     digits = 3

@@ -31,7 +31,7 @@ from antenna_pin.errors import MissingToolError, ScenarioError, UnknownNameError
 from antenna_pin.fit.specs import LayoutSpec
 from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
 
-__all__ = ["Columns", "SUFFIXES", "from_text", "read_columns"]
+__all__ = ["read_columns"]
 
 Array = NDArray[np.float64]
 
@@ -46,10 +46,10 @@ _LOOKED_AT = 200  # lines in which column names are looked for, to say where the
 _STAMP_SECONDS = re.compile(r"(:[0-9]{2})[.,]([0-9]+)")
 
 
-def from_text(
+def _from_text(
     path: Path, names: Sequence[str], layout: LayoutSpec, place: str
 ) -> tuple[dict[str, Array], dict[str, str]]:
-    """Return columns by name, (rows,) each, and the units that the text gives of them.
+    """Return columns of a text by name, (rows,) each, and their units.
 
     Args:
         path: The file.
@@ -69,7 +69,7 @@ def from_text(
         if not error.known:
             raise ScenarioError(f"{where} must have a header with {', '.join(names)}, got nothing") from None
         if layout.names is None:
-            _look_for(names, error.line, text.splitlines(), layout, where)
+            _refuse_misplaced_header(names, error.line, text.splitlines(), layout, where)
         shown_names = [one for one in error.known if one][:_SHOWN]
         raise UnknownNameError(where, "column", error.name, shown_names) from None
     except BadTableError as error:
@@ -82,7 +82,7 @@ def from_text(
             if layout.time_format is not None and name == layout.time:
                 stamp = _stamp(cell, name, layout.time_format, at)
                 first = first or stamp
-                column.append(_since(stamp, first, at))
+                column.append(_seconds_after(stamp, first, at))
             else:
                 column.append(_number(cell, name, not column, at))
     return {name: np.array(values, dtype=float) for name, values in columns.items()}, cells.units
@@ -102,8 +102,10 @@ def _text(path: Path, layout: LayoutSpec, place: str) -> str:
         raise ScenarioError(f"{place}: {path.name} cannot be read: {error.strerror}") from None
 
 
-def _look_for(names: Sequence[str], head: int, lines: list[str], layout: LayoutSpec, where: str) -> None:
-    """Refuse a text whose names of columns are elsewhere than in its line ``head``, and say where."""
+def _refuse_misplaced_header(
+    names: Sequence[str], head: int, lines: list[str], layout: LayoutSpec, where: str
+) -> None:
+    """Refuse a text whose column names are in another line, with its number."""
     for k, line in enumerate(lines[:_LOOKED_AT], 1):
         bare = line.strip().removeprefix(layout.comment)
         for delimiter in dict.fromkeys((*([layout.delimiter] if layout.delimiter else []), ";", "\t", ",")):
@@ -132,7 +134,7 @@ def _number(cell: str, name: str, first: bool, line: str) -> float:
 
 
 def _stamp(cell: str, name: str, pattern: str, line: str) -> tuple[datetime.datetime, float]:
-    """Return a stamp to the second, and what is behind it [s]."""
+    """Return a stamp to the second, and the rest [s]."""
     word, rest = cell.strip(), 0.0
     found = _STAMP_SECONDS.search(word)
     if found is not None:
@@ -149,10 +151,10 @@ def _stamp(cell: str, name: str, pattern: str, line: str) -> tuple[datetime.date
         raise ScenarioError(f"{line}: {said}, got {shown(cell.strip())}") from None
 
 
-def _since(
+def _seconds_after(
     stamp: tuple[datetime.datetime, float], first: tuple[datetime.datetime, float], line: str
 ) -> float:
-    """Return how long after the first a stamp is [s]."""
+    """Return the time from the first stamp to another [s]."""
     if (stamp[0].tzinfo is None) != (first[0].tzinfo is None):
         raise ScenarioError(f"{line}: time stamps must all have a time zone, or none, got both")
     return (stamp[0] - first[0]).total_seconds() + (stamp[1] - first[1])
@@ -168,10 +170,10 @@ _FUNCTION, _UNITS, _OF_TIME = 58, 164, 1  # kinds of sets; of functions the kind
 _OF_SI = 1  # code of units, of sets of these
 
 
-def from_universal(
+def _from_universal(
     path: Path, names: Sequence[str], time: str, place: str
 ) -> tuple[dict[str, Array], dict[str, str]]:
-    """Return columns by name, (rows,) each, and the units that the file gives of them.
+    """Return columns of a universal file by name, (rows,) each, and their units.
 
     Args:
         path: The file.
@@ -221,7 +223,7 @@ def from_universal(
 
 
 def _sets(path: Path, place: str) -> tuple[dict[int, Any], str]:
-    """Return the functions of time by their numbers in the file, and what units are in that give none."""
+    """Return the functions of time by their numbers, and the file's default unit."""
     try:
         pyuff = importlib.import_module("pyuff")
     except ImportError:
@@ -255,14 +257,14 @@ def _sets(path: Path, place: str) -> tuple[dict[int, Any], str]:
 
 
 def _name(function: Any) -> str:
-    """Return what a function is called by."""
+    """Return the name of a function."""
     node, way = int(function["rsp_node"]), int(function["rsp_dir"])
     sign = "" if way == 0 else "+" if way > 0 else "-"
     return f"{node}{_AXES[abs(way)]}{sign}"
 
 
 def _unit(function: Any, axis: str) -> str:
-    """Return the unit that a function's label gives of an axis, or nothing."""
+    """Return the unit of an axis by a function's label, or ""."""
     label = str(function.get(f"{axis}_axis_units_lab", "")).strip()
     return "" if label.upper() in ("NONE", "") else label
 
@@ -315,7 +317,7 @@ def read_mat(path: Path) -> dict[str, Any]:
 
 
 def _serve(path: Path, pipe: Connection) -> None:
-    """Send the variables of a file, or what keeps it from being read."""
+    """Send the variables of a file, or the error of its reader."""
     faulthandler.disable()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that waits acts on it
     for number in (signal.SIGTERM, signal.SIGHUP):
@@ -353,13 +355,13 @@ def _loaded(path: Path) -> dict[str, Any]:
 
 #: What the names of records may end in: of texts, of others.
 _TEXTS, _UNIVERSAL = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm"), (".uff", ".unv", ".uf", ".bunv")
-SUFFIXES = (*_TEXTS, ".nc", ".mat", *_UNIVERSAL)
+_SUFFIXES = (*_TEXTS, ".nc", ".mat", *_UNIVERSAL)
 _OF_TEXTS = ("delimiter", "decimal", "encoding", "comment", "skip", "names", "units_row", "time_format")
 _NO_NUMBERS = (b"char", b"cell", b"string", b"function_handle")  # what MATLAB's arrays are of
 
 
-class Columns(NamedTuple):
-    """What of a record stands in its file.
+class _Columns(NamedTuple):
+    """Columns of a record's file.
 
     Attributes:
         time: Of the rows, by the file's clock, (rows,) [s].
@@ -372,7 +374,7 @@ class Columns(NamedTuple):
     units: dict[str, str]
 
 
-def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: str) -> Columns:
+def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: str) -> _Columns:
     """Return times and columns of a record's file, all of one length.
 
     Args:
@@ -385,8 +387,8 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
         ScenarioError: It is not there, or cannot be read, or a column holds what is no number.
         UnknownNameError: It has no such column.
     """
-    if path.suffix.lower() not in SUFFIXES:
-        raise ScenarioError(f"{place}.file must end in {', '.join(SUFFIXES)}, got {path.name!r}")
+    if path.suffix.lower() not in _SUFFIXES:
+        raise ScenarioError(f"{place}.file must end in {', '.join(_SUFFIXES)}, got {path.name!r}")
     if not path.is_file():
         raise ScenarioError(f"{place}.file: {path}: {absence(path)}; paths start at the fit file's folder")
     clock = [] if layout.rate is not None else [layout.time]
@@ -401,9 +403,9 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
     elif kind == ".mat":
         found, units = _from_mat(path, wanted, place), {}
     elif kind in _UNIVERSAL:
-        found, units = from_universal(path, wanted, layout.time, place)
+        found, units = _from_universal(path, wanted, layout.time, place)
     else:
-        found, units = from_text(path, wanted, layout, place)
+        found, units = _from_text(path, wanted, layout, place)
     lengths = {name: len(values) for name, values in found.items()}
     first = wanted[0]
     for name, length in lengths.items():
@@ -419,10 +421,10 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
     else:
         unit = layout.time_unit or units.get(layout.time) or "s"
         time = found[layout.time] * unit_factor(unit, "s", f"{place}.time_unit")
-    return Columns(time, {name: found[name] for name in names}, units)
+    return _Columns(time, {name: found[name] for name in names}, units)
 
 
-def _known(path: Path, name: str, known: Iterable[str], place: str) -> None:
+def _check_column(path: Path, name: str, known: Iterable[str], place: str) -> None:
     """Refuse a column that a file does not have."""
     names = [str(one) for one in known]
     if name not in names:
@@ -438,7 +440,7 @@ def _known(path: Path, name: str, known: Iterable[str], place: str) -> None:
 def _from_netcdf(
     path: Path, names: Sequence[str], layout: LayoutSpec, place: str
 ) -> tuple[dict[str, Array], dict[str, str]]:
-    """Return columns, and the units that their attributes give; of dates the seconds since the first."""
+    """Return columns and their units; of dates the seconds since the first."""
     try:
         data = load_dataset(path)
     except Exception as error:  # HDF5 raises any
@@ -446,7 +448,7 @@ def _from_netcdf(
         raise ScenarioError(f"{place}: {path.name} cannot be read as NetCDF 4: {words}") from None
     found, units = {}, {}
     for name in names:
-        _known(path, name, [str(one) for one in data.variables if data[one].ndim == 1], place)
+        _check_column(path, name, [str(one) for one in data.variables if data[one].ndim == 1], place)
         values = data[name].values
         if name == layout.time and values.dtype.kind in "Mm":
             values = (values - values[:1]) / np.timedelta64(1, "s") if len(values) else np.zeros(0)
@@ -469,7 +471,7 @@ def _from_mat(path: Path, names: Sequence[str], place: str) -> dict[str, Array]:
         arrays = _arrays(content)
     found = {}
     for name in names:
-        _known(path, name, [one for one, array in arrays.items() if array.ndim == 1], place)
+        _check_column(path, name, [one for one, array in arrays.items() if array.ndim == 1], place)
         found[name] = _numbers(path, name, arrays[name], place)
     return found
 
@@ -489,7 +491,7 @@ def _arrays(content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
-    """Return arrays of numbers of a MAT file of version 7.3, in which a vector has two dimensions."""
+    """Return vectors of numbers of a MAT file of version 7.3."""
     arrays: dict[str, Any] = {}
     try:
         with open_hdf5(path) as file:
@@ -507,7 +509,7 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
 
 
 def _leaves(group: Any, seen: set[Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the arrays of an HDF5 file by their names, with points between those of structures.
+    """Yield the arrays of an HDF5 file by name, with points between levels.
 
     Raises:
         ValueError: A group stands in it twice: in a circle, or so that names double with each level.

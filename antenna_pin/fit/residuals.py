@@ -9,20 +9,20 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.fit.plan import FitPlan, place_in_record
+from antenna_pin.fit.plan import FitPlan, record_place
 from antenna_pin.fit.preparation import Prepared
-from antenna_pin.fit.runs import NoRunError, Readings, Rig
-from antenna_pin.fit.sensors import compared, slopes_of
+from antenna_pin.fit.runs import NoRunError, Readings, RecordTest
+from antenna_pin.fit.sensors import compared_numbers, compared_slopes
 
-__all__ = ["Number", "Rows"]
+__all__ = ["ResidualRows"]
 
 Array = NDArray[np.float64]
 
-Fitted = NDArray[np.int_]
+_Indices = NDArray[np.int_]
 
 
-class Number(NamedTuple):
-    """A number of a record as a parameter.
+class _RecordNumber(NamedTuple):
+    """Number of a record that is a parameter.
 
     Attributes:
         parameter: Number of the parameter.
@@ -37,8 +37,8 @@ class Number(NamedTuple):
     name: str
 
 
-class Rows:
-    """What of all records is compared, and how.
+class ResidualRows:
+    """Residuals of all records from the readings of their runs.
 
     Args:
         plan: What the fit file says.
@@ -51,25 +51,25 @@ class Rows:
     """
 
     def __init__(self, plan: FitPlan, prepared: Prepared) -> None:
-        """Find which parameters are numbers of records."""
+        """Collect the parameters that are numbers of records."""
         self._plan, self._prepared, self.tie = plan, prepared, 1.0
         order = {name: r for r, name in enumerate(plan.records)}
         self.numbers = tuple(
-            Number(i, order[place[0]], place[1], place[2])
+            _RecordNumber(i, order[place[0]], place[1], place[2])
             for i, one in enumerate(plan.parameters.values())
-            for place in map(place_in_record, one.keys_set)
+            for place in map(record_place, one.keys_set)
             if place is not None
         )
 
     def shift(self, whole: Array, record: int) -> float:
-        """Return what is added to a record's clock [s]."""
+        """Return the shift of a record's clock [s]."""
         for number in self.numbers:
             if number.record == record and number.name == "clock_shift":
                 return float(whole[number.parameter])
         return list(self._plan.records.values())[record].clock_shift
 
     def has_clock(self, record: int) -> bool:
-        """Whether a record's clock is fitted."""
+        """Return whether a record's clock is fitted."""
         return any((one.record, one.name) == (record, "clock_shift") for one in self.numbers)
 
     def calibration(self, whole: Array, record: int, column: str) -> tuple[float, float]:
@@ -84,24 +84,24 @@ class Rows:
         return gain, offset
 
     def models(self, whole: Array, found: Sequence[Readings]) -> list[Array]:
-        """Return the numbers of each column that are compared with the record's.
+        """Return the model's numbers of each column, for comparison.
 
         Raises:
             NoRunError: A run has failed.
         """
         models = []
-        for r, rig, pieces in self.by_record(found):
+        for r, test, pieces in self.by_record(found):
             for one in pieces:
                 if one.failed:
-                    raise NoRunError(f"fit {self._plan.name}: records.{rig.name}: {one.failed}")
-            for c, (name, column) in enumerate(rig.columns.items()):
+                    raise NoRunError(f"fit {self._plan.name}: records.{test.name}: {one.failed}")
+            for c, (name, column) in enumerate(test.columns.items()):
                 gain, offset = self.calibration(whole, r, name)
                 read = gain * np.concatenate([one.columns[c] for one in pieces]) + offset
-                models.append(compared(column, rig.read_in[name], rig.time, read))
+                models.append(compared_numbers(column, test.read_in[name], test.time, read))
         return models
 
     def residuals(self, whole: Array, found: Sequence[Readings]) -> Array:
-        """Return (model - data) / sd of all columns, and behind them how far pieces are apart, (m,) [-].
+        """Return weighted residuals of all columns, then gaps between pieces, (m,) [-].
 
         Raises:
             NoRunError: A run has failed.
@@ -113,9 +113,9 @@ class Rows:
             record, _, column = name.partition(".")
             weight = self._plan.records[record].columns[column].weight
             parts.append((model - target.data) * weight / target.sd)
-        for _, rig, pieces in self.by_record(found):
+        for _, test, pieces in self.by_record(found):
             for one, other in zip(pieces, pieces[1:], strict=False):
-                parts.append(self.weight(rig) * (one.end - other.lead))
+                parts.append(self.weight(test) * (one.end - other.lead))
         return np.concatenate(parts)
 
     def by_curve(self, residuals: Array) -> dict[str, Array]:
@@ -124,24 +124,24 @@ class Rows:
         return dict(zip(self._prepared.targets, np.split(residuals[: ends[-1]], ends[:-1]), strict=True))
 
     def curve_numbers(self) -> NDArray[np.intp]:
-        """Return the number of the curve that each residual is of, (m,); each joint and prior has its own."""
+        """Return the curve number of each residual, (m,), joints and priors apart."""
         rows = [len(target.data) for target in self._prepared.targets.values()]
-        single = sum(self._prepared.sizes_of_joints())
+        single = sum(self._prepared.joints)
         single += sum(one.prior is not None for one in self._plan.parameters.values())
         return np.repeat(np.arange(len(rows) + single), [*rows, *[1] * single])
 
     def noise_of_statistics(self) -> Array:
-        """Return what sensors' noise adds to the variance of each residual, (m,): of columns with an sd."""
+        """Return the variance of each residual due to sensors, (m,)."""
         return np.concatenate(
             [
-                np.full(len(self._prepared.targets[f"{rig.name}.{name}"].data), float(spec.sd is not None))
-                for rig in self._prepared.rigs
-                for name, spec in rig.columns.items()
+                np.full(len(self._prepared.targets[f"{test.name}.{name}"].data), float(spec.sd is not None))
+                for test in self._prepared.record_tests
+                for name, spec in test.columns.items()
             ]
         )
 
     def curves(self, whole: Array, found: Sequence[Readings]) -> dict[str, tuple[Array, Array]]:
-        """Return times, (rows,), and curves over their noise, (columns, rows), of records that are one run.
+        """Return times and curves over their noise, of records of one run.
 
         Raises:
             NoRunError: A run has failed.
@@ -153,10 +153,10 @@ class Rows:
             spec = self._plan.records[record]
             if spec.pieces is None and spec.columns[column].compare == "curve":
                 curves.setdefault(record, []).append(model / target.sd)
-        times = {one.name: one.time for one in self._prepared.rigs}
+        times = {one.name: one.time for one in self._prepared.record_tests}
         return {name: (times[name], np.array(rows)) for name, rows in curves.items()}
 
-    def slopes(self, whole: Array, found: Sequence[Readings], fitted: Sequence[Fitted]) -> Array:
+    def slopes(self, whole: Array, found: Sequence[Readings], fitted: Sequence[_Indices]) -> Array:
         """Return the derivatives of :meth:`residuals` by values with states, (m, p + h).
 
         Args:
@@ -165,30 +165,30 @@ class Rows:
             fitted: Of each run, where its fitted numbers and its start stand among the unknowns.
         """
         parts, joints, at = [], [], 0
-        for r, rig, pieces in self.by_record(found):
+        for r, test, pieces in self.by_record(found):
             own = fitted[at : at + len(pieces)]
             at += len(pieces)
-            for c, name in enumerate(rig.columns):
-                parts.append(self._slopes_of_column(whole, r, rig, c, name, pieces, own))
+            for c, name in enumerate(test.columns):
+                parts.append(self._slopes_of_column(whole, r, test, c, name, pieces, own))
             for one, other, mine, theirs in zip(pieces, pieces[1:], own, own[1:], strict=False):
                 assert one.slopes is not None and other.slopes is not None
                 table = np.zeros((len(one.end), len(whole)))
                 table[:, mine] += one.slopes.end
                 table[:, theirs] -= other.slopes.lead
-                joints.append(self.weight(rig) * table)
+                joints.append(self.weight(test) * table)
         return np.concatenate([*parts, *joints])
 
     def _slopes_of_column(
         self,
         whole: Array,
         record: int,
-        rig: Rig,
+        test: RecordTest,
         place: int,
         name: str,
         pieces: Sequence[Readings],
-        fitted: Sequence[Fitted],
+        fitted: Sequence[_Indices],
     ) -> Array:
-        """Return the derivatives of the residuals of one column, (numbers, p + h)."""
+        """Return the derivatives of one column's residuals, (numbers, p + h)."""
         gain, offset = self.calibration(whole, record, name)
         read = np.concatenate([one.columns[place] for one in pieces])
         table, row = np.zeros((len(read), len(whole))), 0
@@ -204,12 +204,12 @@ class Rows:
         for number in self.numbers:
             if (number.record, number.column) == (record, name):
                 table[:, number.parameter] += read if number.name == "gain" else 1.0
-        spec, target = rig.columns[name], self._prepared.targets[f"{rig.name}.{name}"]
-        slopes = slopes_of(spec, rig.time, gain * read + offset, table)
+        spec, target = test.columns[name], self._prepared.targets[f"{test.name}.{name}"]
+        slopes = compared_slopes(spec, test.time, gain * read + offset, table)
         return slopes * (spec.weight / target.sd)[:, np.newaxis]
 
     def table(self, whole: Array, found: Sequence[Readings]) -> xr.Dataset:
-        """Return models beside what they are compared with, all along ``row``, as a fit's result has them.
+        """Return models beside records, all along ``row``, for a fit's dataset.
 
         Raises:
             NoRunError: A run has failed.
@@ -233,17 +233,17 @@ class Rows:
         data = xr.Dataset({name: columns[name] for name in ("model", "data", "sd", "residual")})
         return data.assign_coords({"at": columns["at"]} | {name: ("row", one) for name, one in words.items()})
 
-    def weight(self, rig: Rig) -> float:
-        """Return by what the joints of a record's pieces count [-]."""
-        pieces = self._plan.records[rig.name].pieces
+    def weight(self, test: RecordTest) -> float:
+        """Return the weight of the joints of a record's pieces [-]."""
+        pieces = self._plan.records[test.name].pieces
         assert pieces is not None
         return self.tie * pieces.weight
 
-    def by_record(self, found: Sequence[Readings]) -> list[tuple[int, Rig, list[Readings]]]:
-        """Return number, rig and pieces of each record."""
+    def by_record(self, found: Sequence[Readings]) -> list[tuple[int, RecordTest, list[Readings]]]:
+        """Return number, test and pieces of each record."""
         parts, at = [], 0
-        for r, rig in enumerate(self._prepared.rigs):
-            count = max(1, len(rig.pieces) - 1)
-            parts.append((r, rig, list(found[at : at + count])))
+        for r, test in enumerate(self._prepared.record_tests):
+            count = max(1, len(test.pieces) - 1)
+            parts.append((r, test, list(found[at : at + count])))
             at += count
         return parts

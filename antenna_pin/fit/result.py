@@ -19,17 +19,23 @@ from antenna_pin.base.brief import brief
 from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.fit.confidence_bands import BEYOND_CHANCE, Bands
+from antenna_pin.fit.confidence_bands import BEYOND_CHANCE, ParameterBands
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.problem import NoRunError, Problem
-from antenna_pin.fit.run_service import Laboratory
+from antenna_pin.fit.run_service import RunService
 from antenna_pin.fit.specs import evaluate
-from antenna_pin.fit.uncertainty import student
+from antenna_pin.fit.uncertainty import student_quantile
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
 from antenna_pin.sweep import Executor
 from antenna_pin.trajectory import open_table, save_table, table_attributes
 
-__all__ = ["Fit", "Search", "Validation", "ValidationResult", "open_fit", "said_of_value"]
+__all__ = [
+    "Fit",
+    "Search",
+    "Validation",
+    "ValidationResult",
+    "open_fit",
+]
 
 Array = NDArray[np.float64]
 
@@ -37,7 +43,7 @@ Array = NDArray[np.float64]
 
 
 class ValidationResult(NamedTuple):
-    """A record that was not fitted, beside the model with the values found.
+    """Residuals of a record that was not fitted.
 
     Attributes:
         record: Its name.
@@ -53,11 +59,11 @@ class ValidationResult(NamedTuple):
 
     @property
     def chance(self) -> float:
-        """Share of records of the stated noise that would be farther from the model [-]."""
+        """Probability of a worse record by the stated noise [-]."""
         return float(stats.chi2.sf(self.chi2, self.numbers))
 
     def words(self) -> str:
-        """Return it as a line."""
+        """Return the result as a line."""
         if self.failed:
             return f"validation by {self.record}: no run: {self.failed}"
         holds = (
@@ -78,12 +84,12 @@ class Validation:
     """
 
     def __init__(self, plan: FitPlan, executor: Executor | None = None) -> None:
-        """Read and check all."""
+        """Read and check the records."""
         other = plan.unfitted()
-        self._problem = None if other is None else Problem(other, Laboratory(executor))
+        self._problem = None if other is None else Problem(other, RunService(executor))
 
     def at(self, names: Sequence[str], values: Array) -> tuple[ValidationResult, ...]:
-        """Return each record beside the model.
+        """Return the residuals of each record.
 
         Args:
             names: Of the fit's parameters.
@@ -111,7 +117,7 @@ if TYPE_CHECKING:
 
 
 class Search(NamedTuple):
-    """One search: from where to where.
+    """One search: start and end.
 
     Attributes:
         start: Values, (p,) [SI].
@@ -126,7 +132,7 @@ class Search(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Fit:
-    """The end of a fit.
+    """Result of a fit.
 
     Attributes:
         problem: What was fitted.
@@ -149,7 +155,7 @@ class Fit:
     problem: Problem
     values: Array
     states: Array
-    bands: Bands
+    bands: ParameterBands
     residuals: Array
     slopes: Array
     converged: bool
@@ -167,25 +173,25 @@ class Fit:
 
     @property
     def trusted(self) -> bool:
-        """Whether the search came to its end, and its residuals are not beyond chance."""
+        """Whether the search converged, with residuals within chance."""
         return self.converged and not self.bands.beyond_chance
 
     @property
     def runs(self) -> int:
-        """How many runs it took."""
+        """Number of runs."""
         return self.problem.runs
 
     def minimizer(self) -> Minimizer:
-        """Return the problem as lmfit has it, for its own readers, such as ``lmfit.conf_interval``."""
+        """Return the problem as an lmfit minimizer, for ``lmfit.conf_interval`` and others."""
         import lmfit
 
         def residuals(given: Any) -> Array:
-            return self.problem.residuals([given[one].value for one in _plain(self.names)])
+            return self.problem.residuals([given[one].value for one in _lmfit_names(self.names)])
 
         return lmfit.Minimizer(residuals, self._parameters(), scale_covar=self.problem.plan.noise != "given")
 
     def result(self) -> MinimizerResult:
-        """Return what was found as lmfit has it: ``lmfit.fit_report(fit.result())`` is its report."""
+        """Return the result as lmfit's: ``lmfit.fit_report(fit.result())`` is its report."""
         from lmfit.minimizer import MinimizerResult
 
         bands, count = self.bands, len(self.residuals)
@@ -194,9 +200,9 @@ class Fit:
         p = len(self.values)
         return MinimizerResult(
             params=self._parameters(),
-            var_names=list(_plain(self.names)),
+            var_names=list(_lmfit_names(self.names)),
             covar=bands.covariance,
-            init_values=dict(zip(_plain(self.names), self.problem.start.tolist(), strict=True)),
+            init_values=dict(zip(_lmfit_names(self.names), self.problem.start.tolist(), strict=True)),
             nvarys=p,
             ndata=count,
             nfree=bands.freedoms,
@@ -223,7 +229,7 @@ class Fit:
         import lmfit
 
         made, unknowns = lmfit.Parameters(), self.problem.unknowns
-        names = _plain(self.names)
+        names = _lmfit_names(self.names)
         for i, name in enumerate(names):
             made.add(name, float(self.values[i]), min=unknowns.lower[i], max=unknowns.upper[i])
             made[name].init_value = float(unknowns.start[i])
@@ -237,7 +243,7 @@ class Fit:
         return made
 
     def scenario(self, record: str | None = None) -> Scenario:
-        """Return the scenario of a record with the values found, of the first if left out."""
+        """Return the scenario of a record, by default the first, with the values found."""
         records = self.problem.plan.records
         name = next(iter(records)) if record is None else record
         if name not in records:
@@ -245,25 +251,25 @@ class Fit:
         return self.problem.scenario(name, self.values)
 
     def lines(self) -> list[str]:
-        """Return the verdict, if there is one, and a line for each parameter."""
+        """Return the verdict, if any, and a line for each parameter."""
         rows = [
-            (name, *said_of_value(*one))
+            (name, *_value_text(*one))
             for name, one in zip(
                 self.names,
                 zip(self.values, self.bands.low, self.bands.high, self.problem.unknowns.units, strict=True),
                 strict=True,
             )
         ]
-        if self.bands.without:  # which the verdict or a note says
+        if self.bands.absence:  # which the verdict or a note says
             rows = [(name, value, "no band") for name, value, _ in rows]
         rows += self._derived()
         wide = max(len(row[0]) for row in rows)
         return [*self.verdict, *(f"{name.ljust(wide)}  {value}  {band}" for name, value, band in rows)]
 
     def _derived(self) -> list[tuple[str, str, str]]:
-        """Return the derived numbers with their bands to first order, in words."""
+        """Return the derived numbers with their bands to first order, as text."""
         rows, noise = [], self.bands.noise
-        reach = student(0.95, np.inf if noise == "given" else self.bands.freedoms)
+        reach = student_quantile(0.95, np.inf if noise == "given" else self.bands.freedoms)
         steps = 1e-6 * np.diag(self.problem.unknowns.scale)
         for name, one in self.problem.plan.derived.items():
 
@@ -276,13 +282,13 @@ class Fit:
             used = slopes != 0.0
             covariance = self.bands.covariance[np.ix_(used, used)]
             half = reach * np.sqrt(slopes[used] @ covariance @ slopes[used])
-            said = said_of_value(here, here - half, here + half, one.unit)
+            said = _value_text(here, here - half, here + half, one.unit)
             rows.append((name, said[0], "no band" if not np.isfinite(half) else said[1]))
         return rows
 
     @takes()
     def write_scenario(self, path: str | os.PathLike[str], record: str | None = None) -> Path:
-        """Write the scenario of a record with the values found, and where they come from.
+        """Write the scenario of a record with the values found, and their origin.
 
         Args:
             path: Of the file.
@@ -307,7 +313,7 @@ class Fit:
         return target
 
     def data(self) -> xr.Dataset:
-        """Return all of it as a dataset; ``docs/fit.md`` lists what is in it."""
+        """Return the result as a dataset; ``docs/fit.md`` lists its variables."""
         problem, bands, unknowns = self.problem, self.bands, self.problem.unknowns
         seen = problem.predictions(np.concatenate([self.values, self.states]))
         over = ("parameter",)
@@ -346,7 +352,7 @@ class Fit:
             "chi2": bands.chi2,
             "freedoms": bands.freedoms,
             "noise": plan.noise,
-            "wider": bands.wider,
+            "wider": bands.widening,
             "chance": bands.chance,
             "validation": "\n".join(one.words() for one in self.validation),
             "verdict": "\n".join(self.verdict),
@@ -381,8 +387,8 @@ def open_fit(path: str | os.PathLike[str]) -> xr.Dataset:
     return open_table(path, "fit")
 
 
-def said_of_value(value: float, low: float, high: float, unit: str) -> tuple[str, str]:
-    """Return a value, and its band at 95 % in words: ``± 0.02 mm``, or its ends where it is not even."""
+def _value_text(value: float, low: float, high: float, unit: str) -> tuple[str, str]:
+    """Return a value, and its band at 95 % or both ends, as text."""
     factor, printed = prefixed(unit or "1", [value])
     behind = f" {printed}" if printed else ""
     if not (np.isfinite(low) and np.isfinite(high)):
@@ -400,6 +406,6 @@ def said_of_value(value: float, low: float, high: float, unit: str) -> tuple[str
     return f"{said}{behind}", f"{band}{behind} (95 %)"
 
 
-def _plain(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return names as lmfit takes them: those of Python's variables."""
+def _lmfit_names(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return names as Python's variables, for lmfit."""
     return tuple(("" if name[:1].isalpha() else "p_") + name.replace("-", "_") for name in names)

@@ -22,22 +22,22 @@ from antenna_pin.base.differences import few
 from antenna_pin.base.state import State
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.runs import (
-    Asked,
-    Bench,
+    PreparedScenario,
     Readings,
-    Rig,
-    Slopes,
-    bench_of,
-    from_origin,
-    make,
-    nothing,
+    ReadingSlopes,
+    RecordTest,
+    RunRequest,
+    difference_from_origin,
+    failed_readings,
+    failure_reason,
+    make_runs,
+    piece_end,
+    piece_rows,
     piece_start,
-    reason_of,
-    rows_of,
-    sensed,
-    until_of,
+    prepared_scenario,
+    sensor_readings,
 )
-from antenna_pin.fit.sensors import instants
+from antenna_pin.fit.sensors import sample_times
 from antenna_pin.nonlinear.chart import Chart, StatePerturbation
 from antenna_pin.nonlinear.coordinates import Lift, Units
 from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
@@ -50,14 +50,17 @@ from antenna_pin.sweep.here import Lost
 from antenna_pin.sweep.journal import Journal, begun
 from antenna_pin.trajectory import library_versions
 
-__all__ = ["Laboratory", "Notebook", "with_slopes"]
+__all__ = [
+    "RunService",
+    "RunStore",
+]
 
 Array = NDArray[np.float64]
 
 # --- derivatives by the variational equation ----------------------------------------------------------------
 
 # Step of differences of first states, in a number's size or in an error scale; and of what is read of states,
-# in error scales of the displacement: a thousandth of the depth of a light contact, about.
+# in error scales of the perturbation: a thousandth of the depth of a light contact, about.
 _START, _READ = 1e-3, 1e-6
 # Weights of differences of fourth order, of values at one and two steps ahead less those behind.
 _FOURTH = np.array([8.0, -1.0]) / 12.0
@@ -65,12 +68,12 @@ _FOURTH = np.array([8.0, -1.0]) / 12.0
 _TICK = 1e-4
 
 
-class _Carried(NamedTuple):
-    """States of one run, and how they are displaced with what is fitted.
+class _TangentSamples(NamedTuple):
+    """States of one run, with their perturbations by the unknowns.
 
     Attributes:
         chunk: The states, the last at the run's end.
-        ways: Displacements, (n, displacement, fitted).
+        ways: Perturbations, (n, perturbation, fitted).
         words: Derivatives of the program there, (n, numbers, words).
     """
 
@@ -79,44 +82,44 @@ class _Carried(NamedTuple):
     words: Array
 
 
-def with_slopes(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
-    """Return what sensors read of some runs, with the derivatives; where there are none it is said why.
+def _readings_with_slopes(test: RecordTest, request: RunRequest) -> tuple[Readings, ...]:
+    """Return readings of runs with derivatives, or reasons for their absence.
 
     Raises:
         KeyboardInterrupt: It was interrupted.
     """
     try:
-        return _Equation(rig, asked).readings()
+        return _ForwardSensitivity(test, request).readings()
     except Exception as error:
-        return tuple(nothing(reason_of(error)) for _ in asked.starts)
+        return tuple(failed_readings(failure_reason(error)) for _ in request.starts)
 
 
-class _Equation:
-    """A record's test at one set of values, beside its neighbours in each of its numbers."""
+class _ForwardSensitivity:
+    """Test of a record at one set of values, with perturbations of each."""
 
-    def __init__(self, rig: Rig, asked: Asked) -> None:
-        """Build the neighbours; differentiate what the system is made of."""
-        self._rig, self._asked, self._at = rig, asked, functools.cache(self._neighbour)
-        self._here = bench_of(rig, asked.values)
+    def __init__(self, test: RecordTest, request: RunRequest) -> None:
+        """Build the perturbed systems; differentiate the system's numbers."""
+        self._test, self._request, self._at = test, request, functools.cache(self._neighbour)
+        self._here = prepared_scenario(test, request.values)
         check_without_controllers("fit: derivatives by the equation", self._here.scenario)
-        system, self._count = self._here.system, len(asked.values)
-        self._scales = np.fmax(np.abs(asked.values), rig.sizes)
-        names = [keys[0] if keys else name for keys, name in zip(rig.keys, rig.names, strict=True)]
+        system, self._count = self._here.system, len(request.values)
+        self._scales = np.fmax(np.abs(request.values), test.sizes)
+        names = [keys[0] if keys else name for keys, name in zip(test.keys, test.names, strict=True)]
         builds = [functools.partial(self._system, k) for k in range(self._count)]
         self._next = StatePerturbation(system, self._count)
         self._numbers = ParameterSlopes(system, builds, names)
-        # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
+        # A perturbed run begins with its own numbers of elements; their memory is perturbed separately.
         self._numbers.slopes["program"][:, self._next.memory.words] = 0.0
 
-    def _neighbour(self, k: int, s: float) -> Bench:
-        """Return the test with one of its numbers so many sizes farther."""
+    def _neighbour(self, k: int, s: float) -> PreparedScenario:
+        """Return the test with one parameter shifted by s sizes."""
         if s == 0.0:
             return self._here
-        values = list(self._asked.values)
+        values = list(self._request.values)
         values[k] += s * float(self._scales[k])
-        found = bench_of(self._rig, tuple(values))
+        found = prepared_scenario(self._test, tuple(values))
         if found.scenario.events != self._here.scenario.events:
-            raise SensitivityError(f"{self._rig.names[k]} is of an event, which only runs can tell")
+            raise SensitivityError(f"{self._test.names[k]} is of an event, which only runs can tell")
         return found
 
     def _system(self, k: int, s: float) -> Any:
@@ -124,13 +127,13 @@ class _Equation:
 
     # --- states ---------------------------------------------------------------------------------------------
 
-    def _first(self, bench: Bench, piece: int, at: Array) -> State:
+    def _first(self, bench: PreparedScenario, piece: int, at: Array) -> State:
         if piece <= 0:
             return bench.first
-        return piece_start(self._rig.begun, self._rig.origins[piece - 1], at, bench.system)
+        return piece_start(self._test.begun, self._test.origins[piece - 1], at, bench.system)
 
     def _neighbours(self, piece: int, at: Array) -> list[Callable[[float], State]]:
-        """Return how the first state of a piece is found with each number, and coordinate, farther."""
+        """Return functions for a piece's first state over each parameter and coordinate."""
 
         def of_number(k: int, s: float) -> State:
             return self._first(self._at(k, s), piece, at)
@@ -142,14 +145,14 @@ class _Equation:
         return [*numbers, *(functools.partial(of_start, i) for i in range(len(at)))]
 
     def _apart(self, here: State, there: State) -> Array:
-        """Return the displacement of a neighbour's first state, without that of a number itself."""
+        """Return the perturbation of a first state, without that of a parameter itself."""
         found = self._next.between(here, there)
         if found is None:
             raise GrazeError("other contacts touch where a neighbour starts", here.time)
         return found
 
-    def _carried(self, piece: int, at: Array, times: Array, until: float) -> tuple[_Carried, State]:
-        """Return the states of a piece's run at times and at its end, displaced, and its first state."""
+    def _carried(self, piece: int, at: Array, times: Array, until: float) -> tuple[_TangentSamples, State]:
+        """Return perturbed states of a piece at times and its end, and its start."""
         first = self._first(self._here, piece, at)
         neighbours = self._neighbours(piece, at)
 
@@ -184,17 +187,17 @@ class _Equation:
         flow.propagate(first, until - first.time, frame, start, numbers=self._numbers, looks=looks, seen=see)
         when, states, memories, programs, found, words = zip(*seen, strict=True)
         chunk = Chunk(np.array(when), np.array(states), np.array(memories), list(programs))
-        return _Carried(chunk, np.array(found), np.array(words)), first
+        return _TangentSamples(chunk, np.array(found), np.array(words)), first
 
-    def _moved(self, carried: _Carried, column: int, s: float) -> Chunk:
-        """Return states displaced along one of what is fitted so far."""
+    def _moved(self, carried: _TangentSamples, column: int, s: float) -> Chunk:
+        """Return states perturbed along one unknown."""
         number = column < self._count
         there = self._at(column, s).system if number else self._here.system
         words = s * carried.words[:, column] if number else np.zeros((1, 1))
         return self._next.states(carried.chunk, s * carried.ways[..., column], words, there)
 
-    def _step(self, carried: _Carried, column: int) -> float:
-        """Return a step of what is read along a displacement."""
+    def _step(self, carried: _TangentSamples, column: int) -> float:
+        """Return the step of readings along a perturbation."""
         units = Units.of(self._here.system)
         way, rate = self._next.parts[:2]
         sizes = [
@@ -206,22 +209,22 @@ class _Equation:
     # --- readings -------------------------------------------------------------------------------------------
 
     def readings(self) -> tuple[Readings, ...]:
-        """Return what sensors read, with derivatives by numbers, by the clock's shift and by the start."""
-        rig, asked, here = self._rig, self._asked, self._here
-        rows = [rows_of(rig, asked.shift, piece) for piece, _ in asked.starts]
+        """Return readings with derivatives by parameters, clock shift and start."""
+        test, request, here = self._test, self._request, self._here
+        rows = [piece_rows(test, request.shift, piece) for piece, _ in request.starts]
         made = []
-        for own, (piece, at) in zip(rows, asked.starts, strict=True):
-            wanted = [instants(column, own) for column in rig.columns.values()]
-            until = until_of(rig, here, piece, own)
+        for own, (piece, at) in zip(rows, request.starts, strict=True):
+            wanted = [sample_times(column, own) for column in test.columns.values()]
+            until = piece_end(test, here, piece, own)
             made.append(self._carried(piece, np.array(at), np.unique(np.concatenate(wanted)), until))
-        columns = sensed(rig, here, rows, [one.chunk for one, _ in made])
-        fitted = [self._count + len(at) for _, at in asked.starts]
+        columns = sensor_readings(test, here, rows, [one.chunk for one, _ in made])
+        fitted = [self._count + len(at) for _, at in request.starts]
         tables = [[np.zeros((len(part), n)) for part in own] for own, n in zip(columns, fitted, strict=True)]
         ends = [np.zeros((len(self._end(k, one.chunk)), n)) for k, ((one, _), n) in self._each(made, fitted)]
         for column in range(max(fitted)):
             pieces = [k for k, n in enumerate(fitted) if column < n]
             steps = [self._step(made[k][0], column) for k in pieces]
-            if column < self._count:  # all are read of one neighbour's system
+            if column < self._count:  # all are read of one perturbed run's system
                 steps = [min(steps)] * len(steps)
             sides = [
                 [self._moved(made[k][0], column, side * j * h) for k, h in zip(pieces, steps, strict=True)]
@@ -230,16 +233,16 @@ class _Equation:
             ]
             read = self._read(pieces, rows, sides, column, steps)
             for n, (k, h) in enumerate(zip(pieces, steps, strict=True)):
-                for c in range(len(rig.columns)):
+                for c in range(len(test.columns)):
                     values = [one[n][c] for one in read]
                     tables[k][c][:, column] = _fourth(values, h)
                 ends[k][:, column] = _fourth([self._end(k, one[n]) for one in sides], h)
         found = []
-        for k, (piece, at) in enumerate(asked.starts):
+        for k, (piece, at) in enumerate(request.starts):
             lead, slopes = self._lead(piece, made[k][1], np.array(at))
-            clock = self._clock(piece, np.array(at), rows[k]) if asked.clock else None
+            clock = self._clock(piece, np.array(at), rows[k]) if request.clock else None
             sizes = np.concatenate([self._scales, np.ones(len(at))])
-            slopes_of = Slopes(
+            slopes_of = ReadingSlopes(
                 tuple(one / sizes for one in tables[k]), slopes / sizes, ends[k] / sizes, clock
             )
             found.append(Readings(tuple(columns[k]), lead, self._end(k, made[k][0].chunk), slopes=slopes_of))
@@ -256,48 +259,52 @@ class _Equation:
         column: int,
         steps: Sequence[float],
     ) -> list[list[list[Array]]]:
-        """Return what sensors read of displaced states: by side, piece and sensor."""
+        """Return readings of perturbed states: by side, piece and sensor."""
         own = [rows[k] for k in pieces]
         if column >= self._count:
-            read = sensed(self._rig, self._here, own * len(sides), [one for side in sides for one in side])
+            read = sensor_readings(
+                self._test, self._here, own * len(sides), [one for side in sides for one in side]
+            )
             return [read[i * len(pieces) : (i + 1) * len(pieces)] for i in range(len(sides))]
         signs = [side * j for j in (1, 2) for side in (1, -1)]
         return [
-            sensed(self._rig, self._at(column, sign * steps[0]), own, list(chunks))
+            sensor_readings(self._test, self._at(column, sign * steps[0]), own, list(chunks))
             for sign, chunks in zip(signs, sides, strict=True)
         ]
 
     def _end(self, k: int, chunk: Chunk) -> Array:
-        """Return where a run ends, about the next piece's origin."""
-        piece, model = self._asked.starts[k][0], self._here.system.model
-        if not self._rig.pieces or piece >= len(self._rig.pieces) - 2:
+        """Return the end of a run, relative to the next piece's origin."""
+        piece, model = self._request.starts[k][0], self._here.system.model
+        if not self._test.pieces or piece >= len(self._test.pieces) - 2:
             return np.zeros(0)
         q, v = np.split(chunk.states[-1][: model.nq + model.nv], [model.nq])
-        return from_origin(self._rig.begun, self._rig.origins[piece], q, v)
+        return difference_from_origin(self._test.begun, self._test.origins[piece], q, v)
 
     def _lead(self, piece: int, first: State, at: Array) -> tuple[Array, Array]:
-        """Return where a piece starts, about its origin, and the derivatives of that."""
+        """Return the start of a piece relative to its origin, and its derivatives."""
         if piece <= 0:
             return np.zeros(0), np.zeros((0, self._count + len(at)))
-        begun, origin = self._rig.begun, self._rig.origins[piece - 1]
+        begun, origin = self._test.begun, self._test.origins[piece - 1]
 
         def lead(there: Callable[[float], State], s: float) -> Array:
             found = there(s)
-            return from_origin(begun, origin, found.q, found.v)
+            return difference_from_origin(begun, origin, found.q, found.v)
 
         columns = [_slope(functools.partial(lead, one)) for one in self._neighbours(piece, at)]
-        return from_origin(begun, origin, first.q, first.v), np.column_stack(columns)
+        return difference_from_origin(begun, origin, first.q, first.v), np.column_stack(columns)
 
     def _clock(self, piece: int, at: Array, rows: Array) -> tuple[Array, ...]:
-        """Return derivatives of what sensors read over time: of the run's own dense output."""
-        rig, here = self._rig, self._here
-        h = _TICK * float(np.median(np.diff(rig.time)))
+        """Return derivatives of readings over time, of the run's dense output."""
+        test, here = self._test, self._here
+        h = _TICK * float(np.median(np.diff(test.time)))
         shifted = np.concatenate([rows + side * j * h for j in (1, 2) for side in (1, -1)])
         first = self._first(here, piece, at) if piece > 0 else None
-        until = until_of(rig, here, piece, rows) + 2.0 * h
-        wanted = np.unique(np.concatenate([instants(c, np.unique(shifted)) for c in rig.columns.values()]))
+        until = piece_end(test, here, piece, rows) + 2.0 * h
+        wanted = np.unique(
+            np.concatenate([sample_times(c, np.unique(shifted)) for c in test.columns.values()])
+        )
         ran = here.run(wanted[wanted >= 0.0], until, first)
-        (read,) = sensed(rig, here, [shifted], [ran.chunk])
+        (read,) = sensor_readings(test, here, [shifted], [ran.chunk])
         return tuple(_fourth(np.split(one, 4), h) for one in read)
 
 
@@ -318,8 +325,8 @@ _SUFFIX = ".parts"
 _FORM = 3  # of a line
 
 
-class Notebook:
-    """A fit's runs beside the file that it is to be saved in, in the folder ``FILE.parts``.
+class RunStore:
+    """Runs of a fit stored beside its result, in the folder ``FILE.parts``.
 
     A line is for good: what was written under other records, parameters' keys, scenarios or versions is
     refused; other starts, bounds and losses ask for other runs, and share those that are the same.
@@ -338,29 +345,29 @@ class Notebook:
         self._journal: Journal | None = None
         self._next = 0
 
-    def open(self, plan: FitPlan, rigs: tuple[Rig, ...]) -> None:
-        """Begin a fit's notebook, or go on with it."""
-        entries, self._journal = begun(self.folder, _about(plan, rigs), "fit")
+    def open(self, plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> None:
+        """Begin a fit's store, or continue it."""
+        entries, self._journal = begun(self.folder, _identity(plan, record_tests), "fit")
         self._entries = {_key(entry["asked"]): entry for entry in entries.values()}
         self._next = max(entries, default=-1) + 1
 
-    def read(self, asked: Asked) -> tuple[Readings, ...] | None:
-        """Return what runs came to; None if they were not made."""
-        entry = self._entries.get(_key(asked))
+    def read(self, request: RunRequest) -> tuple[Readings, ...] | None:
+        """Return stored readings of runs, or None."""
+        entry = self._entries.get(_key(request))
         if entry is None:
             return None
         return tuple(_readings(one) for one in entry["found"])
 
-    def write(self, asked: Asked, found: Sequence[Readings]) -> None:
-        """Keep what runs came to."""
-        entry = {"run": self._next, "asked": list(asked), "found": [_lists(one) for one in found]}
+    def write(self, request: RunRequest, found: Sequence[Readings]) -> None:
+        """Store the readings of runs."""
+        entry = {"run": self._next, "asked": list(request), "found": [_as_lists(one) for one in found]}
         if self._journal is not None:
             self._journal.add(entry)
-        self._entries[_key(asked)] = entry
+        self._entries[_key(request)] = entry
         self._next += 1
 
     def close(self) -> None:
-        """Put all on the disk, and let others have it."""
+        """Flush and release the store."""
         if self._journal is not None:
             self._journal.close()
             self._journal = None
@@ -373,8 +380,8 @@ class Notebook:
         self.folder.rmdir()
 
 
-def _lists(found: Readings) -> dict[str, Any]:
-    """Return what came of a run as JSON takes it."""
+def _as_lists(found: Readings) -> dict[str, Any]:
+    """Return readings as JSON types."""
     lists: dict[str, Any] = _plain({name: getattr(found, name) for name in ("columns", "lead", "end")})
     lists |= {"failed": found.failed, "unbalanced": found.unbalanced}
     if found.slopes is not None:
@@ -392,14 +399,14 @@ def _plain(found: Any) -> Any:
 
 
 def _readings(lists: dict[str, Any]) -> Readings:
-    """Return what came of a run from what was kept."""
+    """Return readings from their stored form."""
     found = Readings(_arrays(lists["columns"]), np.array(lists["lead"]), np.array(lists["end"]))
     slopes = lists.get("slopes")
     if slopes is not None:
         lead, end = (np.array(slopes[name]).reshape(-1, lists["fitted"]) for name in ("lead", "end"))
         columns = tuple(one.reshape(-1, lists["fitted"]) for one in _arrays(slopes["columns"]))
         clock = None if slopes["clock"] is None else _arrays(slopes["clock"])
-        found = found._replace(slopes=Slopes(columns, lead, end, clock))
+        found = found._replace(slopes=ReadingSlopes(columns, lead, end, clock))
     return found._replace(failed=lists["failed"], unbalanced=lists.get("unbalanced", ""))
 
 
@@ -407,19 +414,19 @@ def _arrays(lists: list[Any]) -> tuple[np.ndarray, ...]:
     return tuple(np.array(one) for one in lists)
 
 
-def _key(asked: Any) -> tuple[Any, ...]:
-    record, values, shift, starts, *rest = asked
+def _key(request: Any) -> tuple[Any, ...]:
+    record, values, shift, starts, *rest = request
     return record, tuple(values), shift, tuple((piece, tuple(start)) for piece, start in starts), *rest
 
 
-def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
-    """Return what the readings of runs depend on, as JSON takes it."""
+def _identity(plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> dict[str, Any]:
+    """Return all that readings depend on, as JSON types."""
     records = {}
-    for rig in rigs:
-        scenario = json.loads(rig.scenario)
+    for test in record_tests:
+        scenario = json.loads(test.scenario)
         for name in ("name", "folder", "overrides", "description"):
             scenario.pop(name, None)
-        columns = {name: one.model_dump(mode="json") for name, one in rig.columns.items()}
+        columns = {name: one.model_dump(mode="json") for name, one in test.columns.items()}
         for one in columns.values():
             for number in (
                 "gain",
@@ -433,9 +440,9 @@ def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
                 "unit",
             ):
                 one.pop(number)
-        time = hashlib.sha256(rig.time.tobytes()).hexdigest()
-        made_of = [scenario, rig.keys, rig.units, rig.derived]
-        records[rig.name] = [*made_of, columns, time, rig.pieces, rig.origins]
+        time = hashlib.sha256(test.time.tobytes()).hexdigest()
+        made_of = [scenario, test.keys, test.units, test.derived]
+        records[test.name] = [*made_of, columns, time, test.pieces, test.origins]
     return {"form": _FORM, "records": records, "versions": library_versions()}
 
 
@@ -444,75 +451,77 @@ def _about(plan: FitPlan, rigs: tuple[Rig, ...]) -> dict[str, Any]:
 # --- what an executor calls to have the runs of a fit made ---
 
 
-def make_all(rigs: tuple[Rig, ...], batch: list[Asked]) -> list[tuple[Readings, ...]]:
-    """Make what is asked for, one after the other."""
-    return [(with_slopes if one.slopes else make)(rigs[one.record], one) for one in batch]
+def _make_all(record_tests: tuple[RecordTest, ...], batch: list[RunRequest]) -> list[tuple[Readings, ...]]:
+    """Make the requested runs, one after the other."""
+    return [
+        (_readings_with_slopes if one.slopes else make_runs)(record_tests[one.record], one) for one in batch
+    ]
 
 
 _REMEMBERED = 512  # answers that stay in memory
 
 
-class Laboratory:
-    """Makes runs that have not been made yet.
+class RunService:
+    """Runs made on demand, each once.
 
     A search that was interrupted asks, begun anew, for the same runs in the same order; what stands in the
-    notebook is not run again, so that it goes on bit for bit as if it had never stopped.
+    store is not run again, so that it goes on bit for bit as if it had never stopped.
 
     Args:
         executor: Who makes them: this process if left out, or a cluster.
-        notebook: What was made before and what is made, on the disk; none if left out.
+        store: What was made before and what is made, on the disk; none if left out.
         progress: Called after each run with how many there are.
     """
 
     def __init__(
         self,
         executor: Executor | None = None,
-        notebook: Notebook | None = None,
+        store: RunStore | None = None,
         progress: Callable[[int], None] | None = None,
     ) -> None:
-        """Begin without rigs."""
-        self.executor, self.notebook, self.progress = executor or Here(), notebook, progress
+        """Begin without tests."""
+        self.executor, self.store, self.progress = executor or Here(), store, progress
         self.made = 0
         #: How the energy or momentum of runs does not balance, in words, one entry a run.
         self.unbalanced: list[str] = []
-        #: Why runs could not be made, one entry a run; those that derivatives were asked of do not count.
+        #: Why runs could not be made, one entry a run; those that derivatives were requested of do not count.
         self.failed: list[str] = []
-        self._rigs: tuple[Rig, ...] = ()
-        self._known: dict[Asked, tuple[Readings, ...]] = {}
+        self._record_tests: tuple[RecordTest, ...] = ()
+        self._known: dict[RunRequest, tuple[Readings, ...]] = {}
 
-    def take(self, plan: FitPlan, rigs: tuple[Rig, ...]) -> None:
-        """Take up the tests that runs are asked of.
+    def take(self, plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> None:
+        """Set the tests that runs are requested of.
 
         Raises:
-            OutputError: The notebook is of another fit.
+            OutputError: The store is of another fit.
         """
-        self._rigs = rigs
-        if self.notebook is not None:
-            self.notebook.open(plan, rigs)
+        self._record_tests = record_tests
+        if self.store is not None:
+            self.store.open(plan, record_tests)
 
-    def readings(self, asked: Sequence[Asked]) -> list[tuple[Readings, ...]]:
-        """Return what each run's sensors read; those not known are made, side by side if there are hands.
+    def readings(self, request: Sequence[RunRequest]) -> list[tuple[Readings, ...]]:
+        """Return the readings of each request; missing runs are made in parallel.
 
         Raises:
             KeyboardInterrupt: It was interrupted; what was made is kept.
         """
-        missing = [one for one in dict.fromkeys(asked) if one not in self._known]
-        found: dict[Asked, tuple[Readings, ...]] = {}
+        missing = [one for one in dict.fromkeys(request) if one not in self._known]
+        found: dict[RunRequest, tuple[Readings, ...]] = {}
         for one in list(missing):
-            old = None if self.notebook is None else self.notebook.read(one)
+            old = None if self.store is None else self.store.read(one)
             if old is not None:
                 found[one] = old
                 self.made += len(old)
                 missing.remove(one)
         if missing:
             self.executor.start()
-        batches: Iterator[list[Asked]] = ([one] for one in missing)
-        for (one,), answer in self.executor.each(make_all, self._rigs, batches):
+        batches: Iterator[list[RunRequest]] = ([one] for one in missing)
+        for (one,), answer in self.executor.each(_make_all, self._record_tests, batches):
             lost = isinstance(answer, Lost)
-            found[one] = tuple(nothing(str(answer)) for _ in one.starts) if lost else answer[0]
+            found[one] = tuple(failed_readings(str(answer)) for _ in one.starts) if lost else answer[0]
             self.made += len(one.starts)
-            if self.notebook is not None:
-                self.notebook.write(one, found[one])
+            if self.store is not None:
+                self.store.write(one, found[one])
             if self.progress is not None:
                 self.progress(self.made)
         self.unbalanced += [one.unbalanced for made in found.values() for one in made if one.unbalanced]
@@ -520,13 +529,13 @@ class Laboratory:
             one.failed for key, made in found.items() if not key.slopes for one in made if one.failed
         ]
         self._known |= found
-        answers = [self._known[one] for one in asked]
+        answers = [self._known[one] for one in request]
         for one in list(self._known)[: max(0, len(self._known) - _REMEMBERED)]:
             del self._known[one]
         return answers
 
     def said_of_unbalanced(self, last: Sequence[Readings]) -> list[str]:
-        """Return a line if the energy or momentum of runs does not balance.
+        """Return a note on runs whose energy or momentum does not balance, if any.
 
         Args:
             last: Of the runs with the fitted values.

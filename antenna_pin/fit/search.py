@@ -35,17 +35,23 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable
 from antenna_pin.base.readable import number
 from antenna_pin.errors import InvalidParameterError, MissingToolError
-from antenna_pin.fit.confidence_bands import WITHHELD, Bands, bands_of
-from antenna_pin.fit.diagnostics import Growth, advises_starts, growth_of, notes_on_residuals, verdict_of
+from antenna_pin.fit.confidence_bands import WITHHELD, ParameterBands, parameter_bands
+from antenna_pin.fit.diagnostics import (
+    DifferenceGrowth,
+    difference_growth,
+    recommends_starts,
+    residual_notes,
+    verdict,
+)
 from antenna_pin.fit.plan import FitPlan, SurfaceSpec
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.result import Fit, Search, Validation
-from antenna_pin.fit.run_service import Laboratory, Notebook
+from antenna_pin.fit.run_service import RunService, RunStore
 from antenna_pin.fit.runs import NoRunError
-from antenna_pin.fit.uncertainty import cost, hang_together
+from antenna_pin.fit.uncertainty import cost, is_correlated
 from antenna_pin.sweep import Executor
 
-__all__ = ["Surface", "on_surface", "run_fit"]
+__all__ = ["ResponseSurface", "fit_by_surface", "run_fit"]
 
 Array = NDArray[np.float64]
 
@@ -56,7 +62,7 @@ Array = NDArray[np.float64]
 _ERRORS, _NEAR, _SHRINKS, _INSIDE = 3.0, 1.5, 0.4, 0.95
 
 
-class Surface(NamedTuple):
+class ResponseSurface(NamedTuple):
     """Statistics over a box, by runs at points of it.
 
     Attributes:
@@ -72,8 +78,8 @@ class Surface(NamedTuple):
     freedom: int
 
     @classmethod
-    def through(cls, points: Array, found: Array, noise: Array) -> Surface:
-        """Return the one through statistics at points.
+    def through(cls, points: Array, found: Array, noise: Array) -> ResponseSurface:
+        """Return the surface through statistics at points.
 
         Args:
             points: In half widths of the box, (n, p).
@@ -90,18 +96,18 @@ class Surface(NamedTuple):
         return np.asarray(_terms(u) @ self.terms)
 
     def slopes(self, u: Array) -> Array:
-        """Return their derivatives, (m, p): of second order as it is, differences are exact."""
+        """Return the derivatives of the mean, (m, p), exact for second order."""
         return np.column_stack([0.5 * (self.at(u + one) - self.at(u - one)) for one in np.eye(len(u))])
 
     def root(self, u: Array) -> Array:
-        """Return what makes statistics at a point independent of one another, each of variance 1, (m, m)."""
+        """Return the whitening matrix of the statistics at a point, (m, m)."""
         m, p, f = len(self.scatter), len(u), self.freedom
         leverage = float(_terms(u) @ self.inner @ _terms(u))
         factor = (f / (f - m - 1.0)) * (1.0 + leverage) * (1.0 + max(m - p, 0) / (f - m))
         return np.linalg.inv(np.linalg.cholesky(factor * self.scatter))
 
     def least(self, lower: Array, upper: Array) -> Array:
-        """Return where within bounds the statistics are nearest to zero, (p,)."""
+        """Return the point within bounds nearest to zero statistics, (p,)."""
         from scipy.optimize import least_squares
 
         middle = 0.5 * (lower + upper)
@@ -121,16 +127,16 @@ class Surface(NamedTuple):
 
 
 def _terms(u: Array) -> Array:
-    """Return one, u and the products of two of them."""
+    """Return 1, u and the products of two elements of u."""
     return np.concatenate([[1.0], u, np.outer(u, u)[np.triu_indices(len(u))]])
 
 
-def count_of(p: int) -> int:
-    """Return how many terms a surface over p numbers has."""
+def _term_count(p: int) -> int:
+    """Return the number of terms of a surface over p numbers."""
     return 1 + p + p * (p + 1) // 2
 
 
-def on_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
+def fit_by_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
     """Return the fit of statistics by surfaces over boxes.
 
     Args:
@@ -144,26 +150,26 @@ def on_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
 
     unknowns, plan = problem.unknowns, problem.plan
     p, m = unknowns.count, problem.count
-    if spec.runs <= count_of(p) + 2 * m:
-        rule = f"more than {count_of(p) + 2 * m}, for {m} statistics of {p} numbers"
+    if spec.runs <= _term_count(p) + 2 * m:
+        rule = f"more than {_term_count(p) + 2 * m}, for {m} statistics of {p} numbers"
         raise InvalidParameterError(f"fit {plan.name}", "surface.runs", rule, spec.runs)
     (lower, upper), noise = unknowns.bounds(), problem.rows.noise_of_statistics()
-    centre, half = unknowns.searched(unknowns.start), np.full(p, spec.width)
+    centre, half = unknowns.to_search(unknowns.start), np.full(p, spec.width)
     points, found, done = np.zeros((0, p)), np.zeros((0, m)), False
     for turn in range(spec.rounds):
         below, above = np.maximum(lower, centre - half), np.minimum(upper, centre + half)
         centre, half = 0.5 * (below + above), 0.5 * (above - below)
         new = qmc.Sobol(p, scramble=True, rng=np.random.default_rng([spec.seed, turn])).random(spec.runs)
         at = below + new * (above - below)
-        made = problem.tried([unknowns.natural(one) for one in at])
+        made = problem.tried([unknowns.from_search(one) for one in at])
         good = [k for k, one in enumerate(made) if one is not None]
         points = np.vstack([points, at[good]])
         found = np.vstack([found, *(made[k][np.newaxis] for k in good)])  # type: ignore[index]
         inside = np.all(np.abs(points - centre) <= half * (1.0 + 1e-9), axis=1)
-        if inside.sum() <= count_of(p) + m + 2:
-            rule = f"such that more than {count_of(p) + m + 2} runs come to their end"
+        if inside.sum() <= _term_count(p) + m + 2:
+            rule = f"such that more than {_term_count(p) + m + 2} runs come to their end"
             raise InvalidParameterError(f"fit {plan.name}", "surface", rule, int(inside.sum()))
-        surface = Surface.through((points[inside] - centre) / half, found[inside], noise)
+        surface = ResponseSurface.through((points[inside] - centre) / half, found[inside], noise)
         u = surface.least(-np.ones(p), np.ones(p))
         residuals, slopes = surface.root(u) @ surface.at(u), surface.root(u) @ surface.slopes(u) / half
         x, error = centre + half * u, _errors(slopes)
@@ -175,9 +181,9 @@ def on_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
             centre = x
             if done:
                 half = np.clip(_ERRORS * error, _SHRINKS * half, half)
-    whole = unknowns.natural(x)
+    whole = unknowns.from_search(x)
     # Statistics are no curves: none goes on from another.
-    bands = bands_of(plan, unknowns, whole, residuals, slopes, np.arange(m))
+    bands = parameter_bands(plan, unknowns, whole, residuals, slopes, np.arange(m))
     cost = 0.5 * float(residuals @ residuals)
     words = "the least of its surface is within its box" if done else "given up: the least is at a box's edge"
     return Fit(
@@ -186,28 +192,28 @@ def on_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
         states=np.zeros(0),
         bands=bands,
         residuals=residuals,
-        slopes=slopes * unknowns.rates(whole),
+        slopes=slopes * unknowns.search_slopes(whole),
         converged=done,
         message=words,
         evaluations=len(points),
         searches=(Search(unknowns.start, whole, cost),),
-        verdict=verdict_of(problem, whole, bands),
+        verdict=verdict(problem, whole, bands),
         notes=(
             *problem.notes,
             *problem.failed(),
             *problem.unbalanced(whole),
-            *_odd(bands.chi2, bands.freedoms),
+            *_chance_note(bands.chi2, bands.freedoms),
         ),
     )
 
 
 def _errors(slopes: Array) -> Array:
-    """Return standard errors, (p,); those of numbers that are not told are without bounds."""
+    """Return standard errors, (p,), very large for unidentified numbers."""
     values, axes = np.linalg.eigh(slopes.T @ slopes)
     return np.asarray(np.sqrt((axes**2 / np.maximum(values, 1e-300)).sum(axis=1)))
 
 
-def _odd(chi2: float, freedoms: int) -> Sequence[str]:
+def _chance_note(chi2: float, freedoms: int) -> Sequence[str]:
     from scipy.stats import chi2 as distribution
 
     if freedoms > 0 and math.isfinite(chi2) and distribution.sf(chi2, freedoms) < 1e-3:
@@ -250,7 +256,7 @@ def run_fit(
     progress: Callable[[int], None] | None = None,
     then: Callable[[Fit], None] | None = None,
 ) -> Fit:
-    """Find the values of a fit's parameters for which its runs are nearest to its records.
+    """Find the values of a fit's parameters that bring its runs nearest to its records.
 
     With ``out`` the result is written there. What runs come to is kept beside it, in the folder
     ``OUT.parts``, until it is; a fit that is interrupted or killed goes on with the same call, bit for bit.
@@ -276,35 +282,35 @@ def run_fit(
     target = None if out is None else check_writable(out, ".nc")
     if target is not None:
         plan.check_output(target)
-    notebook = None if target is None else Notebook(target)
+    store = None if target is None else RunStore(target)
     try:
         validation = Validation(plan, executor)
-        problem = Problem(plan, Laboratory(executor, notebook, progress))
-        found = _found(problem)
+        problem = Problem(plan, RunService(executor, store, progress))
+        found = _search(problem)
         found = dataclasses.replace(found, validation=validation.at(found.names, found.values))
         if target is not None:
             found.save(target)
         if then is not None:
             then(found)
     finally:
-        if notebook is not None:
-            notebook.close()
-    if notebook is not None:
-        notebook.remove()
+        if store is not None:
+            store.close()
+    if store is not None:
+        store.remove()
     return found
 
 
-def _found(problem: Problem) -> Fit:
-    """Search from all starts, and tell of the best end."""
+def _search(problem: Problem) -> Fit:
+    """Return the fit with the best end of all searches."""
     if problem.plan.surface is not None:
-        return on_surface(problem, problem.plan.surface)
+        return fit_by_surface(problem, problem.plan.surface)
     unknowns = problem.unknowns
     first = np.concatenate([problem.first, problem.states])
     problem.residuals_at([first])  # there must be a run to begin with
     ends = []
     for start in _starts(problem, first):
         try:
-            ends.append((start, _searched(problem, start)))
+            ends.append((start, _least_squares(problem, start)))
         except NoRunError:
             if start is first:
                 raise
@@ -312,81 +318,81 @@ def _found(problem: Problem) -> Fit:
     order = sorted(range(len(ends)), key=lambda k: math.inf if ends[k][1] is None else ends[k][1].cost)
     best = ends[order[0]][1]
     p = unknowns.count
-    whole = unknowns.natural(best.x)
+    whole = unknowns.from_search(best.x)
     problem.states = whole[p:]
     residuals = problem.residuals_at([whole])[0]
     slopes = problem.slopes(best.x)
     searches = []
     for k in order:
         start, end = ends[k]
-        values = np.full(p, math.nan) if end is None else unknowns.natural(end.x)[:p]
+        values = np.full(p, math.nan) if end is None else unknowns.from_search(end.x)[:p]
         searches.append(Search(start[:p], values, math.nan if end is None else float(end.cost)))
-    bands = bands_of(problem.plan, unknowns, whole, residuals, slopes, problem.rows.curve_numbers())
+    bands = parameter_bands(problem.plan, unknowns, whole, residuals, slopes, problem.rows.curve_numbers())
     bad = best.status <= 0 or bands.chi2 > WITHHELD * bands.freedoms
     # Where a search from many starts comes first, what is not straight from afar may be a valley's side.
-    grown = _grown(problem, first, whole, bad and not advises_starts(problem, bands))
+    grown = _growth_notes(problem, first, whole, bad and not recommends_starts(problem, bands))
     return Fit(
         problem=problem,
         values=whole[:p],
         states=whole[p:],
         bands=bands,
         residuals=residuals,
-        slopes=(slopes * unknowns.rates(whole))[:, :p],
+        slopes=(slopes * unknowns.search_slopes(whole))[:, :p],
         converged=best.status > 0,
         message=_ENDS.get(int(best.status), str(best.message)),
         evaluations=int(sum(end.nfev for _, end in ends if end is not None)),
         searches=tuple(searches),
-        verdict=verdict_of(problem, whole, bands),
+        verdict=verdict(problem, whole, bands),
         notes=(
             *problem.notes,
             *problem.failed(),
             *problem.unbalanced(whole),
             *grown,
-            *_together(problem, bands, residuals),
-            *_of_derivatives(problem),
+            *_correlation_notes(problem, bands, residuals),
+            *_derivative_note(problem),
         ),
     )
 
 
-def _of_derivatives(problem: Problem) -> list[str]:
-    """Return by what derivatives were found, where that was asked for."""
+def _derivative_note(problem: Problem) -> list[str]:
+    """Return a note on the derivatives' method, where the equation was requested."""
     asked = problem.plan.jacobian == "equation"
     return [f"derivatives by {problem.derived.words()}"] if asked else []
 
 
-def _together(problem: Problem, bands: Bands, residuals: Array) -> list[str]:
-    """Return a line where residuals are no white noise, so that bands are too narrow."""
+def _correlation_notes(problem: Problem, bands: ParameterBands, residuals: Array) -> list[str]:
+    """Return notes on residuals that are no white noise, so that bands are too narrow."""
     every = problem.rows.by_curve(residuals)
-    curves = [name for name, one in every.items() if hang_together(one)]
-    others = [] if bands.beyond_chance else list(notes_on_residuals(every))
-    if not curves or bands.wider < _NARROW:
+    curves = [name for name, one in every.items() if is_correlated(one)]
+    others = [] if bands.beyond_chance else list(residual_notes(every))
+    if not curves or bands.widening < _NARROW:
         return others
     return [
         *others,
         f"note: residuals of {', '.join(curves)} hang together in time: bands are up to "
-        f'{number(bands.wider, 2)} times too narrow (noise = "correlated" counts it); the model lacks '
+        f'{number(bands.widening, 2)} times too narrow (noise = "correlated" counts it); the model lacks '
         "something, or the noise is not white",
     ]
 
 
-def _grown(problem: Problem, first: Array, last: Array, bad: bool) -> list[str]:
-    """Return a line for each record that one run does not hold.
+def _growth_notes(problem: Problem, first: Array, last: Array, bad: bool) -> list[str]:
+    """Return a note for each record too long for one run.
 
-    By neighbours that a search has anyway, at its start and its end; of one that has come to no good end also
-    by how far its start may be off.
+    By perturbed runs that a search has anyway, at its start and its end; of one that has come to no good end
+    also by how far its start may be off.
     """
     found: dict[str, str] = {}
     for reach in (1.0, _REACH) if bad else (1.0,):
         for whole in (first, last):
-            for record, words in _grown_at(problem, whole, reach).items():
+            for record, words in _growth_at(problem, whole, reach).items():
                 found.setdefault(record, words)
     return list(found.values())
 
 
-def _grown_at(problem: Problem, whole: Array, reach: float) -> dict[str, str]:
-    """Return the same by record, from neighbours of these values with states."""
-    plan, unknowns, found = problem.plan, problem.unknowns, dict[str, tuple[Growth, str]]()
-    searched, (lower, upper) = unknowns.searched(whole), unknowns.bounds()
+def _growth_at(problem: Problem, whole: Array, reach: float) -> dict[str, str]:
+    """Return the same by record, from perturbed runs at values with states."""
+    plan, unknowns, found = problem.plan, problem.unknowns, dict[str, tuple[DifferenceGrowth, str]]()
+    searched, (lower, upper) = unknowns.to_search(whole), unknowns.bounds()
     here = problem.curves(whole)
     for k, name in enumerate(unknowns.names) if here else ():
         ends = [searched.copy(), searched.copy()]
@@ -395,19 +401,19 @@ def _grown_at(problem: Problem, whole: Array, reach: float) -> dict[str, str]:
         if not (lower[k] <= ends[0][k] and ends[1][k] <= upper[k]):
             continue
         try:
-            sides = [problem.curves(unknowns.natural(end)) for end in ends]
+            sides = [problem.curves(unknowns.from_search(end)) for end in ends]
         except NoRunError:
             continue
         for record, (time, rows) in here.items():
-            one = growth_of(time, sides[0][record][1], rows, sides[1][record][1], reach)
+            one = difference_growth(time, sides[0][record][1], rows, sides[1][record][1], reach)
             if one is not None and (record not in found or one.since < found[record][0].since):
                 found[record] = one, name
     step = reach * plan.difference_step
     return {record: one.words(record, name, step) for record, (one, name) in found.items()}
 
 
-def _searched(problem: Problem, start: Array) -> Any:
-    """Return what SciPy's search from values with states comes to.
+def _least_squares(problem: Problem, start: Array) -> Any:
+    """Return the result of SciPy's search from values with states.
 
     Pieces that are tied to one motion from the beginning leave it nothing but that motion's valleys, along
     which it creeps. So each first finds its own way to the record, next to free; then joints count more and
@@ -419,13 +425,13 @@ def _searched(problem: Problem, start: Array) -> Any:
 
     def residuals(searched: Array) -> Array:
         try:
-            return problem.residuals_at([unknowns.natural(searched)])[0]
+            return problem.residuals_at([unknowns.from_search(searched)])[0]
         except NoRunError:  # the search goes on with a shorter step
             return np.full(problem.count, math.nan)
 
     problem.residuals_at([start])
-    at, evaluations = unknowns.searched(start), 0
-    for tie in _ties(plan):
+    at, evaluations = unknowns.to_search(start), 0
+    for tie in _tie_weights(plan):
         problem.rows.tie = tie
         found = least_squares(
             residuals,
@@ -444,8 +450,8 @@ def _searched(problem: Problem, start: Array) -> Any:
     return found
 
 
-def _ties(plan: FitPlan) -> list[float]:
-    """Return by what joints of pieces count in one search after the other, beside their weights."""
+def _tie_weights(plan: FitPlan) -> list[float]:
+    """Return the weights of joints in consecutive searches, beside the plan's."""
     most = max((one.pieces.weight for one in plan.records.values() if one.pieces), default=1.0)
     ties = [1.0]
     while ties[0] * most > _TIGHTER:
@@ -454,7 +460,7 @@ def _ties(plan: FitPlan) -> list[float]:
 
 
 def _starts(problem: Problem, first: Array) -> list[Array]:
-    """Return from where to search: the start, and of points between the bounds the best."""
+    """Return the starts of searches: the given one, and the best sampled points."""
     plan, starts = problem.plan, problem.plan.starts
     if starts is None:
         return [first]
@@ -463,9 +469,10 @@ def _starts(problem: Problem, first: Array) -> list[Array]:
     p = problem.unknowns.count
     lower, upper = (one[:p] for one in problem.unknowns.bounds())
     points = qmc.Sobol(p, scramble=True, rng=np.random.default_rng(starts.seed)).random(starts.count)
-    rest = problem.unknowns.searched(first)[p:]
+    rest = problem.unknowns.to_search(first)[p:]
     wholes = [
-        problem.unknowns.natural(np.concatenate([lower + point * (upper - lower), rest])) for point in points
+        problem.unknowns.from_search(np.concatenate([lower + point * (upper - lower), rest]))
+        for point in points
     ]
     costs = [
         math.inf if found is None else 0.5 * cost(found, plan.loss, plan.loss_scale)

@@ -46,20 +46,19 @@ from antenna_pin.fit.specs import BlowsSpec, ColumnSpec, SpectrumSpec
 from antenna_pin.mechanism import link_motion
 
 __all__ = [
-    "FilterInput",
     "Target",
-    "amount",
+    "si_amount",
     "check_sensor",
-    "compared",
+    "compared_numbers",
     "filter_response",
     "input_of_acceleration",
     "input_of_values",
-    "instants",
-    "noise_of",
+    "sample_times",
+    "reading_noise",
     "reading",
-    "slopes_of",
-    "target_of",
-    "unit_of",
+    "compared_slopes",
+    "comparison_target",
+    "sensor_unit",
 ]
 
 Array = NDArray[np.float64]
@@ -70,7 +69,7 @@ Array = NDArray[np.float64]
 _NODES, _WEIGHTS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)]), np.array([5.0, 8.0, 5.0]) / 18.0
 
 
-class FilterInput(NamedTuple):
+class _FilterInput(NamedTuple):
     """Input of a filter over the n - 1 intervals between n sample times.
 
     Attributes:
@@ -91,16 +90,16 @@ class FilterInput(NamedTuple):
         return np.asarray(first + share * (second + share * third))
 
 
-def input_of_values(time: Array, values: Array) -> FilterInput:
-    """Return the input that is straight between its values at sample times, (n,) each."""
+def input_of_values(time: Array, values: Array) -> _FilterInput:
+    """Return the input that is linear between its values at sample times, (n,) each."""
     smooth = np.column_stack([values[:-1], np.diff(values), np.zeros(len(time) - 1)])
     none = np.zeros((len(time) - 1, 0))
-    return FilterInput(time, smooth, none, none)
+    return _FilterInput(time, smooth, none, none)
 
 
 def input_of_acceleration(
     time: Array, axes: Array, position: Array, velocity: Array, acceleration: Array, gravity: Array
-) -> FilterInput:
+) -> _FilterInput:
     """Return the specific force along a moving axis as a filter's input.
 
     Args:
@@ -127,7 +126,7 @@ def input_of_acceleration(
     along = _dot(axis, impulse)
     lack = _dot(axis, moment) - along * (h[:, 0] - place)
     pair = np.divide(lack, h[:, 0], out=np.zeros(len(size)), where=h[:, 0] > 0.0)
-    return FilterInput(
+    return _FilterInput(
         time,
         smooth,
         np.column_stack([pair, along, -pair]),
@@ -135,7 +134,7 @@ def input_of_acceleration(
     )
 
 
-def filter_response(given: FilterInput, rows: Array, corner: float, order: int) -> Array:
+def filter_response(given: _FilterInput, rows: Array, corner: float, order: int) -> Array:
     """Return the filter's output at some times, (m,).
 
     Before the first sample the input is taken to have been constant for ever.
@@ -169,9 +168,9 @@ def filter_response(given: FilterInput, rows: Array, corner: float, order: int) 
 
 
 def _driven(
-    given: FilterInput, p: complex, intervals: NDArray[np.intp], into: Array
+    given: _FilterInput, p: complex, intervals: NDArray[np.intp], into: Array
 ) -> NDArray[np.complex128]:
-    """Return what intervals' inputs have added to a pole's state some time after their starts, (m,)."""
+    """Return the contribution of intervals' inputs to a pole's state after a time, (m,)."""
     lengths = np.diff(given.time)[intervals]
     total = np.zeros(len(intervals), dtype=complex)
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):
@@ -194,8 +193,8 @@ def _dot(one: Array, other: Array) -> Array:
 _PER_PERIOD, _PER_PERIOD_OF_VALUES = 24, 64
 
 
-def unit_of(data: xr.Dataset, column: ColumnSpec, place: str) -> str:
-    """Return the SI unit of what a sensor reads, or refuse one of what a run does not have.
+def sensor_unit(data: xr.Dataset, column: ColumnSpec, place: str) -> str:
+    """Return the SI unit of a sensor's reading, or refuse an unknown one.
 
     Args:
         data: Of a run.
@@ -229,7 +228,7 @@ def _check_link(data: xr.Dataset, link: str, place: str) -> None:
 
 
 def check_sensor(column: ColumnSpec, unit: str, place: str) -> None:
-    """Refuse numbers of a column that are not of its unit.
+    """Refuse numbers of a column in a wrong unit.
 
     Raises:
         ScenarioError: One is not.
@@ -238,21 +237,21 @@ def check_sensor(column: ColumnSpec, unit: str, place: str) -> None:
         value = getattr(column, name)
         relative = name == "sd" and column.compare in ("spectrum", "blows")
         if value is not None:
-            amount(value, "1" if relative else unit, f"{place}.{name}")
-    if column.sensor == "encoder" and not amount(column.resolution, unit, place) > 0.0:
+            si_amount(value, "1" if relative else unit, f"{place}.{name}")
+    if column.sensor == "encoder" and not si_amount(column.resolution, unit, place) > 0.0:
         raise ScenarioError(f"{place}.resolution must be positive, got {column.resolution!r}")
     if column.point is not None:
         for i, value in enumerate(column.point):
-            amount(value, "m", f"{place}.point[{i}]")
+            si_amount(value, "m", f"{place}.point[{i}]")
     if column.blows is not None:
-        amount(column.blows.level, unit, f"{place}.blows.level")
+        si_amount(column.blows.level, unit, f"{place}.blows.level")
         counted = {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[column.blows.of]
         for i, edge in enumerate(column.blows.edges):
-            amount(edge, counted, f"{place}.blows.edges[{i}]")
+            si_amount(edge, counted, f"{place}.blows.edges[{i}]")
 
 
-def amount(value: object, unit: str, place: str) -> float:
-    """Return a number of a fit file in SI units; one without a unit is in them.
+def si_amount(value: object, unit: str, place: str) -> float:
+    """Return a number of a fit file in SI units, the default.
 
     Raises:
         ScenarioError: It is of another unit.
@@ -261,19 +260,19 @@ def amount(value: object, unit: str, place: str) -> float:
     return in_si(value, written or "1", place)
 
 
-def noise_of(column: ColumnSpec, unit: str) -> float:
-    """Return the standard deviation of a row: that of the noise and, of an encoder, of its steps [SI].
+def reading_noise(column: ColumnSpec, unit: str) -> float:
+    """Return the standard deviation of a row, of an encoder with its steps [SI].
 
     A step of size s rounds by an error that is spread evenly, of variance s^2 / 12.
     """
-    noise = amount(column.sd, unit, "sd")
+    noise = si_amount(column.sd, unit, "sd")
     if column.sensor == "encoder":
-        noise = math.hypot(noise, amount(column.resolution, unit, "resolution") / math.sqrt(12.0))
+        noise = math.hypot(noise, si_amount(column.resolution, unit, "resolution") / math.sqrt(12.0))
     return noise
 
 
-def instants(column: ColumnSpec, time: Array) -> Array:
-    """Return when of a run a column has to be asked for to be read at rising times [s].
+def sample_times(column: ColumnSpec, time: Array) -> Array:
+    """Return the times at which a run is sampled, for readings at rising times [s].
 
     Behind a filter these are even steps from zero on, and the last of the times.
     """
@@ -285,29 +284,31 @@ def instants(column: ColumnSpec, time: Array) -> Array:
 
 
 def reading(data: xr.Dataset, column: ColumnSpec, unit: str, time: Array) -> Array:
-    """Return what a sensor reads at times, (n,), before its gain and offset.
+    """Return a sensor's readings at times, (n,), before gain and offset.
 
     Args:
-        data: Of a run, at the :func:`instants`; behind a filter further samples in between, such as those at
-            events, count too.
+        data: Of a run, at the :func:`sample_times`; behind a filter further samples in between, such as those
+            at events, count too.
         column: Of the sensor.
         unit: Of what it reads.
         time: When it is read [s].
     """
     if column.filter is None:
-        return _points(data, column, unit)
+        return _unfiltered(data, column, unit)
     if column.sensor == "accelerometer":
         given = _acceleration(data, column)
     else:
-        given = input_of_values(np.asarray(data["time"].values, dtype=float), _points(data, column, unit))
+        given = input_of_values(np.asarray(data["time"].values, dtype=float), _unfiltered(data, column, unit))
     return filter_response(given, time, column.filter.corner, column.filter.order)
 
 
-def _points(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
-    """Return what a sensor without a filter reads at a result's samples."""
+def _unfiltered(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
+    """Return a sensor's readings at a result's samples, without a filter."""
     if column.sensor == "accelerometer":
-        axes, arms, motion = _of_point(data, column)
-        return np.asarray(np.einsum("ni,ni->n", axes, _of_arm(motion, arms) - _gravity(data, column)))
+        axes, arms, motion = _sensor_motion(data, column)
+        return np.asarray(
+            np.einsum("ni,ni->n", axes, _arm_acceleration(motion, arms) - _gravity(data, column))
+        )
     if column.sensor == "force-cell":
         loads = joint_loads(data)[column.load or "force"].sel(moving_joint=column.joint).values
         direction = along(column.direction or (0.0, 0.0, 1.0))
@@ -317,35 +318,35 @@ def _points(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
         return np.asarray(np.einsum("ni,ni->n", axes, loads))
     values = np.asarray(quantity(data, str(column.of)).values, dtype=float)
     if column.rounding == "down":  # on average half a step is still to come
-        return values - 0.5 * amount(column.resolution, unit, "resolution")
+        return values - 0.5 * si_amount(column.resolution, unit, "resolution")
     return values
 
 
-def _acceleration(data: xr.Dataset, column: ColumnSpec) -> FilterInput:
+def _acceleration(data: xr.Dataset, column: ColumnSpec) -> _FilterInput:
     """Return the specific force between a result's samples as a filter's input."""
-    axes, arms, motion = _of_point(data, column)
+    axes, arms, motion = _sensor_motion(data, column)
     velocity = motion[:, 1] + np.cross(motion[:, 2], arms)
     return input_of_acceleration(
         np.asarray(data["time"].values, dtype=float),
         axes,
         motion[:, 0] + arms,
         velocity,
-        _of_arm(motion, arms),
+        _arm_acceleration(motion, arms),
         _gravity(data, column),
     )
 
 
-def _of_arm(motion: Array, arms: Array) -> Array:
-    """Return the acceleration of a point on an arm from a link's origin, (n, 3) [m/s^2]."""
+def _arm_acceleration(motion: Array, arms: Array) -> Array:
+    """Return the acceleration of a point at an arm on a link, (n, 3) [m/s^2]."""
     spin = motion[:, 2]
     turned: Array = np.cross(motion[:, 4], arms) + np.cross(spin, np.cross(spin, arms))
     return motion[:, 3] + turned
 
 
-def _of_point(data: xr.Dataset, column: ColumnSpec) -> tuple[Array, Array, Array]:
-    """Return a sensor's axis, its arm from the link's origin, (n, 3), and the link's motion: world axes."""
+def _sensor_motion(data: xr.Dataset, column: ColumnSpec) -> tuple[Array, Array, Array]:
+    """Return axis and arm of a sensor, (n, 3), and its link's motion, world axes."""
     attitudes, motion = _motion(data, str(column.link))
-    point = [amount(value, "m", "point") for value in column.point or (0.0, 0.0, 0.0)]
+    point = [si_amount(value, "m", "point") for value in column.point or (0.0, 0.0, 0.0)]
     return attitudes @ along(column.direction or (0.0, 0.0, 1.0)), attitudes @ np.array(point), motion
 
 
@@ -355,7 +356,7 @@ def _motion(data: xr.Dataset, link: str) -> tuple[Array, Array]:
 
 
 def _gravity(data: xr.Dataset, column: ColumnSpec) -> Array:
-    """Return the gravity that counts, (3,) [m/s^2]."""
+    """Return the gravity that a sensor reads, (3,) [m/s^2]."""
     if column.gravity is False:
         return np.zeros(3)
     return np.asarray(json.loads(data.attrs["mechanism"])["gravity"], dtype=float)
@@ -373,7 +374,7 @@ _BANDWIDTH = 1.5
 
 
 class Target(NamedTuple):
-    """What a column is compared by.
+    """Data of a column for comparison.
 
     Attributes:
         at: Where along it each number stands: a time [s], a band's middle [Hz], a bin's middle.
@@ -390,8 +391,8 @@ class Target(NamedTuple):
     measure: str
 
 
-def target_of(column: ColumnSpec, unit: str, time: Array, values: Array, place: str) -> Target:
-    """Return what of a record a column is compared by.
+def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array, place: str) -> Target:
+    """Return the data of a record's column for comparison.
 
     Args:
         column: As the fit file has it.
@@ -401,16 +402,16 @@ def target_of(column: ColumnSpec, unit: str, time: Array, values: Array, place: 
         place: Of the column, for messages.
 
     Raises:
-        ScenarioError: The record is too short for its segments, has no power in a band, or no blows.
+        ScenarioError: The record is too short for its segments, has no power in a band, or no impacts.
     """
     if column.spectrum is not None:
         _check_bands(column.spectrum, time, place)
-    data = compared(column, unit, time, values)
+    data = compared_numbers(column, unit, time, values)
     if column.compare == "curve":
-        return Target(time, "s", data, np.full(len(time), noise_of(column, unit)), "reading")
+        return Target(time, "s", data, np.full(len(time), reading_noise(column, unit)), "reading")
     if column.compare == "rms":
         return Target(
-            np.array([0.5 * (time[0] + time[-1])]), "s", data, np.array([noise_of(column, unit)]), "rms"
+            np.array([0.5 * (time[0] + time[-1])]), "s", data, np.array([reading_noise(column, unit)]), "rms"
         )
     if column.spectrum is not None:
         edges = np.array(column.spectrum.edges)
@@ -420,7 +421,7 @@ def target_of(column: ColumnSpec, unit: str, time: Array, values: Array, place: 
                     f"{place} must have power from {low:g} Hz to {high:g} Hz, got none in the record"
                 )
         if column.sd is not None:
-            sd = np.full(len(data), amount(column.sd, "1", f"{place}.sd"))
+            sd = np.full(len(data), si_amount(column.sd, "1", f"{place}.sd"))
         else:
             sd = _band_noise(column.spectrum, time)
         return Target(np.sqrt(edges[:-1] * edges[1:]), "Hz", data, sd, "ln power")
@@ -440,23 +441,23 @@ def target_of(column: ColumnSpec, unit: str, time: Array, values: Array, place: 
     )
 
 
-def compared(column: ColumnSpec, unit: str, time: Array, values: Array) -> Array:
-    """Return the numbers by which a curve is compared, of a record or of the model."""
+def compared_numbers(column: ColumnSpec, unit: str, time: Array, values: Array) -> Array:
+    """Return the compared numbers of a curve, of a record or of the model."""
     if column.compare == "rms":
         return np.array([math.sqrt(float(np.mean(values**2)))])
     if column.spectrum is not None:
         return _band_powers(column.spectrum, time, values)
     if column.blows is not None:
         edges, _ = _edges(column.blows, unit)
-        counts = _spread(_blows(column.blows, unit, time, values), edges)
+        counts = _soft_histogram(_blows(column.blows, unit, time, values), edges)
         return 2.0 * np.sqrt(counts + _ANSCOMBE)
     return values
 
 
-def slopes_of(column: ColumnSpec, time: Array, values: Array, slopes: Array) -> Array:
-    """Return the derivatives of what :func:`compared` makes of a curve, (numbers, fitted).
+def compared_slopes(column: ColumnSpec, time: Array, values: Array, slopes: Array) -> Array:
+    """Return the derivatives of :func:`compared_numbers` over a curve, (numbers, fitted).
 
-    Not of blows, which are found anew in each run.
+    Not of impacts, which are found anew in each run.
 
     Args:
         column: As the fit file has it.
@@ -481,12 +482,12 @@ def slopes_of(column: ColumnSpec, time: Array, values: Array, slopes: Array) -> 
     return np.column_stack(columns) if columns else np.zeros((len(here), 0))
 
 
-def _pace(time: Array) -> float:
+def _row_rate(time: Array) -> float:
     return (len(time) - 1) / float(time[-1] - time[0])
 
 
 def _check_bands(spec: SpectrumSpec, time: Array, place: str) -> None:
-    pace, length = _pace(time), float(time[-1] - time[0])
+    pace, length = _row_rate(time), float(time[-1] - time[0])
     if spec.segment > length:
         raise ScenarioError(
             f"{place}.spectrum.segment must be within the record's {length:g} s, got {spec.segment:g} s"
@@ -501,10 +502,10 @@ def _check_bands(spec: SpectrumSpec, time: Array, place: str) -> None:
 
 
 def _band_powers(spec: SpectrumSpec, time: Array, values: Array) -> Array:
-    """Return the logarithm of the power in each band, (bands,); minus infinity where there is none."""
+    """Return the logarithm of the power in each band, (bands,); minus infinity for none."""
     from scipy.signal import welch
 
-    pace = _pace(time)
+    pace = _row_rate(time)
     rows = min(len(values), max(2, round(spec.segment * pace)))
     frequency, density = welch(values, pace, nperseg=rows, detrend="constant")
     # Up to each edge, straight between the lines: a band's power follows its edges without jumps.
@@ -523,24 +524,24 @@ def _band_noise(spec: SpectrumSpec, time: Array) -> Array:
 
 def _edges(spec: BlowsSpec, unit: str) -> tuple[Array, str]:
     counted = {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[spec.of]
-    return np.array([amount(edge, counted, "edges") for edge in spec.edges]), counted
+    return np.array([si_amount(edge, counted, "edges") for edge in spec.edges]), counted
 
 
 def _blows(spec: BlowsSpec, unit: str, time: Array, values: Array) -> Array:
-    """Return what is counted of each blow."""
-    level, size = amount(spec.level, unit, "level"), np.abs(values)
+    """Return the counted number of each impact."""
+    level, size = si_amount(spec.level, unit, "level"), np.abs(values)
     above = np.concatenate([[False], size > level, [False]]).astype(int)
     begins, ends = np.flatnonzero(np.diff(above) > 0), np.flatnonzero(np.diff(above) < 0)
     if spec.of == "intervals":
         return np.asarray(np.diff(time[begins]))
     if spec.of == "peaks":
         return np.array([size[i:j].max() for i, j in zip(begins, ends, strict=True)])
-    step = 1.0 / _pace(time)
+    step = 1.0 / _row_rate(time)
     return np.array([size[i:j].sum() * step for i, j in zip(begins, ends, strict=True)])
 
 
-def _spread(found: Array, edges: Array) -> Array:
-    """Return the count of each bin; each number counts in parts in the two whose middles it is between."""
+def _soft_histogram(found: Array, edges: Array) -> Array:
+    """Return the count of each bin, numbers shared between the two nearest middles."""
     middles = 0.5 * (np.log(edges[1:]) + np.log(edges[:-1]))
     inside = np.log(found[(found >= edges[0]) & (found <= edges[-1])])
     place = np.interp(inside, middles, np.arange(len(middles), dtype=float))

@@ -20,10 +20,8 @@ __all__ = [
     "BlowsSpec",
     "ColumnSpec",
     "DerivedSpec",
-    "FilterSpec",
     "FitParameterSpec",
     "LayoutSpec",
-    "PriorSpec",
     "SpectrumSpec",
     "evaluate",
     "names_in",
@@ -40,15 +38,15 @@ def _quantity(value: object) -> object:
 
 
 #: A number or text with a unit; which unit fits is known once the model's column is.
-AnyQuantity = Annotated[Any, BeforeValidator(_quantity)]
+_AnyQuantity = Annotated[Any, BeforeValidator(_quantity)]
 
-PositiveFrequency = Annotated[float, Quantity("Hz", "positive")]
-PositiveSpan = Annotated[float, Quantity("s", "positive")]
-Triple = tuple[float, float, float]
+_PositiveFrequency = Annotated[float, Quantity("Hz", "positive")]
+_PositiveSpan = Annotated[float, Quantity("s", "positive")]
+_Triple = tuple[float, float, float]
 
 
-class FilterSpec(Spec):
-    """The low-pass filter that a reading went through: Butterworth's, causal, at rest at the record's start.
+class _FilterSpec(Spec):
+    """Low-pass filter of a reading: Butterworth, causal, at rest at the record's start.
 
     Attributes:
         order: Of it [-].
@@ -56,19 +54,19 @@ class FilterSpec(Spec):
     """
 
     order: Annotated[int, BeforeValidator(Count(1, 12).read)] = 4
-    corner: PositiveFrequency
+    corner: _PositiveFrequency
 
 
 class SpectrumSpec(Spec):
-    """A curve compared by the powers of bands of its spectrum (Welch 1967), as logarithms.
+    """Comparison by the logarithms of band powers of the spectrum (Welch 1967).
 
     Attributes:
         edges: Of the bands, rising [Hz].
         segment: Length of a segment; half of it overlaps with the next [s].
     """
 
-    edges: tuple[PositiveFrequency, ...]
-    segment: PositiveSpan
+    edges: tuple[_PositiveFrequency, ...]
+    segment: _PositiveSpan
 
     @model_validator(mode="after")
     def _check_bands(self) -> Self:
@@ -78,21 +76,21 @@ class SpectrumSpec(Spec):
 
 
 class BlowsSpec(Spec):
-    """A curve compared by a histogram of its blows: stretches in which its size is above a level.
+    """Comparison by a histogram of impacts: intervals in which a curve exceeds a level.
 
     Each counts in the two bins between whose middles its logarithm lies, in parts, so that counts follow the
     model's numbers without jumps.
 
     Attributes:
-        level: Above which a blow lasts, in the column's unit.
+        level: Above which an impact lasts, in the column's unit.
         of: What is counted: largest values ``peaks``, ``intervals`` from one onset to the next, integrals
             over time ``impulses``.
         edges: Of the bins, positive and rising, in the unit of what is counted.
     """
 
-    level: AnyQuantity
+    level: _AnyQuantity
     of: Literal["peaks", "intervals", "impulses"] = "peaks"
-    edges: tuple[AnyQuantity, ...]
+    edges: tuple[_AnyQuantity, ...]
 
     @model_validator(mode="after")
     def _check_bins(self) -> Self:
@@ -115,7 +113,7 @@ _OF_SENSOR: Mapping[str, tuple[frozenset[str], frozenset[str]]] = {
 
 
 class ColumnSpec(Spec):
-    """One column of a record: what its sensor reads of the motion, times ``gain``, plus ``offset``.
+    """Column of a record: its sensor's reading of the motion, times ``gain``, plus ``offset``.
 
     Attributes:
         column: Name in the file; that of this table if left out.
@@ -138,9 +136,9 @@ class ColumnSpec(Spec):
         filter: What the reading went through.
         compare: ``curve``, all rows; ``rms``, one number; ``spectrum``; ``blows``.
         spectrum: How, where spectra are compared.
-        blows: How, where blows are.
+        impacts: How, where impacts are.
         sd: Standard deviation of the noise: of a row of a curve, or of the rms, in the unit of what is read;
-            of a band's power as a part of it [-]. Of bands and blows it follows from counts if left out.
+            of a band's power as a part of it [-]. Of bands and impacts it follows from counts if left out.
         weight: Of the column's residuals beside the others' [-].
     """
 
@@ -150,19 +148,19 @@ class ColumnSpec(Spec):
     of: str | None = None
     link: str | None = None
     point: tuple[Any, Any, Any] | None = None
-    direction: Triple | None = None
+    direction: _Triple | None = None
     gravity: bool | None = None
-    resolution: AnyQuantity = None
+    resolution: _AnyQuantity = None
     rounding: Literal["nearest", "down"] | None = None
     joint: str | None = None
     load: Literal["force", "torque"] | None = None
     gain: float = 1.0
-    offset: AnyQuantity = 0.0
-    filter: FilterSpec | None = None
+    offset: _AnyQuantity = 0.0
+    filter: _FilterSpec | None = None
     compare: Literal["curve", "rms", "spectrum", "blows"] = "curve"
     spectrum: SpectrumSpec | None = None
     blows: BlowsSpec | None = None
-    sd: AnyQuantity = None
+    sd: _AnyQuantity = None
     weight: Annotated[float, Quantity("1", "positive")] = 1.0
 
     @model_validator(mode="after")
@@ -206,7 +204,7 @@ _SOME_DAY = datetime(2026, 5, 4, 10, 15, 30, 250000)
 
 
 class LayoutSpec(Spec):
-    """What of a record is its file's, as a recorder or a spreadsheet wrote it. Most of it is of texts.
+    """Layout of a record's file, most of it for texts.
 
     Attributes:
         delimiter: Between a text's columns; a blank is any number of blanks. Detected if left out.
@@ -262,7 +260,7 @@ class LayoutSpec(Spec):
 
 
 def _check_stamps(pattern: str) -> None:
-    """Refuse a pattern of stamps that cannot be read: an unknown directive, or the same one twice."""
+    """Refuse a pattern of time stamps with unknown or repeated directives."""
     try:
         datetime.strptime(_SOME_DAY.strftime(pattern), pattern)
     except (ValueError, re.error) as error:
@@ -373,20 +371,20 @@ def _is_call(node: ast.expr) -> bool:
 # --- parameters ---------------------------------------------------------------------------------------------
 
 
-class PriorSpec(Spec):
-    """Knowledge of a parameter from elsewhere: a normal distribution.
+class _PriorSpec(Spec):
+    """Prior of a parameter: a normal distribution.
 
     Attributes:
         mean: Its mean, in the parameter's unit.
         sd: Its standard deviation, in the parameter's unit.
     """
 
-    mean: AnyQuantity
-    sd: AnyQuantity
+    mean: _AnyQuantity
+    sd: _AnyQuantity
 
 
 class FitParameterSpec(Spec):
-    """One unknown number.
+    """Unknown number.
 
     Attributes:
         key: Key of the scenario, as a study has it, or several that get the same value; or a number of a
@@ -401,20 +399,20 @@ class FitParameterSpec(Spec):
     """
 
     key: str | tuple[str, ...] = ()
-    start: AnyQuantity
-    between: tuple[AnyQuantity, AnyQuantity] | None = None
+    start: _AnyQuantity
+    between: tuple[_AnyQuantity, _AnyQuantity] | None = None
     scale: Literal["linear", "log"] = "linear"
-    prior: PriorSpec | None = None
+    prior: _PriorSpec | None = None
     records: tuple[str, ...] | None = None
     title: str = ""
 
     @property
     def keys_set(self) -> tuple[str, ...]:
-        """The keys that it is."""
+        """Keys that the parameter sets."""
         return (self.key,) if isinstance(self.key, str) else self.key
 
     def numbers(self) -> tuple[float, float, float, str]:
-        """Return start, lower and upper bound in SI units (infinite if there is none), and the unit."""
+        """Return start and bounds in SI units, infinite without bounds, and the unit."""
         texts = (self.start, *(self.between or ()))
         read = [any_quantity(text) or (0.0, "") for text in texts]
         unit = next((unit for _, unit in read if unit not in ("", "1")), "")
@@ -425,7 +423,7 @@ class FitParameterSpec(Spec):
         return read[0][0], low, high, unit
 
     def prior_numbers(self) -> tuple[float, float]:
-        """Return mean and standard deviation of the prior in SI units; zero and infinity if there is none."""
+        """Return mean and standard deviation of the prior in SI units."""
         if self.prior is None:
             return 0.0, float("inf")
         mean, sd = ((any_quantity(one) or (0.0, ""))[0] for one in (self.prior.mean, self.prior.sd))
@@ -457,13 +455,13 @@ class FitParameterSpec(Spec):
 
 
 def _unit(value: object) -> str:
-    """Return the SI unit that a quantity names; "" of a pure number."""
+    """Return the SI unit of a quantity; "" of a pure number."""
     unit = (any_quantity(value) or (0.0, ""))[1]
     return "" if unit == "1" else unit
 
 
 class DerivedSpec(Spec):
-    """A number of the scenario that follows from parameters, such as ``coulomb + excess``.
+    """Number of the scenario that follows from parameters, such as ``coulomb + excess``.
 
     With a difference as the parameter, of zero or more, two numbers keep their order.
 
@@ -481,7 +479,7 @@ class DerivedSpec(Spec):
 
     @property
     def keys_set(self) -> tuple[str, ...]:
-        """The keys that it is."""
+        """Keys that the number sets."""
         return (self.key,) if isinstance(self.key, str) else self.key
 
     @field_validator("value")

@@ -35,20 +35,18 @@ __all__ = [
     "DOUBT",
     "LOSSES",
     "Loss",
-    "NOISES",
     "Noise",
     "Rank",
     "Residuals",
     "Sure",
     "cost",
     "curvature",
-    "hang_together",
+    "is_correlated",
     "influence",
-    "persistence",
+    "autocorrelation",
     "rank_of",
-    "student",
+    "student_quantile",
     "sure",
-    "variance_factor",
 ]
 
 Array = NDArray[np.float64]
@@ -84,19 +82,19 @@ def _terms(residuals: Array, loss: Loss, scale: float) -> tuple[Array, Array, Ar
 
 
 def cost(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> float:
-    """Return twice what the fit makes small: of the linear loss the sum of squares [-]."""
+    """Return twice the minimized loss: of the linear loss the sum of squares [-]."""
     _, rho, _, _ = _terms(residuals, loss, scale)
     return float(scale**2 * rho.sum())
 
 
 def influence(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> Array:
-    """Return the slope psi of the loss in each residual, (m,) [-]; the residual itself of the linear one."""
+    """Return the slope psi of the loss in each residual, (m,) [-]."""
     _, _, slope, _ = _terms(residuals, loss, scale)
     return np.asarray(slope * residuals)
 
 
 def curvature(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> Array:
-    """Return the curvature psi' of the loss in each residual, (m,) [-]; 1 of the linear one.
+    """Return the curvature psi' of the loss in each residual, (m,) [-].
 
     That of ``cauchy`` and ``arctan`` is negative far out.
     """
@@ -112,34 +110,34 @@ DOUBT = 1e-7
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rank:
-    """What a Jacobian tells of its parameters.
+    """Rank of a Jacobian.
 
     Attributes:
-        felt: Whether a parameter changes the record at all, (p,).
+        influential: Whether a parameter changes the record at all, (p,).
         determined: Whether it can be told from the record, all others free, (p,).
         lengths: Of the columns, each times its parameter's scale, (p,) [-].
         singular: Singular values of the columns at length 1, falling, those of parameters that are not felt
             left out, (felt,) [-].
-        told: Directions of the scaled parameters that the record tells, a row each, (rank, p).
+        identified: Directions of the scaled parameters that the record tells, a row each, (rank, p).
         null: Directions along which the record stays as it is, a row each with a 1 in a place where the
             others have a 0, (p - rank, p) in scales of the parameters: as few parameters together as can be.
     """
 
-    felt: NDArray[np.bool_]
+    influential: NDArray[np.bool_]
     determined: NDArray[np.bool_]
     lengths: Array
     singular: Array
-    told: Array
+    identified: Array
     null: Array
 
     @property
     def full(self) -> bool:
-        """Whether every parameter can be told."""
+        """Whether every parameter is identifiable."""
         return bool(self.determined.all())
 
 
 def rank_of(jacobian: Array, scale: Array, doubt: float = DOUBT) -> Rank:
-    """Return what a Jacobian tells of its parameters.
+    """Return the rank of a Jacobian, with its identifiable directions.
 
     A direction is one that cannot be told if what it does to the record is within the error of the Jacobian
     itself: a singular value below ``doubt`` times the root of the number of parameters, of columns of length
@@ -186,7 +184,7 @@ def rank_of(jacobian: Array, scale: Array, doubt: float = DOUBT) -> Rank:
 
 
 def _echelon(rows: Array) -> Array:
-    """Return rows of the same span, each with a 1 where all others have a 0, the largest entry first."""
+    """Return rows of the same span in reduced echelon form, largest entries first."""
     found = rows.copy()
     free = np.ones(found.shape[1], dtype=bool)
     for k in range(len(found)):
@@ -203,16 +201,16 @@ def _echelon(rows: Array) -> Array:
 # --- covariance and confidence intervals --------------------------------------------------------------------
 
 Noise = Literal["given", "estimated", "correlated"]
-"""What is known of the noise: its size; that residuals are it; that they hang together in time as well."""
+"""What is known of the noise: its size; that residuals are it; that they are correlated in time as well."""
 
-NOISES: tuple[Noise, ...] = get_args(Noise)
+_NOISES: tuple[Noise, ...] = get_args(Noise)
 
 # How near to its bound a value is held to be there, as a share of the way between bounds, or of its scale.
 _AT_BOUND = 1e-9
 
 
 class Residuals(Protocol):
-    """What a fit makes small, over its free parameters."""
+    """Residuals that a fit minimizes, over its free parameters."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -243,7 +241,7 @@ class Residuals(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sure:
-    """How sure the values of a fit are.
+    """Uncertainty of a fit's values.
 
     Attributes:
         names: Of the parameters.
@@ -258,7 +256,8 @@ class Sure:
         held: Whether a value is at a bound and would go on beyond it, (p,): the others are sure as if it was
             known.
         rank: What the record tells of those that are not held.
-        along: Covariance along the directions that it tells, ``rank.told``, (rank, rank).
+        direction_covariance: Covariance along the directions that it tells, ``rank.identified``, (rank,
+            rank).
         freedom: Residuals less parameters [-].
         factor: The variance of a weighted residual, phi [-].
         stretch: How many times a variance is that of phi and the curvature of the loss alone, (p,) [-]: 1
@@ -277,7 +276,7 @@ class Sure:
     level: float
     held: NDArray[np.bool_]
     rank: Rank
-    along: Array
+    direction_covariance: Array
     freedom: int
     factor: float
     stretch: Array
@@ -286,19 +285,19 @@ class Sure:
 
     @property
     def quantile(self) -> float:
-        """How many standard errors an interval reaches to either side [-]."""
-        return student(self.level, math.inf if self.noise == "given" else self.freedom)
+        """Half width of an interval in standard errors [-]."""
+        return student_quantile(self.level, math.inf if self.noise == "given" else self.freedom)
 
     @property
     def chance(self) -> float:
-        """Share of records of the stated noise that would be farther from the model than this one [-]."""
+        """Probability of a worse record by the stated noise [-]."""
         from scipy.stats import chi2
 
         return float(chi2.sf(self.chi_squared, self.freedom))
 
 
-def student(level: float, freedom: float) -> float:
-    """Return how many standard errors Student's t reaches to either side [-]; with no end, the normal one."""
+def student_quantile(level: float, freedom: float) -> float:
+    """Return the half width of an interval in standard errors [-], by Student's t."""
     from scipy import stats
 
     share = 0.5 + 0.5 * level
@@ -317,13 +316,13 @@ def sure(
     curves: NDArray[np.intp] | None = None,
     doubt: float = DOUBT,
 ) -> Sure:
-    """Return how sure the values are at which a fit has ended.
+    """Return the uncertainty of values at which a fit has ended.
 
     Args:
         problem: What was fitted.
         values: The best values, (p,).
         noise: What is known of it: ``given``, residuals are in units of it; ``estimated``, its size is found
-            from the residuals; ``correlated``, and they hang together in time.
+            from the residuals; ``correlated``, and they are correlated in time.
         loss: That the fit used.
         loss_scale: The residual at which it begins to count less [-].
         level: Of the intervals [-].
@@ -335,8 +334,8 @@ def sure(
         InvalidParameterError: There are no more residuals than parameters, or the curvature of a loss that
             falls far out is not positive at the best values.
     """
-    if noise not in NOISES:
-        raise UnknownNameError("fit", "noise", noise, NOISES)
+    if noise not in _NOISES:
+        raise UnknownNameError("fit", "noise", noise, _NOISES)
     if not 0.0 < level < 1.0:
         raise InvalidParameterError("fit", "level", "between 0 and 1 [-]", level)
     found = np.asarray(values, dtype=float)
@@ -346,24 +345,24 @@ def sure(
     held = _held(problem, found, jacobian.T @ slope)
     if held.any():
         rank = rank_of(np.where(held, 0.0, jacobian), problem.scale, doubt)
-    freedom = len(residuals) - len(rank.told)
+    freedom = len(residuals) - len(rank.identified)
     if freedom < 1 and not (noise == "given" and loss == "linear"):
-        rule = f"more than parameters that they tell, {len(rank.told)}"
+        rule = f"more than parameters that they tell, {len(rank.identified)}"
         raise InvalidParameterError("fit", "residuals", rule, len(residuals))
     bend = curvature(residuals, loss, loss_scale)
-    factor = 1.0 if noise == "given" and loss == "linear" else variance_factor(slope, bend, freedom)
-    along = (jacobian * problem.scale) @ rank.told.T
+    factor = 1.0 if noise == "given" and loss == "linear" else _variance_factor(slope, bend, freedom)
+    along = (jacobian * problem.scale) @ rank.identified.T
     if loss == "linear" and noise != "correlated":
-        inner = np.diag(factor / rank.singular[: len(rank.told)] ** 2)
+        inner = np.diag(factor / rank.singular[: len(rank.identified)] ** 2)
         stretch = np.ones(len(found))
     else:
         whole = _curvature(along, bend, loss)
-        spread = _spread(along, slope, residuals, noise, curves) * (len(residuals) / freedom)
+        spread = _score_variance(along, slope, residuals, noise, curves) * (len(residuals) / freedom)
         inner = np.linalg.solve(whole, np.linalg.solve(whole, spread).T)
-        naive = np.einsum("ki,kl,li->i", rank.told, factor * np.linalg.inv(whole), rank.told)
-        real = np.einsum("ki,kl,li->i", rank.told, inner, rank.told)
+        naive = np.einsum("ki,kl,li->i", rank.identified, factor * np.linalg.inv(whole), rank.identified)
+        real = np.einsum("ki,kl,li->i", rank.identified, inner, rank.identified)
         stretch = np.divide(real, naive, out=np.ones(len(found)), where=naive > 0.0)
-    scaled = rank.told.T @ inner @ rank.told
+    scaled = rank.identified.T @ inner @ rank.identified
     covariance = scaled * np.outer(problem.scale, problem.scale)
     unclear = ~rank.determined & ~held
     covariance[unclear, :] = covariance[:, unclear] = np.nan
@@ -374,7 +373,7 @@ def sure(
     correlation = covariance / np.outer(sizes, sizes)
     known = np.isfinite(sizes)
     correlation[known, known] = 1.0
-    reach = student(level, math.inf if noise == "given" else freedom)
+    reach = student_quantile(level, math.inf if noise == "given" else freedom)
     return Sure(
         tuple(problem.names),
         found,
@@ -395,8 +394,8 @@ def sure(
     )
 
 
-def variance_factor(slope: Array, bend: Array, freedom: int) -> float:
-    """Return phi, by which twice the growth of a loss about its least is a chi squared [-].
+def _variance_factor(slope: Array, bend: Array, freedom: int) -> float:
+    """Return phi, which scales the growth of a loss to a chi squared [-].
 
     Of the linear loss the variance of the residuals; of others E(psi^2) / E(psi').
     """
@@ -423,31 +422,31 @@ def _curvature(along: Array, bend: Array, loss: Loss) -> Array:
     return np.asarray(whole)
 
 
-def _spread(
+def _score_variance(
     along: Array, slope: Array, residuals: Array, noise: Noise, curves: NDArray[np.intp] | None
 ) -> Array:
-    """Return the variance of the loss's slope, (rank, rank); within curves also over what hangs together."""
+    """Return the variance of the loss's slope, (rank, rank), within curves if correlated."""
     scores = along * slope[:, None]
     total = scores.T @ scores
     if noise != "correlated":
         return np.asarray(total)
-    for part in _parts(len(residuals), curves):
+    for part in _curve_parts(len(residuals), curves):
         mine = scores[part]
-        lags = _lags(persistence(residuals[part]), len(mine))
+        lags = _lag_count(autocorrelation(residuals[part]), len(mine))
         for lag in range(1, lags + 1):
             one = mine[lag:].T @ mine[:-lag]
             total = total + (1.0 - lag / (lags + 1.0)) * (one + one.T)
     return np.asarray(total)
 
 
-def _parts(count: int, curves: NDArray[np.intp] | None) -> list[NDArray[np.intp]]:
+def _curve_parts(count: int, curves: NDArray[np.intp] | None) -> list[NDArray[np.intp]]:
     if curves is None:
         return [np.arange(count)]
     return [np.flatnonzero(curves == one) for one in np.unique(curves)]
 
 
-def persistence(residuals: Array) -> float:
-    """Return how much of a residual is there again in the next one: their correlation [-]; 0 of noise."""
+def autocorrelation(residuals: Array) -> float:
+    """Return the correlation of residuals with the next ones [-]."""
     if len(residuals) < 3:
         return 0.0
     apart = residuals - residuals.mean()
@@ -455,13 +454,13 @@ def persistence(residuals: Array) -> float:
     return float(apart[1:] @ apart[:-1]) / total if total > 0.0 else 0.0
 
 
-def hang_together(residuals: Array) -> bool:
-    """Return whether residuals know the next ones, by more than three standard errors of what noise does."""
-    return len(residuals) > 10 and persistence(residuals) > 3.0 / math.sqrt(len(residuals))
+def is_correlated(residuals: Array) -> bool:
+    """Return whether residuals are correlated by more than three standard errors."""
+    return len(residuals) > 10 and autocorrelation(residuals) > 3.0 / math.sqrt(len(residuals))
 
 
-def _lags(rho: float, count: int) -> int:
-    """Return over how many lags residuals are taken together: Andrews (1991), (6.2) and (6.4), of AR(1)."""
+def _lag_count(rho: float, count: int) -> int:
+    """Return the number of lags of correlation: Andrews (1991), (6.2), (6.4), of AR(1)."""
     rho = min(abs(rho), 0.99)
     strength = 4.0 * rho**2 / (1.0 - rho**2) ** 2
     return min(int(math.ceil(1.1447 * float(strength * count) ** (1.0 / 3.0))), count // 4)

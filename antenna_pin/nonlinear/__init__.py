@@ -1,4 +1,4 @@
-"""Nonlinear dynamics: Poincaré sections, bifurcation diagrams, periodic orbits, stability, Lyapunov exponents."""
+"""Nonlinear dynamics: Poincaré sections, bifurcation diagrams, periodic orbits, Lyapunov exponents."""
 
 from antenna_pin.base.lazy import exported
 

@@ -22,14 +22,17 @@ from antenna_pin.sensitivity.parameters import (
     GrazeError,
     Parameter,
     SensitivityError,
-    begun_from,
-    is_of_start,
+    is_initial,
+    shifted_start,
 )
 from antenna_pin.simulation import simulate
 from antenna_pin.simulation.inputs import controllers_of, events_of
 from antenna_pin.trajectory import Column, Outcome, Trajectory, columns_of
 
-__all__ = ["ByRuns", "Slopes", "numbers_at"]
+__all__ = [
+    "FiniteDifferences",
+    "Slopes",
+]
 
 Array = NDArray[np.float64]
 
@@ -38,20 +41,20 @@ Array = NDArray[np.float64]
 _INSTANTS = ("onset_time", "change_time", "event_time")
 
 
-def first_unlike(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> float:
-    """Return when contacts, changes or events of two runs begin to differ [s]; NaN if all begin alike.
+def _first_difference(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> float:
+    """Return the first time at which events of two runs differ [s], or NaN.
 
     Args:
         ours: Variables of a run.
         theirs: Those of another.
     """
-    found = [_first(*(_course(one, name) for one in (ours, theirs))) for name in _INSTANTS]
+    found = [_first_mismatch(*(_event_sequence(one, name) for one in (ours, theirs))) for name in _INSTANTS]
     earliest = min(found)
     return earliest if earliest < math.inf else math.nan
 
 
-def _course(run: Mapping[str, Column], name: str) -> list[tuple[float, tuple[str, ...]]]:
-    """Return instants of a kind in order, each with what it is of: all that is no measured number."""
+def _event_sequence(run: Mapping[str, Column], name: str) -> list[tuple[float, tuple[str, ...]]]:
+    """Return the events of a kind in order, with their labels."""
     if name not in run:
         return []
     dim = run[name].dims[0]
@@ -59,8 +62,10 @@ def _course(run: Mapping[str, Column], name: str) -> list[tuple[float, tuple[str
     return [(float(time), tuple(str(each[k]) for each in said)) for k, time in enumerate(run[name].values)]
 
 
-def _first(mine: list[tuple[float, tuple[str, ...]]], other: list[tuple[float, tuple[str, ...]]]) -> float:
-    """Return when two courses begin to differ [s]; infinite where they do not."""
+def _first_mismatch(
+    mine: list[tuple[float, tuple[str, ...]]], other: list[tuple[float, tuple[str, ...]]]
+) -> float:
+    """Return the time at which two sequences begin to differ [s]; infinite if never."""
     for (here, what), (there, instead) in zip(mine, other, strict=False):
         if what != instead:
             return min(here, there)
@@ -68,25 +73,26 @@ def _first(mine: list[tuple[float, tuple[str, ...]]], other: list[tuple[float, t
     return rest[0][0] if rest else math.inf
 
 
-# --- whether the contacts and events of a neighbour are those of a run, and in which order it has them ---
+# --- whether the contacts and events of a perturbed run are those of a run, and in which order it has them
+# ---
 
-# Onsets of several contacts that are one instant, as where both rims of a bore are met at once: which of them
+# Onsets of several contacts that are one time, as where both rims of a bore are met at once: which of them
 # is noted first is a matter of round-off [s].
 _AT_ONCE = 1e-9
 
 
-def in_order_of(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> Mapping[str, Column]:
-    """Return a neighbour's variables with contacts that begin at once in the order of a run's.
+def _in_order_of(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> Mapping[str, Column]:
+    """Return a perturbed run's variables with simultaneous onsets in a run's order.
 
     Args:
         ours: The run's.
-        theirs: The neighbour's.
+        theirs: The perturbed run's.
     """
     count = len(theirs["onset_time"].values) if "onset_time" in theirs else -1
     if count < 0 or "onset_time" not in ours or len(ours["onset_time"].values) != count:
         return theirs
     order = np.empty(count, dtype=int)
-    order[_by_contact(ours)] = _by_contact(theirs)
+    order[_onset_order(ours)] = _onset_order(theirs)
     if (np.diff(order) > 0).all():
         return theirs
     return {
@@ -97,19 +103,19 @@ def in_order_of(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> Map
     }
 
 
-def _by_contact(run: Mapping[str, Column]) -> NDArray[np.int_]:
-    """Return contacts in the order in which they begin, of those at once the first in number first."""
+def _onset_order(run: Mapping[str, Column]) -> NDArray[np.int_]:
+    """Return contacts in order of onset, simultaneous ones in order of number."""
     onsets = run["onset_time"].values
     later = np.diff(onsets, prepend=onsets[:1]) > _AT_ONCE
     return np.lexsort((run["episode_contact"].values, np.cumsum(later)))
 
 
-def check_alike(ours: Mapping[str, Column], theirs: Mapping[str, Column], what: str) -> None:
-    """Refuse a neighbour in which other contacts begin, or other things happen.
+def _check_same_events(ours: Mapping[str, Column], theirs: Mapping[str, Column], what: str) -> None:
+    """Refuse a perturbed run with other onsets or events.
 
     Args:
         ours: The variables of the run.
-        theirs: Those of the neighbour, in its order.
+        theirs: Those of the perturbed run, in its order.
         what: What is said of it.
 
     Raises:
@@ -120,7 +126,7 @@ def check_alike(ours: Mapping[str, Column], theirs: Mapping[str, Column], what: 
         if "time" in here.dims or here.dtype.kind == "f" and there is not None and here.shape == there.shape:
             continue
         if there is None or here.shape != there.shape or not np.array_equal(here.values, there.values):
-            time = first_unlike(ours, theirs)
+            time = _first_difference(ours, theirs)
             at = "" if np.isnan(time) else f", first at {time:.9g} s"
             raise GrazeError(
                 f"sensitivities: {what}, other contacts begin or other events happen{at}: it has no "
@@ -131,7 +137,7 @@ def check_alike(ours: Mapping[str, Column], theirs: Mapping[str, Column], what: 
 
 # Steps of differences of each order, over a parameter's scale, the largest first; the first with which two
 # orders agree so well counts, else the one with which they agree best. Where contacts come to rest by ever
-# smaller blows only the finest leave their number as it is.
+# smaller impacts only the finest leave their number as it is.
 _STEPS = {6: (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), 2: (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)}
 _GOOD = {6: 1e-7, 2: 1e-3}
 # How much finer each of them is than the one before.
@@ -160,7 +166,7 @@ class Slopes(NamedTuple):
 
 
 class _Difference(NamedTuple):
-    """A derivative of a variable by one step.
+    """Derivative of a variable by one step.
 
     Attributes:
         value: The derivative.
@@ -175,8 +181,8 @@ class _Difference(NamedTuple):
     noise: float
 
 
-def numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
-    """Return the numbers of a result that may have derivatives, at some of its times.
+def _numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
+    """Return the differentiable numbers of a result, at some of its times.
 
     Raises:
         SensitivityError: The run has no sample there.
@@ -189,7 +195,7 @@ def numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
 
 
 def _samples_at(had: Array, times: Array) -> NDArray[np.int_]:
-    """Return which of a run's samples are at some times."""
+    """Return the indices of a run's samples at some times."""
     near = _ULPS * np.spacing(max(float(had[-1]), float(times.max(initial=0.0))))
     at = np.searchsorted(had, times + near, side="right") - 1
     lacking = np.abs(had[at] - times) > near
@@ -199,7 +205,7 @@ def _samples_at(had: Array, times: Array) -> NDArray[np.int_]:
 
 
 def _sizes(data: xr.Dataset) -> dict[str, float]:
-    """Return how large the numbers of the unit of each variable are."""
+    """Return the largest size among variables of the same unit, by variable."""
     own = {
         str(name): float(np.nanmax(np.abs(one.values), initial=0.0)) for name, one in data.data_vars.items()
     }
@@ -211,15 +217,15 @@ def _sizes(data: xr.Dataset) -> dict[str, float]:
 
 
 def _longest(data: xr.Dataset) -> float:
-    """Return how long the longest of a run's contacts lasts [s]."""
+    """Return the duration of a run's longest contact [s]."""
     if "onset_time" not in data:
         return 0.0
     until = np.fmin(data["release_time"].values, float(data.attrs["end_time"]))
     return float(np.nanmax(until - data["onset_time"].values, initial=0.0))
 
 
-class ByRuns:
-    """Differentiates what runs of a scenario give.
+class FiniteDifferences:
+    """Derivatives of a scenario's results by differences of runs.
 
     Args:
         scenario: The scenario.
@@ -241,14 +247,14 @@ class ByRuns:
         processes: int = 1,
         order: int = 6,
     ) -> None:
-        """Make the run itself."""
+        """Make the nominal run."""
         self._order, self._first = order, 0
         self._scenario, self._settings, self._duration = scenario, settings, duration
         self._times, self._start, self._processes = times, start, processes
         self._system = build_system(scenario) if start is not None else None
         self.run = self._made(scenario, "the run", start)
         self._columns = columns_of(self.run)
-        self.here = numbers_at(self.run, times)
+        self.here = _numbers_at(self.run, times)
         self._here = {str(name): one.values for name, one in self.here.data_vars.items()}
         #: How large numbers of a variable are, or of others of its unit: it may be next to zero itself.
         self.sizes = _sizes(self.here)
@@ -256,7 +262,7 @@ class ByRuns:
         self._longest = _longest(self.run.data)
 
     def _made(self, scenario: Scenario, what: str, start: State | None) -> Trajectory:
-        """Return a run: the run itself of its scenario, others, and those from a state, of a system.
+        """Return a run of a scenario, from its start or from a state.
 
         Raises:
             SensitivityError: It did not come to its end.
@@ -279,21 +285,21 @@ class ByRuns:
             raise SensitivityError(f"sensitivities: {what} has no whole result: {run.message}")
         return run
 
-    def over(self, parameters: Sequence[Parameter]) -> list[Slopes]:
+    def derivatives(self, parameters: Sequence[Parameter]) -> list[Slopes]:
         """Return the derivatives over each of some parameters.
 
         Raises:
             GrazeError: A contact or an event comes or goes with one.
-            SensitivityError: A run did not come to its end, or the scenario refuses a neighbour's value.
+            SensitivityError: A run did not come to its end, or the scenario refuses a perturbed run's value.
         """
         return [self._over(one) for one in parameters]
 
     def _over(self, parameter: Parameter) -> Slopes:
-        """Return derivatives by the steps that are best for each number, of as few steps as tell that.
+        """Return derivatives by the best step for each number, with few steps.
 
-        They begin with the largest one that left the last parameter's neighbours alike. Finer ones are made
-        while a number that is not known well would be known better, to judge by the two before; coarser ones
-        where what it is off by at the first is the runs' own error.
+        They begin with the largest one that left the last parameter's perturbed runs alike. Finer ones are
+        made while a number that is not known well would be known better, to judge by the two before; coarser
+        ones where what it is off by at the first is the runs' own error.
         """
         best: dict[str, _Difference] = {}
         steps, first = _STEPS[self._order], self._first
@@ -317,7 +323,7 @@ class ByRuns:
             assert unlike is not None
             raise unlike
         coarser = () if unlike is not None and self._first > first else reversed(steps[: self._first])
-        for step in coarser:  # of which none has just been found to part neighbours
+        for step in coarser:  # of which none has just been found to part perturbed runs
             if not any(self._poor(one) and one.worst < 2.0 * one.noise for one in best.values()):
                 break
             try:
@@ -330,11 +336,11 @@ class ByRuns:
         return Slopes({k: one.value for k, one in best.items()}, {k: one.doubt for k, one in best.items()})
 
     def _poor(self, one: _Difference) -> bool:
-        """Whether a number is not known well."""
+        """Return whether a number is inaccurate."""
         return one.worst > _GOOD[self._order]
 
     def _take(self, best: dict[str, _Difference], found: dict[str, _Difference], *, finer: bool) -> bool:
-        """Keep of each number the difference that is least in doubt; return whether one was poor and is less.
+        """Update the best differences; return whether an inaccurate one improved.
 
         What parts two orders goes with a power of the step: what is more of it than that is noise.
         """
@@ -350,7 +356,7 @@ class ByRuns:
         return gained
 
     def _differences(self, parameter: Parameter, step: float) -> dict[str, _Difference]:
-        """Return derivatives by variable, by runs of neighbours on both sides."""
+        """Return derivatives by variable, by perturbed runs on both sides."""
         h, points = step * parameter.scale, (1, 2, 3) if self._order == 6 else (1,)
         values = [parameter.value + side * point * h for side in (1, -1) for point in points]
         work: Callable[[float], dict[str, Array]] = functools.partial(self._neighbour, parameter)
@@ -377,7 +383,7 @@ class ByRuns:
         return found
 
     def _neighbour(self, parameter: Parameter, value: float) -> dict[str, Array]:
-        """Return the numbers of a neighbour's run, by variable.
+        """Return the numbers of a perturbed run, by variable.
 
         Raises:
             GrazeError: Other contacts begin in it, or other events happen.
@@ -390,16 +396,16 @@ class ByRuns:
                 f"sensitivities: {parameter.key} must have room on both sides: {error}"
             ) from error
         start = self._start
-        if start is not None and self._system is not None and is_of_start(parameter.key):
-            start = begun_from(start, self._scenario, other, self._system)
+        if start is not None and self._system is not None and is_initial(parameter.key):
+            start = shifted_start(start, self._scenario, other, self._system)
         try:
             run = self._made(other, f"a run {what}", start)
         except SensitivityError:
             raise
         except AntennaPinError as error:  # of what is built, which only some values want more for
             raise SensitivityError(f"sensitivities: {what}, which is next to its value: {error}") from error
-        there = in_order_of(self._columns, columns_of(run))
-        check_alike(self._columns, there, what)
+        there = _in_order_of(self._columns, columns_of(run))
+        _check_same_events(self._columns, there, what)
         at = _samples_at(there["time"].values, self._times) if "time" in there else slice(None)
         return {
             name: np.asarray(there[name].values[at] if "time" in there[name].dims else there[name].values)

@@ -37,15 +37,19 @@ from antenna_pin.sensitivity.parameters import (
     GrazeError,
     Parameter,
     SensitivityError,
-    begun_from,
-    is_of_start,
+    is_initial,
+    shifted_start,
 )
-from antenna_pin.sensitivity.state_series import InTime, OfStates
-from antenna_pin.sensitivity.tangent_run import Along, Lasting
+from antenna_pin.sensitivity.state_series import StateSeries, TimeDerivatives
+from antenna_pin.sensitivity.tangent_run import ContactShift, TangentRecord
 from antenna_pin.simulation.inputs import check_without_controllers, events_of
 from antenna_pin.simulation.variables import SIZES, TOTALS
 
-__all__ = ["ByEquation", "Peaks", "by_names", "largest_of", "moments_of", "peaks_of"]
+__all__ = [
+    "ForwardSensitivity",
+    "named_derivatives",
+    "maximum_times",
+]
 
 Array = NDArray[np.float64]
 
@@ -55,8 +59,8 @@ Array = NDArray[np.float64]
 _START = 1e-3
 
 
-class Neighbour(NamedTuple):
-    """A scenario next to the given one.
+class _PerturbedScenario(NamedTuple):
+    """Scenario with one parameter perturbed.
 
     Attributes:
         scenario: The scenario.
@@ -69,8 +73,8 @@ class Neighbour(NamedTuple):
     first: State
 
 
-class ByEquation:
-    """Differentiates samples of one run of a scenario.
+class ForwardSensitivity:
+    """Derivatives of samples of a scenario's run over parameters, by the variational equation.
 
     Args:
         scenario: The scenario.
@@ -89,26 +93,26 @@ class ByEquation:
         settings: RunSettings,
         start: State | None = None,
     ) -> None:
-        """Build the system and its neighbours."""
+        """Build the system and its perturbations."""
         check_without_controllers("sensitivities", scenario)
         self._scenario, self.parameters, self.settings = scenario, tuple(parameters), settings
         self._from = start
-        self.made = functools.cache(self._neighbour)
-        self._here = self.made(0, 0.0)
+        self.at = functools.cache(self._neighbour)
+        self._here = self.at(0, 0.0)
         system = self._here.system
         self.flow = Flow(system, settings, events_of(scenario), scenario)
         builds = [functools.partial(self._system, k) for k in range(len(self.parameters))]
         self._numbers = ParameterSlopes(system, builds, [one.key for one in self.parameters])
         self._next = StatePerturbation(system, len(self.parameters))
-        # A neighbour begins with its own numbers of elements; what these keep is displaced by itself.
+        # A perturbed run begins with its own numbers of elements; their memory is perturbed separately.
         self._numbers.slopes["program"][:, self._next.memory.words] = 0.0
         beside = PerturbedParameters(system, settings, self._numbers, self._system)
         scales = np.array([one.scale for one in self.parameters])
-        #: What a result says of its states, and of displaced ones.
-        self.told = OfStates(beside, self._next, settings, self._here.first, scales)
+        #: What a result says of its states, and of perturbed ones.
+        self.state_series = StateSeries(beside, self._next, settings, self._here.first, scales)
 
-    def _neighbour(self, k: int, s: float) -> Neighbour:
-        """Return the scenario with a parameter so many scales farther."""
+    def _neighbour(self, k: int, s: float) -> _PerturbedScenario:
+        """Return the scenario with a parameter shifted by s scales."""
         one, scenario = self.parameters[k], self._scenario
         if s != 0.0:
             value = one.value + s * one.scale
@@ -123,18 +127,18 @@ class ByEquation:
         system = build_system(scenario)
         if self._from is not None:
             first = self._from
-            if s != 0.0 and is_of_start(self.parameters[k].key):
-                first = begun_from(first, self._scenario, scenario, system)
-            return Neighbour(scenario, system, first)
+            if s != 0.0 and is_initial(self.parameters[k].key):
+                first = shifted_start(first, self._scenario, scenario, system)
+            return _PerturbedScenario(scenario, system, first)
         flow = Flow(system, self.settings, events_of(scenario))
         first = flow.first(*initial_state(scenario, system), initial_angles(scenario, system))
-        return Neighbour(scenario, system, first)
+        return _PerturbedScenario(scenario, system, first)
 
     def _system(self, k: int, s: float) -> System:
-        return self.made(k, s).system
+        return self.at(k, s).system
 
     def _start(self, lift: Lift) -> Array:
-        """Return the displacements of the first state in coordinates, (size, parameters)."""
+        """Return the perturbations of the first state in coordinates, (size, parameters)."""
         columns = []
         for k in range(len(self.parameters)):
             columns.append(few(functools.partial(self._apart, k), _START)[0])
@@ -143,9 +147,9 @@ class ByEquation:
         return np.asarray(lift.down @ ways)
 
     def _apart(self, k: int, j: int) -> Array:
-        """Return the displacement of a neighbour's first state, without that of the parameter itself."""
+        """Return the perturbation of the first state, without that of the parameter itself."""
         here, s = self._here.first, j * _START
-        found = self._next.between(here, self.made(k, s).first if j else here)
+        found = self._next.between(here, self.at(k, s).first if j else here)
         if found is None:
             one = self.parameters[k]
             raise GrazeError(
@@ -155,8 +159,8 @@ class ByEquation:
             )
         return found
 
-    def carried(self, times: Array, duration: float, moments: Array) -> Along:
-        """Return the run with how parameters displace it, seen at some times and where contacts are deepest.
+    def run(self, times: Array, duration: float, moments: Array) -> TangentRecord:
+        """Return the run with its tangents, recorded at times and depth maxima.
 
         Its samples are the run's first one and these, in order.
 
@@ -177,7 +181,7 @@ class ByEquation:
         carrier = TangentPropagation(
             run, Chart(flow.system, first).frame, self._start, self._numbers, samples
         )
-        along = Along(run, carrier, self._numbers, begin, len(self.parameters))
+        along = TangentRecord(run, carrier, self._numbers, begin, len(self.parameters))
         run.advance(observer=along)
         flow.check_ended(run, span, first)
         return along
@@ -185,7 +189,7 @@ class ByEquation:
 
 # --- largest values -----------------------------------------------------------------------------------------
 
-Series = dict[str, tuple[Array, Array]]
+_Series = dict[str, tuple[Array, Array]]
 
 # Two times of one event [s]; two that are one but for round-off, over the later.
 _SAME, _ONE = 1e-9, 1e-14
@@ -193,13 +197,13 @@ _SAME, _ONE = 1e-9, 1e-14
 _FOUND = 1e-3
 
 
-class Peaks(NamedTuple):
-    """Of each contact of a result when its force is largest and how large, (episodes, parameters) each.
+class _Peaks(NamedTuple):
+    """Shifts of force peaks in time and size, (episodes, parameters) each.
 
     Attributes:
         late: By how much later per scale [s].
-        late_doubt: By how much that is in doubt.
-        force: By how much larger at that instant [N].
+        late_doubt: By how much that is uncertain.
+        force: By how much larger at that time [N].
         force_doubt: Likewise.
     """
 
@@ -209,25 +213,27 @@ class Peaks(NamedTuple):
     force_doubt: Array
 
 
-def moments_of(run: xr.Dataset) -> Array:
-    """Return when forces of contacts, and sizes that are said, are largest in a result (n,) [s]."""
+def maximum_times(run: xr.Dataset) -> Array:
+    """Return the times of force peaks and reported maxima of a result, (n,) [s]."""
     found = [run["peak_time"].values] if "peak_time" in run else []
-    found += [_times(run, name).reshape(-1) for name in _said(run)]
+    found += [_times(run, name).reshape(-1) for name in _maxima_names(run)]
     every = np.concatenate(found) if found else np.zeros(0)
     return np.unique(every[np.isfinite(every)])
 
 
-def peaks_of(along: Along, series: Series, in_time: InTime, run: xr.Dataset, scales: Array) -> Peaks:
-    """Return what is told of the largest forces of contacts; NaN where one has no derivative that is known.
+def _force_peaks(
+    along: TangentRecord, series: _Series, in_time: TimeDerivatives, run: xr.Dataset, scales: Array
+) -> _Peaks:
+    """Return the derivatives of force peaks; NaN where there is none.
 
     Args:
-        along: The run that was looked at, at :func:`moments_of` too.
+        along: The run that was looked at, at :func:`maximum_times` too.
         series: Derivatives at its samples and their doubts, by name, (n, ..., parameters).
         in_time: How its samples go on.
         run: The result.
         scales: Of the parameters, (parameters,).
     """
-    displaced, times = along.displaced, along.displaced.chunk.times
+    displaced, times = along.samples, along.samples.chunk.times
     begin, end = float(times[0]), float(times[-1])
     count = len(run["peak_time"]) if "peak_time" in run else 0
     late, rest, force, off = np.full((4, count, len(scales)), math.nan)
@@ -239,59 +245,64 @@ def peaks_of(along: Along, series: Series, in_time: InTime, run: xr.Dataset, sca
         if not when >= begin or float(run["peak_force"].values[i]) == 0.0:
             continue
         if abs(when - onset) < _SAME:  # what the force jumps to there is not looked at
-            late[i], rest[i] = _goes_with(along, when, scales), 0.0
+            late[i], rest[i] = _event_delay(along, when, scales), 0.0
             continue
         long = (release if release < end else end) - max(onset, begin)
-        smooth.append((i, _at(times, when), int(run["episode_contact"].values[i]), long))
+        smooth.append((i, _nearest(times, when), int(run["episode_contact"].values[i]), long))
     if not smooth:
-        return Peaks(late, rest, force, off)
+        return _Peaks(late, rest, force, off)
     places, contacts = np.array([one[1] for one in smooth]), np.array([one[2] for one in smooth])
     bends = in_time.forces(places, contacts, np.array([one[3] for one in smooth]))
     for n, (i, at, c, _) in enumerate(smooth):
         own = bends.of(n)
         force[i], off[i] = (one[at, c] for one in series["normal_force"])
         most = displaced.doubts[at]
-        if own.is_a_top(_FOUND):
-            late[i], rest[i], correction = own.later(most)
+        if own.is_maximum(_FOUND):
+            late[i], rest[i], correction = own.delay(most)
             late[i], rest[i] = late[i] / scales, rest[i] / scales
             force[i] += correction / scales
             off[i] += np.abs(correction) / scales
         elif min(times[at] - begin, end - times[at]) < _ONE * end:
             late[i] = rest[i] = 0.0  # where the run begins or ends
         else:
-            late[i] = _goes_with(along, float(times[at]), scales)
+            late[i] = _event_delay(along, float(times[at]), scales)
             rest[i] = np.abs(late[i]) * most
             force[i] += own.rate[0] * late[i]
             off[i] += np.abs(own.rate[0]) * rest[i]
-    return Peaks(late, rest, force, off)
+    return _Peaks(late, rest, force, off)
 
 
-def largest_of(
-    along: Along, series: Series, in_time: InTime, run: xr.Dataset, peaks: Peaks, at: tuple[Array, Array]
-) -> Series:
-    """Return what is told of sizes that are said with their largest value at a sample, and doubts, by name.
+def _largest_values(
+    along: TangentRecord,
+    series: _Series,
+    in_time: TimeDerivatives,
+    run: xr.Dataset,
+    peaks: _Peaks,
+    at: tuple[Array, Array],
+) -> _Series:
+    """Return the derivatives of reported maxima and their error estimates, by name.
 
     Args:
         along: The run that was looked at.
         series: Derivatives at its samples and their doubts, by name.
         in_time: How its samples go on.
         run: The result.
-        peaks: What :func:`peaks_of` says of it.
+        peaks: What :func:`_force_peaks` says of it.
         at: Times that were asked for, ascending, and scales of the parameters.
     """
     asked, scales = at
-    times = along.displaced.chunk.times
-    found: Series = {}
-    for name in (one for one in _said(run) if SIZES[one] in series):
+    times = along.samples.chunk.times
+    found: _Series = {}
+    for name in (one for one in _maxima_names(run) if SIZES[one] in series):
         tops = _times(run, name)
         slopes, doubts = np.full((2, *tops.shape, len(scales)), math.nan)
         for index in np.ndindex(tops.shape):
             when = float(tops[index])
-            row, place = _at(run["time"].values, when), _at(times, when)
+            row, place = _nearest(run["time"].values, when), _nearest(times, when)
             column = _column(run, name, index)
             way = _direction(run[SIZES[name]].values[(row, *column)])
             slope, doubt = (one[(place, *column)].reshape(len(way), -1) for one in series[SIZES[name]])
-            moves = _moves(along, run, peaks, when, asked, scales)
+            moves = _sample_delay(along, run, peaks, when, asked, scales)
             if moves is None:
                 continue
             slopes[index], doubts[index] = way @ slope, np.abs(way) @ doubt
@@ -305,13 +316,13 @@ def largest_of(
     return found
 
 
-def _said(run: xr.Dataset) -> list[str]:
-    """Return the names of what a result says with its largest size at a sample, but of how it is computed."""
+def _maxima_names(run: xr.Dataset) -> list[str]:
+    """Return the names of a result's maxima over its samples, without energy error."""
     return [one for one in SIZES if one in run and SIZES[one] in run and one != "peak_energy_error"]
 
 
 def _column(run: xr.Dataset, name: str, index: tuple[int, ...]) -> tuple[int, ...]:
-    """Return where the series of a size stands: of drives only motions have one."""
+    """Return the index of a maximum in its series: of drives only motions have one."""
     if name != "peak_effort":
         return index
     drives = run["drive"].values.tolist()
@@ -319,7 +330,7 @@ def _column(run: xr.Dataset, name: str, index: tuple[int, ...]) -> tuple[int, ..
 
 
 def _times(run: xr.Dataset, name: str) -> Array:
-    """Return when each size of a result is largest, in the shape of what is said of it [s]."""
+    """Return the time of each maximum of a result, in its shape [s]."""
     if f"time_of_{name}" in run:
         return np.asarray(run[f"time_of_{name}"].values)
     values = run[SIZES[name]].values
@@ -331,27 +342,27 @@ def _times(run: xr.Dataset, name: str) -> Array:
 
 
 def _direction(value: Array) -> Array:
-    """Return what makes of the change of a number, or of a vector, that of its size."""
+    """Return the unit direction of a number or vector, which projects changes onto its size."""
     if np.ndim(value) == 0:
         return np.array([math.copysign(1.0, value)])
     size = float(np.linalg.norm(value))
     return np.asarray(value / size) if size > 0.0 else np.full_like(value, math.nan)
 
 
-def _at(times: Array, when: float) -> int:
+def _nearest(times: Array, when: float) -> int:
     return int(np.argmin(np.abs(times - when)))
 
 
-def _goes_with(along: Along, when: float, scales: Array) -> Array:
-    """Return by how much what happens at an instant comes later; NaN if nothing does."""
+def _event_delay(along: TangentRecord, when: float, scales: Array) -> Array:
+    """Return the delay of the event at a time; NaN without an event."""
     near = (one.late / scales for one in along.event_shifts if abs(one.time - when) < _SAME)
     return next(near, np.full(len(scales), math.nan))
 
 
-def _moves(
-    along: Along, run: xr.Dataset, peaks: Peaks, when: float, asked: Array, scales: Array
+def _sample_delay(
+    along: TangentRecord, run: xr.Dataset, peaks: _Peaks, when: float, asked: Array, scales: Array
 ) -> tuple[Array, Array, float] | None:
-    """Return by how much later a sample is, its doubt and how long what is there lasts; None if not known."""
+    """Return a sample's delay, its error estimate and its event's duration, or None."""
     still, one = np.zeros(len(scales)), _ONE * when
     if (np.abs(asked - when) <= 4.0 * np.spacing(max(when, float(asked[-1])))).any():
         return still, still, 0.0
@@ -361,7 +372,7 @@ def _moves(
         if not np.isfinite(peaks.late[i]).all():
             return None
         until = float(run["release_time"].values[i])
-        end = float(along.displaced.chunk.times[-1])
+        end = float(along.samples.chunk.times[-1])
         return (
             peaks.late[i],
             peaks.late_doubt[i],
@@ -383,20 +394,27 @@ _OF_CHANGES = (
 )
 
 
-def by_names(
-    equation: ByEquation, along: Along, here: xr.Dataset, run: xr.Dataset, parameters: tuple[Parameter, ...]
+def named_derivatives(
+    equation: ForwardSensitivity,
+    along: TangentRecord,
+    here: xr.Dataset,
+    run: xr.Dataset,
+    parameters: tuple[Parameter, ...],
 ) -> list[Slopes]:
-    """Return derivatives over each parameter; NaN where a number has none that is known.
+    """Return derivatives over each parameter, by the result's names; NaN where unknown.
 
     Args:
-        equation: Along whose run displacements were carried.
+        equation: Along whose run tangents were propagated.
         along: That run, as it was looked at.
         here: What the result has at the times that are asked for.
         run: The result.
         parameters: The parameters.
     """
-    displaced, system = along.displaced, equation.flow.system
-    series, in_time = equation.told.series(displaced), InTime(equation.told, displaced)
+    displaced, system = along.samples, equation.flow.system
+    series, in_time = (
+        equation.state_series.series(displaced),
+        TimeDerivatives(equation.state_series, displaced),
+    )
     times, scales = displaced.chunk.times, np.array([one.scale for one in parameters])
     most = displaced.doubts.max(axis=0, initial=0.0) if len(displaced.doubts) else np.zeros(len(parameters))
     found: dict[str, tuple[Array, Array]] = {}
@@ -407,18 +425,18 @@ def by_names(
     for name, of in TOTALS.items():
         if name in here and of in series:
             found[name] = series[of][0][-1], series[of][1][-1]
-    instants = _instants(along, here, run, scales)
+    instants = _event_times(along, here, run, scales)
     instants |= _episodes(along, series, run, system, scales)
     instants |= _changes(along, run, scales)
     for name, value in instants.items():
         if name in here:
             found[name] = value, np.abs(value) * most
-    peaks = peaks_of(along, series, in_time, run, scales)
+    peaks = _force_peaks(along, series, in_time, run, scales)
     if "peak_time" in here:
         found["peak_time"] = peaks.late, peaks.late_doubt
         found["peak_force"] = peaks.force, peaks.force_doubt
     if at is not None:
-        found |= largest_of(along, series, in_time, run, peaks, (here["time"].values, scales))
+        found |= _largest_values(along, series, in_time, run, peaks, (here["time"].values, scales))
     return [
         Slopes(
             {name: v[..., k] for name, (v, _) in found.items()}, {n: d[..., k] for n, (_, d) in found.items()}
@@ -427,10 +445,10 @@ def by_names(
     ]
 
 
-def _instants(along: Along, here: xr.Dataset, run: xr.Dataset, scales: Array) -> dict[str, Array]:
-    """Return by how much contacts begin and end and events happen later, and what these bring in."""
+def _event_times(along: TangentRecord, here: xr.Dataset, run: xr.Dataset, scales: Array) -> dict[str, Array]:
+    """Return the delays of onsets, releases and events, and the energy of events."""
     found = {}
-    matched = matched_contacts(along, run)
+    matched = _matched_contacts(along, run)
     for at, name in enumerate(("onset_time", "release_time")):
         if name in here:
             found[name] = np.full((len(run[name]), len(scales)), math.nan)
@@ -442,43 +460,47 @@ def _instants(along: Along, here: xr.Dataset, run: xr.Dataset, scales: Array) ->
     return found
 
 
-def _events(along: Along, run: xr.Dataset, scales: Array) -> dict[str, Array]:
-    """Return when events happen and what they bring in; changes of mode at one instant are one event."""
+def _events(along: TangentRecord, run: xr.Dataset, scales: Array) -> dict[str, Array]:
+    """Return delay and energy of events; simultaneous mode changes are one event."""
     count = len(run["event_time"])
     times, energies = np.full((2, count, len(scales)), math.nan)
     used: set[int] = set()
     for i, (name, time) in enumerate(
         zip(run["event"].values, run["event_time"].values.tolist(), strict=True)
     ):
-        near = [k for k, one in enumerate(along.happened) if abs(one.time - time) < _SAME]
-        same = [k for k in near if along.happened[k].name == name and k not in used]
+        near = [k for k, one in enumerate(along.events) if abs(one.time - time) < _SAME]
+        same = [k for k in near if along.events[k].name == name and k not in used]
         if not (same or near):
             continue
         k = (same or [k for k in near if k not in used] or near)[0]
-        times[i] = along.happened[k].late / scales
+        times[i] = along.events[k].late / scales
         # Of several changes by one passage the first has all that it brings in.
-        energies[i] = 0.0 if k in used else along.happened[k].energy / scales
+        energies[i] = 0.0 if k in used else along.events[k].energy / scales
         used.add(k)
     return {"event_time": times, "event_energy": energies}
 
 
-def matched_contacts(along: Along, run: xr.Dataset) -> list[Lasting | None]:
-    """Return of each contact of a result how it is displaced: those of one place follow in one order."""
+def _matched_contacts(along: TangentRecord, run: xr.Dataset) -> list[ContactShift | None]:
+    """Return the shifts of each contact of a result, matched in order."""
     contacts = run["episode_contact"].values.tolist() if "episode_contact" in run else []
-    own = {c: [one for one in along.lasting if one.contact == c] for c in set(contacts)}
+    own = {c: [one for one in along.contacts if one.contact == c] for c in set(contacts)}
     alike = {c: len(own[c]) == contacts.count(c) for c in own}
     return [own[c].pop(0) if alike[c] else None for c in contacts]
 
 
 def _episodes(
-    along: Along, series: dict[str, tuple[Array, Array]], run: xr.Dataset, system: System, scales: Array
+    along: TangentRecord,
+    series: dict[str, tuple[Array, Array]],
+    run: xr.Dataset,
+    system: System,
+    scales: Array,
 ) -> dict[str, Array]:
-    """Return what is told of each contact from its onset to its release."""
+    """Return the derivatives of each contact's totals and peaks."""
     if "onset_time" not in run:
         return {}
-    times = along.displaced.chunk.times
+    times = along.samples.chunk.times
     begin = float(times[0])
-    matched = matched_contacts(along, run)
+    matched = _matched_contacts(along, run)
     names = ("impulse", "dissipated", "approach_speed", "effective_mass", "peak_depth")
     found = {name: np.full((len(run["onset_time"]), len(scales)), math.nan) for name in names}
     for i, (onset, c, one) in enumerate(
@@ -488,13 +510,13 @@ def _episodes(
             continue
         end = float(run["release_time"].values[i])
         until = math.inf if math.isnan(end) else end
-        books = (along.books if one.books[1] is None else one.books[1]) - one.books[0]
+        books = (along.integrals if one.integrals[1] is None else one.integrals[1]) - one.integrals[0]
         found["impulse"][i] = books[system.impulse_x[c]] / scales
         found["dissipated"][i] = (books[system.lost_normal_x[c]] + books[system.lost_friction_x[c]]) / scales
-        for name, logarithm in zip(("approach_speed", "effective_mass"), one.remembered, strict=True):
+        for name, logarithm in zip(("approach_speed", "effective_mass"), one.memory, strict=True):
             found[name][i] = float(run[name].values[i]) * logarithm / scales
         deepest = [
-            time for contact, time in along.deepest if contact == c and max(onset, begin) < time < until
+            time for contact, time in along.depth_maxima if contact == c and max(onset, begin) < time < until
         ]
         if deepest:
             places = [int(np.argmin(np.abs(times - time))) for time in deepest]
@@ -503,8 +525,8 @@ def _episodes(
     return found
 
 
-def _changes(along: Along, run: xr.Dataset, scales: Array) -> dict[str, Array]:
-    """Return what is told of how elements have met their joints."""
+def _changes(along: TangentRecord, run: xr.Dataset, scales: Array) -> dict[str, Array]:
+    """Return the derivatives of element transitions."""
     if "change_time" not in run:
         return {}
     count = len(run["change_time"])
@@ -513,7 +535,7 @@ def _changes(along: Along, run: xr.Dataset, scales: Array) -> dict[str, Array]:
     for i in range(count):
         time = float(run["change_time"].values[i])
         angle = float(run["change_angle"].values[i])
-        for k, one in enumerate(along.changes):
+        for k, one in enumerate(along.transitions):
             if (
                 k in used
                 or abs(one.time - time) > _SAME

@@ -19,8 +19,8 @@ from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Flow
 from antenna_pin.scenario import Scenario
-from antenna_pin.sensitivity.finite_differences import ByRuns, Slopes
-from antenna_pin.sensitivity.forward_sensitivity import ByEquation, by_names, moments_of
+from antenna_pin.sensitivity.finite_differences import FiniteDifferences, Slopes
+from antenna_pin.sensitivity.forward_sensitivity import ForwardSensitivity, maximum_times, named_derivatives
 from antenna_pin.sensitivity.parameters import (
     GrazeError,
     Parameter,
@@ -41,13 +41,13 @@ _SHORTEST, _ONE = 1e-6, 1e-12
 
 # --- derivatives over pieces of a run, each from the run's own state at its start ---
 #
-# Over a long run derivatives grow with what neighbours part by, until they say nothing. Over a piece they do
-# not: at the end of each it is told what its own start and the numbers make of it from there on, with the
+# Over a long run derivatives grow with what perturbed runs part by, until they say nothing. Over a piece they
+# do not: at the end of each it is told what its own start and the numbers make of it from there on, with the
 # start held. A fit by multiple shooting wants just that.
 
 
-def borders_of(length: float, begin: float, span: float) -> Array:
-    """Return where pieces of a length [s] begin, and the last one ends.
+def _piece_borders(length: float, begin: float, span: float) -> Array:
+    """Return the times at which pieces of a length [s] begin, and the last ends.
 
     Raises:
         InvalidParameterError: There are none of such a length.
@@ -59,7 +59,7 @@ def borders_of(length: float, begin: float, span: float) -> Array:
     return np.append(begin + length * np.arange(count), begin + span)
 
 
-def over_pieces(
+def _over_pieces(
     flow: Flow,
     first: State,
     borders: Array,
@@ -93,7 +93,7 @@ def over_pieces(
 
 
 def _series(parts: list[tuple[float, Sensitivities]]) -> Iterator[xr.Dataset]:
-    """Yield what each piece has over time, with when the piece began."""
+    """Yield the series of each piece, with the time at which it began."""
     for begin, one in parts:
         names = [name for name, column in one.data.data_vars.items() if "time" in column.dims]
         part = one.data[names]
@@ -127,16 +127,16 @@ def sensitivities(
 ) -> Sensitivities:
     """Return the derivatives of a scenario's results over some of its numbers.
 
-    By ``runs`` all numbers of the result have them: samples at given times, instants and peaks of contacts,
+    By ``runs`` all numbers of the result have them: samples at given times, times and peaks of contacts,
     impulses, losses, whatever the schema names. They are differences of sixth order of six runs a parameter,
-    each of which locates its own contacts and events, in doubt by what fourth order says otherwise and by the
-    runs' own error; ``quick-runs`` are of second order, of two.
+    each of which locates its own contacts and events, uncertain by what fourth order says otherwise and by
+    the runs' own error; ``quick-runs`` are of second order, of two.
 
-    The ``equation`` carries displacements along one run, and through events by their saltation
-    (:mod:`antenna_pin.nonlinear.variational`), and what is integrated besides by the integral of its rates'
+    The ``equation`` propagates tangents along one run, and through events by their saltation
+    (:mod:`antenna_pin.nonlinear.variational`), and the integrals besides by the integral of its rates'
     derivatives. NaN are those of numbers that it does not tell, such as a largest force at a contact's onset.
-    It takes more time, and neighbours need not be alike in it: so it is held against two runs a parameter,
-    and refused where they contradict.
+    It takes more time, and perturbed runs need not be alike in it: so it is held against two runs a
+    parameter, and refused where they contradict.
 
     Args:
         scenario: The scenario.
@@ -147,7 +147,7 @@ def sensitivities(
         duration: Of the run [s]; the scenario's if left out, or up to the last of ``times``.
         settings: How to integrate; with the scenario's engine, order 8(5,3) and 1e-12 if left out.
         start: From where the run goes on, the ``end`` of another; the scenario's start if left out. Keys of
-            ``initial`` then are displacements of this state.
+            ``initial`` then are perturbations of this state.
         method: ``runs``, ``quick-runs`` or ``equation``.
         pieces: Length of pieces, each from the run's own state at its start, which is held: for motions whose
             derivatives grow too far [s]. Samples and the ends of pieces have derivatives, in pieces that have
@@ -156,7 +156,7 @@ def sensitivities(
 
     Raises:
         GrazeError: A contact or an event comes or goes with the smallest change: there is no derivative.
-        SensitivityError: A run does not come to its end, or a number has no neighbours.
+        SensitivityError: A run does not come to its end, or a number has no perturbed runs.
         AntennaPinError: The input is not valid.
     """
     place = "sensitivities"
@@ -168,9 +168,9 @@ def sensitivities(
     if start is not None or pieces is not None:
         check_start_keys(tuple(one.key for one in parameters), system)
     if pieces is None:
-        return _found(scenario, parameters, used, at, span, start, method, processes)
+        return _one_run(scenario, parameters, used, at, span, start, method, processes)
     assert not isinstance(pieces, str)
-    borders = borders_of(pieces, begin, span)
+    borders = _piece_borders(pieces, begin, span)
     check_without_controllers("sensitivities of pieces", scenario)
     flow = Flow(system, used, events_of(scenario), scenario)
     first = start
@@ -179,12 +179,12 @@ def sensitivities(
 
     def made(state: State, samples: np.ndarray, length: float) -> Sensitivities:
         own = dataclasses.replace(used, output_rate=0.5 / length, output_times=tuple(samples.tolist()))
-        return _found(scenario, parameters, own, samples, length, state, method, processes)
+        return _one_run(scenario, parameters, own, samples, length, state, method, processes)
 
-    return over_pieces(flow, first, borders, at, made)
+    return _over_pieces(flow, first, borders, at, made)
 
 
-def _found(
+def _one_run(
     scenario: Scenario,
     parameters: tuple[Parameter, ...],
     used: RunSettings,
@@ -195,11 +195,11 @@ def _found(
     processes: int,
 ) -> Sensitivities:
     """Return the derivatives of one run."""
-    runs = ByRuns(scenario, used, span, at, start, processes, 6 if method == "runs" else 2)
-    found = runs.over(parameters)
+    runs = FiniteDifferences(scenario, used, span, at, start, processes, 6 if method == "runs" else 2)
+    found = runs.derivatives(parameters)
     if method == "equation":
-        equation = ByEquation(scenario, parameters, used, start)
-        found = _held_against(found, _by_equation(equation, runs, at, span, parameters), runs, parameters)
+        equation = ForwardSensitivity(scenario, parameters, used, start)
+        found = _checked_by_runs(found, _by_equation(equation, runs, at, span, parameters), runs, parameters)
     slopes, doubts = (
         {name: np.stack([getattr(one, kind)[name] for one in found], axis=-1) for name in found[0].values}
         for kind in ("values", "doubts")
@@ -209,28 +209,33 @@ def _found(
 
 
 def _by_equation(
-    equation: ByEquation, runs: ByRuns, at: np.ndarray, span: float, parameters: tuple[Parameter, ...]
+    equation: ForwardSensitivity,
+    runs: FiniteDifferences,
+    at: np.ndarray,
+    span: float,
+    parameters: tuple[Parameter, ...],
 ) -> list[Slopes]:
     """Return the derivatives over each parameter by the variational equation."""
     data = runs.run.data
-    along = equation.carried(at, span, moments_of(data))
-    # Where something is displaced by next to infinitely much, neighbours are no states, and it is not told.
+    along = equation.run(at, span, maximum_times(data))
+    # Where something is perturbed by next to infinitely much, perturbed runs are no states, and it is not
+    # told.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return by_names(equation, along, runs.here, data, parameters)
+        return named_derivatives(equation, along, runs.here, data, parameters)
 
 
-def _held_against(
-    runs: list[Slopes], found: list[Slopes], made: ByRuns, parameters: tuple[Parameter, ...]
+def _checked_by_runs(
+    runs: list[Slopes], found: list[Slopes], made: FiniteDifferences, parameters: tuple[Parameter, ...]
 ) -> list[Slopes]:
-    """Return what the equation gives, or refuse it where runs contradict it.
+    """Return derivatives of the equation, or refuse them where runs contradict.
 
-    By how much the two differ is in doubt, too. Where the motion is right and a number of what it does is not
-    (the integral of a loss over an onset where it has no derivative, what a contact remembers that its law
-    does not ask for), that number is NaN: not told.
+    By how much the two differ is uncertain, too. Where the motion is right and a number of what it does is
+    not (the integral of a loss over an onset where it has no derivative, a contact's memory that its law does
+    not ask for), that number is NaN: not told.
     """
     held = []
     for one, ours, theirs in zip(parameters, found, runs, strict=True):
-        values, doubts, share = dict(ours.values), {}, _share_in_doubt(theirs)
+        values, doubts, share = dict(ours.values), {}, _relative_uncertainty(theirs)
         for name, value in ours.values.items():
             size = made.sizes[name] / one.scale
             size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
@@ -250,11 +255,11 @@ def _held_against(
     return held
 
 
-def _share_in_doubt(found: Slopes) -> float:
-    """Return what share of the largest displacement of the motion is in doubt, at most all of it.
+def _relative_uncertainty(found: Slopes) -> float:
+    """Return the relative error of the motion's largest derivative, at most 1.
 
-    What is displaced behind goes with that one, and its share in doubt with it, whatever a difference says of
-    each instant by itself.
+    What is perturbed behind goes with that one, and its share uncertain with it, whatever a difference says
+    of each time by itself.
     """
     shares = [0.0]
     for name in _MOTION:
@@ -272,7 +277,7 @@ def _sampled(
     settings: RunSettings | None,
     begin: float,
 ) -> tuple[RunSettings, np.ndarray, float]:
-    """Return how to integrate, the times of samples (times,) [s] and the span of the run [s]."""
+    """Return run settings, sample times (times,) [s] and span [s]."""
     used = settings or dataclasses.replace(
         settings_of(scenario), accuracy=None, method="dormand-prince-853", rtol=_RTOL
     )

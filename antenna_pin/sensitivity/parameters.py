@@ -22,9 +22,9 @@ __all__ = [
     "GrazeError",
     "Parameter",
     "SensitivityError",
-    "begun_from",
+    "shifted_start",
     "check_start_keys",
-    "is_of_start",
+    "is_initial",
     "parameters_of",
 ]
 
@@ -34,11 +34,11 @@ _NOT_OF_THE_MOTION = ("duration", "integrator", "output", "format")
 
 
 class SensitivityError(AntennaPinError, RuntimeError):
-    """A result has no derivative that can be told; the message says which and why."""
+    """A result without a derivative; the message gives the reason."""
 
 
 class GrazeError(SensitivityError):
-    """A contact or an event comes or goes with the smallest change of a parameter: there is no derivative.
+    """A contact or event that any perturbation adds or removes: there is no derivative.
 
     Attributes:
         time: When, about; NaN if that is not known [s].
@@ -51,7 +51,7 @@ class GrazeError(SensitivityError):
 
 
 class Parameter(NamedTuple):
-    """A number of a scenario that results are differentiated by.
+    """Number of a scenario that results are differentiated by.
 
     Attributes:
         key: Where it stands.
@@ -107,23 +107,23 @@ def parameters_of(
 # --- states that a run continues from -----------------------------------------------------------------------
 
 
-def is_of_start(key: str) -> bool:
-    """Whether a key is one of the first state."""
+def is_initial(key: str) -> bool:
+    """Return whether a key belongs to the first state."""
     return key.split(".")[0] == "initial"
 
 
 def check_start_keys(keys: tuple[str, ...], system: System) -> None:
-    """Refuse keys of the first state where a run goes on from one that closures hold."""
+    """Refuse keys of the first state where a run continues under constraints."""
     if system.plan is None:
         return
     for key in keys:
-        if is_of_start(key):
+        if is_initial(key):
             rule = "none of initial.* where a run of closed loops or motions goes on from a state (start)"
             raise InvalidParameterError("sensitivities", "key", rule, said=key)
 
 
-def begun_from(start: State, scenario: Scenario, other: Scenario, system: System) -> State:
-    """Return a state as far from another as a scenario's own start is from another's.
+def shifted_start(start: State, scenario: Scenario, other: Scenario, system: System) -> State:
+    """Return a state shifted as the start of one scenario is from another's.
 
     What differs in a joint's place and rate differs in the state: along the joint's axis, of a joint with
     play in its bearing's axes, of the base in the world's, its velocities in its own.

@@ -26,7 +26,6 @@ __all__ = [
     "Growth",
     "Sensitivities",
     "dataset_of",
-    "growth_of",
     "growth_said",
     "open_sensitivities",
     "refused_in",
@@ -43,7 +42,7 @@ _FEWEST = 5
 
 
 class Growth(NamedTuple):
-    """How a displacement of the velocities by one parameter grows along a run.
+    """Growth of the velocities' derivative over one parameter along a run.
 
     Attributes:
         key: Of the parameter.
@@ -63,10 +62,10 @@ class Growth(NamedTuple):
     believed: float
 
 
-def growth_of(
+def _growth(
     times: Array, slopes: Array, doubts: Array, keys: tuple[str, ...], share: float
 ) -> tuple[Growth, ...]:
-    """Return how the derivatives of velocities grow.
+    """Return the growth of the velocities' derivatives.
 
     Args:
         times: Of samples, (n,) [s].
@@ -104,13 +103,13 @@ _STEP = 1e-4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sensitivities:
-    """Derivatives of all that a run gives, over numbers of its scenario.
+    """Derivatives of all results of a run, over numbers of its scenario.
 
     Attributes:
         run: The run itself.
         parameters: The numbers, in the order of ``parameter``.
         data: By the names of the result's variables, at the times that were asked for: ``NAME``, its
-            derivatives ``d_NAME`` over (..., parameter), and ``doubt_NAME``, by how much these are in doubt.
+            derivatives ``d_NAME`` over (..., parameter), and ``doubt_NAME``, by how much these are uncertain.
     """
 
     run: Trajectory
@@ -131,18 +130,18 @@ class Sensitivities:
         return self._of("d_", variable)
 
     def doubt(self, variable: str) -> Array:
-        """Return by how much :meth:`derivative` is in doubt, likewise."""
+        """Return the error estimate of :meth:`derivative`, likewise."""
         return self._of("doubt_", variable)
 
     def relative(self, variable: str) -> Array:
-        """Return by how much a variable changes per scale of each parameter, (time, ..., parameter).
+        """Return the derivative of a variable per scale of each parameter, (time, ..., parameter).
 
         A hundredth of it is the change per 1 %, where scales are the parameters' values.
         """
         return np.asarray(self.derivative(variable) * np.array([one.scale for one in self.parameters]))
 
     def growth(self, share: float = 0.01) -> tuple[Growth, ...]:
-        """Return how far derivatives can be believed: how those of the velocities grow over the samples.
+        """Return the growth of velocities' derivatives over the samples: how far derivatives hold.
 
         Args:
             share: Of doubt over a derivative, up to which it is believed [-].
@@ -155,12 +154,12 @@ class Sensitivities:
         scales = np.array([one.scale for one in self.parameters])
         slopes, doubts = self.derivative("v") * scales, self.doubt("v") * scales
         keys = tuple(one.key for one in self.parameters)
-        return growth_of(self.data["time"].values, slopes, doubts, keys, share)
+        return _growth(self.data["time"].values, slopes, doubts, keys, share)
 
     def of(self, quantity: Callable[[xr.Dataset], Any]) -> tuple[Array, Array]:
-        """Return the derivatives of what is made of samples, such as a pointing index, and their doubts.
+        """Return the derivatives of a function of samples, such as a pointing index, with errors.
 
-        Samples are displaced by their derivatives, whatever made these, and the quantity is differentiated
+        Samples are perturbed by their derivatives, whatever made these, and the quantity is differentiated
         along: it is to be smooth but for what does not switch near by, as a largest value does.
 
         Args:
@@ -199,7 +198,7 @@ class Sensitivities:
 def dataset_of(
     here: xr.Dataset, slopes: dict[str, Array], doubts: dict[str, Array], parameters: tuple[Parameter, ...]
 ) -> xr.Dataset:
-    """Return variables and derivatives side by side.
+    """Return variables with their derivatives and error estimates.
 
     Args:
         here: The variables.
@@ -253,7 +252,7 @@ _OF_VELOCITIES = "m/s or rad/s"
 
 
 class Changed(NamedTuple):
-    """A number of a result, and what parameters change of it.
+    """Number of a result, with its changes over parameters.
 
     Attributes:
         result: What it is.
@@ -271,14 +270,14 @@ class Changed(NamedTuple):
 
     @property
     def most(self) -> float:
-        """The largest change over the number itself; 0 of one that is 0 [-]."""
+        """The largest change over the number itself; 0 where that is 0 [-]."""
         size = float(np.nanmax(np.abs(self.slopes), initial=0.0))
         return size / abs(self.value) if self.value else 0.0
 
 
 @takes()
 def results_of(found: Sensitivities) -> list[Changed]:
-    """Return the numbers of a result that change by more than is in doubt, those that change most first.
+    """Return the numbers of a result that change significantly, the largest changes first.
 
     Of contacts it is what they come to together: the largest force and depth, all impulses and losses, when
     the last one begins; of events and changes of mode likewise, of all of one name. Series are none of them.
@@ -295,20 +294,20 @@ def _rows(found: Sensitivities) -> Iterator[Changed]:
         unit = str(here.attrs.get("units", ""))
         if "time" in here.dims:
             continue
-        groups = _together(here)
+        groups = _groups(here)
         if groups is not None:
             way = (_OF_CONTACTS | _OF_EVENTS).get(name, "")
             for label, rows in groups.items() if way else ():
                 parts = values[rows], slopes[rows], doubts[rows]
-                yield _taken(way, f"{name} {label}".strip(), unit, parts)
+                yield _combined(way, f"{name} {label}".strip(), unit, parts)
             continue
         for index in np.ndindex(values.shape):
             label = f"{name} {_labels(here, index)}".strip()
             yield Changed(label, unit, float(values[index]), slopes[index], doubts[index])
 
 
-def _together(here: xr.DataArray) -> dict[str, list[int]] | None:
-    """Return which of what has happened is told together, by its name; None of what is no such thing."""
+def _groups(here: xr.DataArray) -> dict[str, list[int]] | None:
+    """Return events and contacts that are combined, by name; None for other variables."""
     if "episode" in here.dims:
         return {"": list(range(here.size))} if here.size else {}
     dim = next((one for one in ("event", "change") if one in here.dims), None)
@@ -320,8 +319,8 @@ def _together(here: xr.DataArray) -> dict[str, list[int]] | None:
     return groups
 
 
-def _taken(way: str, name: str, unit: str, numbers: tuple[Array, Array, Array]) -> Changed:
-    """Return what numbers come to together, with their changes and doubts: one alone is itself."""
+def _combined(way: str, name: str, unit: str, numbers: tuple[Array, Array, Array]) -> Changed:
+    """Return a sum, maximum or last value of numbers, with changes and errors."""
     values, slopes, doubts = numbers
     said = name if len(values) == 1 and not name.startswith(tuple(_OF_CONTACTS)) else f"{way} {name}"
     if way == "sum":
@@ -332,7 +331,7 @@ def _taken(way: str, name: str, unit: str, numbers: tuple[Array, Array, Array]) 
 
 
 def _labels(here: xr.DataArray, index: tuple[int, ...], without: str = "") -> str:
-    """Return what tells a component from the others, in words."""
+    """Return the label of a component, as text."""
     dims = [str(dim) for dim in here.dims if dim != without]
     pairs = zip(dims, index, strict=True)
     return " ".join(str(here[dim].values[i]) for dim, i in pairs if dim in here.coords)
@@ -385,7 +384,7 @@ def sensitivity_table(found: Sensitivities, scenario: Scenario | None = None) ->
 
 
 def _curves(found: Sensitivities) -> tuple[tuple[Array, Array], list[str], list[str]]:
-    """Return changes per scale and doubts of curves, (time, curve, parameter), their names and units."""
+    """Return scaled changes and errors of curves, (time, curve, parameter), with names and units."""
     scales = np.array([one.scale for one in found.parameters])
     changes, doubts, labels, units = [], [], [], []
     for name in (one for one in _CURVES if f"d_{one}" in found.data):
@@ -404,7 +403,7 @@ def _curves(found: Sensitivities) -> tuple[tuple[Array, Array], list[str], list[
 
 
 def _unit(run: xr.Dataset, unit: str, label: str) -> str:
-    """Return the unit of one component, of a variable whose components have several."""
+    """Return the unit of one component of a variable of several units."""
     if unit != _OF_VELOCITIES:
         return unit
     joint, _, axis = label.split()[-1].partition(".")
@@ -416,7 +415,7 @@ def _unit(run: xr.Dataset, unit: str, label: str) -> str:
 
 @takes()
 def growth_said(found: Sensitivities, share: float = 0.01) -> str:
-    """Return in one line how far derivatives can be believed.
+    """Return one line on the validity of derivatives along the run.
 
     Args:
         found: The sensitivities.
@@ -441,7 +440,7 @@ def growth_said(found: Sensitivities, share: float = 0.01) -> str:
 
 @takes()
 def refused_in(found: Sensitivities) -> list[dict[str, float | str]]:
-    """Return the pieces that have no derivatives: from when to when, and why."""
+    """Return the pieces that have no derivatives: begin, end and reason."""
     told: list[dict[str, float | str]] = json.loads(str(found.data.attrs.get("refused", "[]")))
     return told
 

@@ -20,39 +20,42 @@ from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, observed
 from antenna_pin.nonlinear.chart import StatePerturbation
 from antenna_pin.nonlinear.perturbed_system import PerturbedParameters, PerturbedSystem
-from antenna_pin.sensitivity.tangent_run import Displaced
+from antenna_pin.sensitivity.tangent_run import PerturbedSamples
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.recorder import series_at
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.simulation.variables import MOTORS_SINCE_BEGIN
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = ["Bend", "InTime", "OfStates", "Row", "SIDES", "beside_one_another"]
+__all__ = [
+    "TimeDerivatives",
+    "StateSeries",
+]
 
 Array = NDArray[np.float64]
 
 # --- series over parameters ---------------------------------------------------------------------------------
 
-#: At how many steps neighbours are, ahead and then behind.
-SIDES = np.array([1, 2, 3, -1, -2, -3])
+#: At how many steps perturbed runs are, ahead and then behind.
+_SIDES = np.array([1, 2, 3, -1, -2, -3])
 # Steps of differences over parameters, in their scales, the largest first; how well their two orders agree at
 # least, over the derivative; round-off of a series, over its size.
 _STEPS, _GOOD, _ROUND_OFF = (1e-3, 1e-4, 1e-5, 1e-6), 1e-9, 1e-14
 # How many states are told of at once, about.
 _AT_ONCE = 4096
 # Series that are zero but for round-off where they must be; they are small beside others of their unit.
-_KEPT = ("linear_momentum", "angular_momentum", "energy_error")
+_CONSERVED = ("linear_momentum", "angular_momentum", "energy_error")
 
 
-class Row(NamedTuple):
-    """A parameter, and how many of its scales farther a neighbour is."""
+class _Shift(NamedTuple):
+    """Parameter, and its shift in scales."""
 
     parameter: int
     far: float
 
 
-class Table:
-    """Series side by side: of each sample one row of numbers.
+class _SeriesTable:
+    """Series in columns, one row for each sample.
 
     Args:
         here: The series, by name, (n, ...); those that are differentiated are taken.
@@ -82,20 +85,20 @@ class Table:
         return np.hstack([series[name].reshape(len(series[name]), -1) for name in self.columns])
 
     def largest(self, sizes: Array) -> Array:
-        """Return the largest of each series at each sample, of those that are not empty, (n, series)."""
+        """Return the largest of each nonempty series at each sample, (n, series)."""
         return np.maximum.reduceat(sizes, self._starts, axis=1)
 
     def known_beside(self, sizes: Array) -> Array:
-        """Return beside what each must be known, of the largest of each, (n, series)."""
+        """Return the reference size of each series for its accuracy, (n, series)."""
         units = [VARIABLES[name].units for name in self._filled]
         out = sizes.copy()
         for k, name in enumerate(self._filled):
-            if name in _KEPT:
+            if name in _CONSERVED:
                 out[:, k] = sizes[:, [unit == units[k] for unit in units]].max(axis=1)
         return out
 
     def by_name(self, values: Array, doubts: Array) -> dict[str, tuple[Array, Array]]:
-        """Return derivatives and doubts by name, (n, ..., parameters), of (parameters, n, columns) each."""
+        """Return derivatives and errors by name, (n, ..., parameters), of (parameters, n, columns)."""
         return {name: (self._shaped(values, name), self._shaped(doubts, name)) for name in self.columns}
 
     def _shaped(self, rows: Array, name: str) -> Array:
@@ -103,11 +106,11 @@ class Table:
         return part.reshape(rows.shape[1], *self.shapes[name], len(rows))
 
 
-class OfStates:
-    """Tells what a result says of states of a run, and how that goes with parameters.
+class StateSeries:
+    """Series of a result at states of a run, and their derivatives over parameters.
 
     Args:
-        beside: What stands for neighbours of the run's system.
+        beside: What stands for perturbed runs of the run's system.
         displacer: Makes their states.
         settings: Of the run.
         first: Its first state.
@@ -122,49 +125,49 @@ class OfStates:
         first: State,
         scales: Array,
     ) -> None:
-        """Take them."""
+        """Store the arguments."""
         self.beside, self._displacer, self._settings, self._first = beside, displacer, settings, first
         self.scales = scales
         self._shown: Run | None = None
 
-    def seen(self, chunk: Chunk) -> dict[str, Array]:
-        """Return the series that states of the system imply, by name."""
+    def series_at(self, chunk: Chunk) -> dict[str, Array]:
+        """Return the series at states of the system, by name."""
         with self.beside.at(0, 0.0) as near:
             return self._told(near.system, chunk)
 
-    def neighbours(
-        self, displaced: Displaced, wanted: Sequence[Row]
+    def perturbed(
+        self, displaced: PerturbedSamples, wanted: Sequence[_Shift]
     ) -> Iterator[tuple[Sequence[int], PerturbedSystem, list[Chunk]]]:
-        """Yield states displaced to neighbours, as many together as one system can be asked of.
+        """Yield perturbed states, together where one system serves them.
 
         Args:
             displaced: The states.
-            wanted: The neighbours.
+            wanted: The perturbed runs.
 
         Yields:
-            Numbers of neighbours, what evaluates them, and the states of each.
+            Numbers of perturbed runs, what evaluates them, and the states of each.
         """
         together = [i for i, one in enumerate(wanted) if self.beside.by_program[one.parameter]]
-        for part in _parts(together, _AT_ONCE // len(displaced.chunk.times)):
+        for part in _batches(together, _AT_ONCE // len(displaced.chunk.times)):
             with self.beside.at(0, 0.0) as near:
                 yield part, near, [self._moved(displaced, wanted[i], near.system) for i in part]
         for i in sorted({*range(len(wanted))}.difference(together)):
             with self.beside.at(*wanted[i]) as near:
                 yield [i], near, [self._moved(displaced, wanted[i], near.system)]
 
-    def series(self, displaced: Displaced) -> dict[str, tuple[Array, Array]]:
-        """Return derivatives of the series of a result at samples, and their doubts, (n, ..., parameters).
+    def series(self, displaced: PerturbedSamples) -> dict[str, tuple[Array, Array]]:
+        """Return derivatives of the series at samples, with error estimates, (n, ..., parameters).
 
-        The first sample is where what is integrated along the run counts from.
+        The first sample is where the integrals along the run counts from.
         """
-        here = self.seen(displaced.chunk)
-        table, count = Table(here), len(self.scales)
+        here = self.series_at(displaced.chunk)
+        table, count = _SeriesTable(here), len(self.scales)
         values = table.flat(here)
         size = table.known_beside(table.largest(np.abs(values)))
         best, rest = np.zeros((count, *values.shape)), np.full((count, *size.shape), np.nan)
         left = list(range(count))
         for step in _STEPS:
-            parts = list(_parts(left, _AT_ONCE // (len(SIDES) * len(values))))
+            parts = list(_batches(left, _AT_ONCE // (len(_SIDES) * len(values))))
             for k, odd in chain.from_iterable(
                 zip(part, self._differences(displaced, table, part, step), strict=True) for part in parts
             ):
@@ -184,16 +187,18 @@ class OfStates:
         scales = self.scales[:, None, None]
         return table.by_name(best / scales, doubts[:, :, table.owner] / scales)
 
-    def _differences(self, displaced: Displaced, table: Table, left: Sequence[int], step: float) -> Array:
-        """Return what neighbours ahead are more than those behind, (parameters, 3, n, columns)."""
-        wanted = [Row(k, far) for k in left for far in (SIDES * step).tolist()]
+    def _differences(
+        self, displaced: PerturbedSamples, table: _SeriesTable, left: Sequence[int], step: float
+    ) -> Array:
+        """Return differences of series over both sides, (parameters, 3, n, columns)."""
+        wanted = [_Shift(k, far) for k in left for far in (_SIDES * step).tolist()]
         rows = np.zeros((len(wanted), len(displaced.chunk.times), len(table.owner)))
-        for numbers, near, chunks in self.neighbours(displaced, wanted):
-            found = table.flat(self._told(near.system, beside_one_another(chunks)))
+        for numbers, near, chunks in self.perturbed(displaced, wanted):
+            found = table.flat(self._told(near.system, _interleaved(chunks)))
             found = found.reshape(len(displaced.chunk.times), len(chunks), -1)
             found[:, :, table.since] -= found[:1, :, table.since]
             rows[numbers] = np.swapaxes(found, 0, 1)
-        ahead, behind = np.split(rows.reshape(len(left), len(SIDES), *rows.shape[1:]), 2, axis=1)
+        ahead, behind = np.split(rows.reshape(len(left), len(_SIDES), *rows.shape[1:]), 2, axis=1)
         return ahead - behind
 
     def _told(self, system: System, chunk: Chunk) -> dict[str, Array]:
@@ -202,22 +207,22 @@ class OfStates:
             self._shown = Run(system, first, first.reached + 1.0, self._settings, ())
         return dict(series_at(self._shown, chunk))
 
-    def _moved(self, displaced: Displaced, to: Row, there: System) -> Chunk:
-        """Return states displaced to a neighbour, whose system that is."""
+    def _moved(self, displaced: PerturbedSamples, to: _Shift, there: System) -> Chunk:
+        """Return states perturbed by a shift, of its system."""
         k, far = to
-        every = displaced.ways[..., k], displaced.words[:, k], displaced.books[..., k]
+        every = displaced.perturbations[..., k], displaced.program_slopes[:, k], displaced.integrals[..., k]
         moves, words, books = (far * one for one in every)
         return self._displacer.states(displaced.chunk, moves, words, there, books)
 
 
-def _parts(numbers: Sequence[int], count: int) -> Iterator[Sequence[int]]:
-    """Yield numbers so many at once, one at least."""
+def _batches(numbers: Sequence[int], count: int) -> Iterator[Sequence[int]]:
+    """Yield numbers in batches of a count, one at least."""
     count = max(count, 1)
     return (numbers[first : first + count] for first in range(0, len(numbers), count))
 
 
-def beside_one_another(chunks: Sequence[Chunk]) -> Chunk:
-    """Return states of neighbours as those of one run: at each time one neighbour's after another's."""
+def _interleaved(chunks: Sequence[Chunk]) -> Chunk:
+    """Return perturbed states as those of one run: at each time one after another."""
     times = np.stack([one.times for one in chunks], axis=1)
     states = np.stack([one.states for one in chunks], axis=1)
     memories = np.stack([one.memories for one in chunks], axis=1)
@@ -235,15 +240,15 @@ _TIME_STEPS, _ALONG = (3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5), (1e-3, 1e-4, 1e-5)
 _TIME_ROUND_OFF = 1e-15
 
 
-class Bend(NamedTuple):
-    """How forces of contacts go on in time at samples, (n,), and over parameters, (n, parameters).
+class _ForceCurvature(NamedTuple):
+    """Contact forces with their derivatives over time and parameters, at samples.
 
     Attributes:
         force: Of each [N].
         rate: Of it [N/s].
         bend: Of that [N/s^2].
         over: Of the rate over each parameter, in its scale, at equal times.
-        bend_doubt: By how much it is in doubt.
+        bend_doubt: By how much it is uncertain.
         over_doubt: Likewise.
     """
 
@@ -254,22 +259,22 @@ class Bend(NamedTuple):
     bend_doubt: Array
     over_doubt: Array
 
-    def of(self, n: int) -> Bend:
-        """Return what is told of one sample, (1,)."""
-        return Bend(*(one[n : n + 1] for one in self))
+    def of(self, n: int) -> _ForceCurvature:
+        """Return the data of one sample, (1,)."""
+        return _ForceCurvature(*(one[n : n + 1] for one in self))
 
-    def is_a_top(self, found: float) -> bool:
-        """Whether one force is largest here, but for so much of the time that it takes to bend."""
+    def is_maximum(self, found: float) -> bool:
+        """Return whether a force has its maximum here, within a share of its time scale."""
         force, rate, bend = (float(one[0]) for one in self[:3])
         return bend < 0.0 and rate**2 < found**2 * force * -bend
 
-    def later(self, known: Array) -> tuple[Array, Array, Array]:
-        """Return by how much later one force is largest [s], the doubt of it, and a correction of the force.
+    def delay(self, known: Array) -> tuple[Array, Array, Array]:
+        """Return the delay of a force's maximum [s], its error, and the force's correction.
 
         The correction is what the force changes more where it is largest than here, where that was found.
 
         Args:
-            known: To which share displacements are known, (parameters,).
+            known: To which share perturbations are known, (parameters,).
         """
         (force,), (rate,), (bend,), (over,), (rough,), (rest,) = self
         late, off = -over / bend, -rate / bend
@@ -278,21 +283,21 @@ class Bend(NamedTuple):
         return late, doubt, over * off
 
 
-class InTime:
-    """Differentiates what samples of a displaced run show over time.
+class TimeDerivatives:
+    """Derivatives over time of series at perturbed samples.
 
     Args:
         told: What is said of states.
-        displaced: The samples.
+        perturbed: The samples.
     """
 
-    def __init__(self, told: OfStates, displaced: Displaced) -> None:
-        """Take the samples."""
+    def __init__(self, told: StateSeries, displaced: PerturbedSamples) -> None:
+        """Store the samples."""
         self._told, self._all = told, displaced
         self._rates: dict[tuple[int, float], dict[str, tuple[Array, Array]]] = {}
 
-    def forces(self, places: NDArray[np.int_], contacts: NDArray[np.int_], long: Array) -> Bend:
-        """Return how normal forces of contacts go on.
+    def forces(self, places: NDArray[np.int_], contacts: NDArray[np.int_], long: Array) -> _ForceCurvature:
+        """Return normal forces of contacts with their derivatives.
 
         Args:
             places: Which samples, (n,).
@@ -311,7 +316,7 @@ class InTime:
             """Return rates of forces likewise, by the steps that are best for the run's own."""
             lines, count = _lines(chunk, near), len(chunk.times) // n
             far = np.repeat(step, count)
-            ahead_and_behind = force(lines(far[:, None] * SIDES), near).reshape(n, count, len(SIDES))
+            ahead_and_behind = force(lines(far[:, None] * _SIDES), near).reshape(n, count, len(_SIDES))
             return _orders(ahead_and_behind)[0] / step[:, None]
 
         with told.beside.at(0, 0.0) as own:
@@ -322,17 +327,17 @@ class InTime:
         count = len(told.scales)
         over, rest = np.zeros((n, count)), np.full((n, count), np.inf)
         for far in _ALONG:
-            wanted = [Row(k, one) for k in range(count) for one in (SIDES * far).tolist()]
+            wanted = [_Shift(k, one) for k in range(count) for one in (_SIDES * far).tolist()]
             rates = np.zeros((n, len(wanted)))
-            for numbers, near, chunks in told.neighbours(part, wanted):
-                rates[:, numbers] = rate(beside_one_another(chunks), near)
-            sixth, apart = _orders(rates.reshape(n, count, len(SIDES)))
+            for numbers, near, chunks in told.perturbed(part, wanted):
+                rates[:, numbers] = rate(_interleaved(chunks), near)
+            sixth, apart = _orders(rates.reshape(n, count, len(_SIDES)))
             value, other = sixth / far, (apart + doubt[:, None]) / far
             over, rest = np.where(other < rest, value, over), np.fmin(other, rest)
-        return Bend(most, here, bend, over, off, rest)
+        return _ForceCurvature(most, here, bend, over, off, rest)
 
     def series(self, place: int, long: float) -> dict[str, tuple[Array, Array]]:
-        """Return the rates of all series at a sample and their doubts, by name.
+        """Return the rates of all series at a sample and their error estimates, by name.
 
         Args:
             place: Which.
@@ -346,12 +351,12 @@ class InTime:
         chunk = self._part(np.array([place])).chunk
         with self._told.beside.at(0, 0.0) as near:
             lines = _lines(chunk, near)
-        here = self._told.seen(chunk)
+        here = self._told.series_at(chunk)
         steps = np.array(_TIME_STEPS) * long
-        told = self._told.seen(lines(np.outer(steps, SIDES).reshape(1, -1)))
+        told = self._told.series_at(lines(np.outer(steps, _SIDES).reshape(1, -1)))
         best: dict[str, tuple[Array, Array]] = {}
         for name in (one for one, value in here.items() if value.dtype.kind == "f" and one != "time"):
-            values = np.moveaxis(told[name].reshape(len(steps), len(SIDES), *here[name].shape[1:]), 1, -1)
+            values = np.moveaxis(told[name].reshape(len(steps), len(_SIDES), *here[name].shape[1:]), 1, -1)
             noise = _TIME_ROUND_OFF * np.abs(here[name][0]).max(initial=0.0)
             for h, (sixth, apart) in zip(steps.tolist(), zip(*_orders(values), strict=True), strict=True):
                 rest = (apart + noise) / h
@@ -359,17 +364,17 @@ class InTime:
                     best[name] = sixth / h, rest
         return best
 
-    def _part(self, places: NDArray[np.int_]) -> Displaced:
+    def _part(self, places: NDArray[np.int_]) -> PerturbedSamples:
         """Return some of the samples."""
         every = self._all
         old = every.chunk
         programs = [old.programs[k] for k in places.tolist()]
         chunk = Chunk(old.times[places], old.states[places], old.memories[places], programs)
-        return Displaced(chunk, *(one[places] for one in every[1:]))
+        return PerturbedSamples(chunk, *(one[places] for one in every[1:]))
 
 
 def _lines(chunk: Chunk, near: PerturbedSystem) -> Callable[[Array], Chunk]:
-    """Return what gives states as far along the flows of others as it is told, (n, of each) [s]."""
+    """Return a function for states along straight lines in time, (n, of each) [s]."""
     system = near.system
     nq, nv = system.model.nq, system.model.nv
     flows = []
@@ -395,7 +400,7 @@ def _lines(chunk: Chunk, near: PerturbedSystem) -> Callable[[Array], Chunk]:
 
 
 def _orders(values: Array) -> tuple[Array, Array]:
-    """Return differences of sixth order, and by how much those of fourth are off them, of SIDES last."""
+    """Return differences of sixth order, and their distance from fourth order."""
     sixth, fourth = ((values[..., :3] - values[..., 3:]) @ one for one in WEIGHTS)
     return sixth, np.abs(sixth - fourth)
 
@@ -403,17 +408,17 @@ def _orders(values: Array) -> tuple[Array, Array]:
 def _best(
     function: Callable[[Array], Array], sizes: Array, steps: tuple[float, ...], noise: Array
 ) -> tuple[Array, Array, Array]:
-    """Return derivatives at zero, their doubts and steps, (n,) each: those at which two orders agree best.
+    """Return derivatives at zero, their errors and steps, (n,) each, of best agreement.
 
     Args:
         function: Of arguments of each of its values, (n, of each).
         sizes: What steps are a part of, (n,).
         steps: These parts.
-        noise: What values are in doubt by, (n,).
+        noise: What values are uncertain by, (n,).
     """
     best, doubt, used = np.zeros_like(sizes), np.full_like(sizes, np.inf), sizes.copy()
     for h in (step * sizes for step in steps):
-        sixth, apart = _orders(function(h[:, None] * SIDES))
+        sixth, apart = _orders(function(h[:, None] * _SIDES))
         rest = (apart + noise) / h
         better = rest < doubt
         best, used = np.where(better, sixth / h, best), np.where(better, h, used)

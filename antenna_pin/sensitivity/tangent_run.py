@@ -1,10 +1,10 @@
 """A run with its tangents: samples, events, contacts, element transitions and their integrals.
 
-The loss of an impact is a function of the state before it, at the perturbed time; what is integrated between
+The loss of an impact is a function of the state before it, at the perturbed time; the integrals between
 events is propagated with the tangents (:mod:`antenna_pin.nonlinear.variational`). An event at which g passes
 zero comes later by ``-(dg w) / g'``. Its energy is what is stored behind it, at the perturbed time, less what
 was stored before, and the losses of impacts. An element reports its integrals since its last change: a loss,
-an impulse. Perturbed integrals are those at the perturbed times, ``B + L dt`` of what is integrated at a rate
+an impulse. Perturbed integrals are those at the perturbed times, ``B + L dt`` of the integrals at a rate
 L and perturbed by B at equal times.
 """
 
@@ -35,15 +35,19 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.simulation.steps import LoggedStep
 
-__all__ = ["Along", "Displaced", "Lasting", "Taken", "TransitionShift"]
+__all__ = [
+    "TangentRecord",
+    "PerturbedSamples",
+    "ContactShift",
+]
 
 Array = NDArray[np.float64]
 
 # --- integrals of elements between two changes --------------------------------------------------------------
 
 
-class Taken:
-    """Differentiates what elements tell of their integrals where they change.
+class _ElementIntegrals:
+    """Derivatives of the integrals that elements report at changes.
 
     Args:
         system: The system.
@@ -55,18 +59,18 @@ class Taken:
             one.place: int(system.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["x"])
             for one in acting_in(system)
         }
-        #: Of each element how its integrals were displaced when it last kept them, (integrals, parameters).
+        #: Of each element how its integrals were perturbed when it last kept them, (integrals, parameters).
         self._kept: dict[str, Array] = {}
 
     def of(self, one: ModeEffect, met: ElementTransition, time: float, x: Array, books: Array) -> Array:
-        """Return by how much more is lost, and what impulse is given, of a change, (2, parameters).
+        """Return the derivatives of loss and impulse of a change, (2, parameters).
 
         Args:
             one: The change.
             met: How its joint was met.
             time: When [s].
-            x: What is integrated, so far, (nx,).
-            books: How that is displaced, at the neighbours' own instants, (nx, parameters).
+            x: Integrals, so far, (nx,).
+            books: How that is perturbed, at the perturbed times, (nx, parameters).
         """
         first, count = self._first[one.place], len(one.before.integrals)
         here = slice(first, first + count)
@@ -90,14 +94,14 @@ class Taken:
         return out
 
 
-# --- what events of a run come to in neighbours: when they happen, and the energy that they bring in ---
+# --- what events of a run come to in perturbed runs: when they happen, and the energy that they bring in ---
 #
 # An event at which g passes zero comes later by ``-(dg w) / g'``. The energy that it brings in is what is
-# stored behind it, at the neighbour's own instant, less what was stored before, and what blows have taken.
+# stored behind it, at the perturbed time, less what was stored before, and what impacts have taken.
 
 
-class Happened(NamedTuple):
-    """How an event is displaced.
+class _EventSensitivity(NamedTuple):
+    """Derivatives of an event.
 
     Attributes:
         name: Of the event.
@@ -112,8 +116,8 @@ class Happened(NamedTuple):
     energy: Array
 
 
-class Happenings:
-    """Differentiates what events come to.
+class _EventDerivatives:
+    """Differentiation of event times and energies.
 
     Args:
         field: The system's rates; its contacts and program are those before an event.
@@ -124,31 +128,31 @@ class Happenings:
         """Allocate once."""
         self._field, self._replay, self._moment = field, replay, Moment(field.workspace)
 
-    def of(self, one: EventEffect, time: float, y: Array, ways: Array, late: Array) -> Happened:
-        """Return how an event is displaced.
+    def of(self, one: EventEffect, time: float, y: Array, ways: Array, late: Array) -> _EventSensitivity:
+        """Return the derivatives of an event.
 
         Args:
             one: What has happened.
             time: When [s].
             y: State before it.
-            ways: Displacements at equal times, (displacement, parameters).
+            ways: Perturbations at equal times, (perturbation, parameters).
             late: By how much later it comes, of one that acts.
         """
         field, name = self._field, one.event.name
         if not one.acts or not one.event.has(Set, Jump, Switch):  # noted, or the run's end
-            return Happened(name, time, self._late(one, time, y, ways), np.zeros_like(late))
+            return _EventSensitivity(name, time, self._late(one, time, y, ways), np.zeros_like(late))
         if isinstance(one.event.action, Jump):  # a function of the user's, which knows states only
-            return Happened(name, time, late, np.full_like(late, np.nan))
+            return _EventSensitivity(name, time, late, np.full_like(late, np.nan))
         there = ways + np.outer(field.flow(time, y), late)
         base = field.workspace.program.copy()
 
         def brought(t: float, state: Array) -> Array:
             return np.array([self._brought(one, base, t, state)])
 
-        return Happened(name, time, late, field.along(brought, time, y, there)[0])
+        return _EventSensitivity(name, time, late, field.along(brought, time, y, there)[0])
 
     def _late(self, one: EventEffect, time: float, y: Array, ways: Array) -> Array:
-        """Return by how much later an event comes that changes nothing [s]."""
+        """Return the delay of an event that changes nothing [s]."""
         if isinstance(one.event.when, Time):
             return np.zeros(ways.shape[1])
 
@@ -161,10 +165,10 @@ class Happenings:
             return np.where(np.isfinite(slopes / rate), -slopes / rate, np.nan)
 
     def _brought(self, one: EventEffect, base: Array, time: float, y: Array) -> float:
-        """Return the energy that an event brings in, of a state before it [J]."""
+        """Return the energy added by an event, from the state before it [J]."""
         workspace, kept = self._field.workspace, self._field.memory.words
         numbers, present = self._field.numbers, workspace.program.copy()
-        before = _stored(workspace, y)
+        before = _stored_energy(workspace, y)
         velocity, own = self._replay(one.done, time, y.copy(), present[kept])
         lost = sum(found.loss for found in self._replay.met)
         behind: Any = y.copy()
@@ -176,13 +180,13 @@ class Happenings:
                 workspace.program += numbers.present @ np.where(one.program == base, numbers.program, 0.0)
             if one.done:
                 workspace.program[kept] = own
-            return _stored(workspace, behind) - before + lost
+            return _stored_energy(workspace, behind) - before + lost
         finally:
             workspace.program[:] = present
 
 
-def _stored(workspace: Workspace, y: Array) -> float:
-    """Return what bodies have by moving and springs by being bent: all that an event may change [J]."""
+def _stored_energy(workspace: Workspace, y: Array) -> float:
+    """Return kinetic and spring energy: all that an event may change [J]."""
     workspace.measure(y)
     found = audit(workspace, y)
     return found.kinetic + found.springs
@@ -191,8 +195,8 @@ def _stored(workspace: Workspace, y: Array) -> float:
 # --- when contacts are deepest in a run: where the rate of a depth passes zero within its steps ---
 
 
-class Deepest:
-    """Sees when contacts are deepest.
+class _DepthMaxima:
+    """Search for maxima of contact depths.
 
     Args:
         within: States within the steps that are looked at, with the contacts that touch in them.
@@ -208,7 +212,7 @@ class Deepest:
         self.found: list[tuple[int, float]] = []
 
     def look(self, steps: Sequence[LoggedStep]) -> list[float]:
-        """Look at steps that follow one another; return when contacts that touch in them are deepest [s]."""
+        """Return the depth maxima within consecutive steps [s]."""
         touching = np.flatnonzero(self._within.touching)
         if not steps or not len(touching):
             return []
@@ -225,35 +229,35 @@ class Deepest:
         return [time for time, _ in new]
 
     def _rate(self, c: int, theta: float) -> float:
-        """Return how fast a contact's depth grows at a fraction of the step [m/s]."""
+        """Return the rate of a contact's depth at a fraction of the step [m/s]."""
         return float(self._rates(self._within.at(theta))[c])
 
     def _rates(self, y: Array) -> Array:
-        """Return how fast depths grow in a state, (contacts,) [m/s]."""
+        """Return the rates of depths in a state, (contacts,) [m/s]."""
         self._within.workspace.locate(y, self._table)
         return self._table["rate"].copy()
 
 
-class Displaced(NamedTuple):
-    """States of a run, and how they are displaced with each parameter.
+class PerturbedSamples(NamedTuple):
+    """Samples of a run with their perturbations by each parameter.
 
     Attributes:
         chunk: The states, and what held there besides.
-        ways: Displacements, (n, displacement, parameters).
-        books: Of what is integrated, (n, nx, parameters).
-        doubts: Of displacements, over their sizes, (n, parameters).
+        ways: Perturbations, (n, perturbation, parameters).
+        integrals: Of the integrals, (n, nx, parameters).
+        doubts: Of perturbations, over their sizes, (n, parameters).
         words: Derivatives of the program there, (n, parameters, words).
     """
 
     chunk: Chunk
-    ways: Array
-    books: Array
+    perturbations: Array
+    integrals: Array
     doubts: Array
-    words: Array
+    program_slopes: Array
 
 
-class TransitionShift(NamedTuple):
-    """How an element's meeting of its joint is displaced.
+class _TransitionShift(NamedTuple):
+    """Derivatives of an element's change of mode.
 
     Attributes:
         place: Of the element.
@@ -270,56 +274,56 @@ class TransitionShift(NamedTuple):
     slopes: Array
 
 
-class Lasting(NamedTuple):
-    """How a contact that begins, lasts and ends is displaced.
+class ContactShift(NamedTuple):
+    """Derivatives of a contact from onset to release.
 
     Attributes:
         contact: Number of it.
         onset: When it begins; minus infinity if it touched at the start [s].
         late: By how much later it begins, and ends, (parameters,) each [s].
-        remembered: Of logarithms of its approach speed and of its effective mass, (parameters,) each.
-        books: What was integrated when it began, and when it ended, (nx, parameters) each; the latter None
+        memory: Of logarithms of its approach speed and of its effective mass, (parameters,) each.
+        integrals: Integrals when it began, and when it ended, (nx, parameters) each; the latter None
             while it lasts.
     """
 
     contact: int
     onset: float
     late: tuple[Array, Array]
-    remembered: tuple[Array, Array]
-    books: tuple[Array, Array | None]
+    memory: tuple[Array, Array]
+    integrals: tuple[Array, Array | None]
 
 
-class _Mark(NamedTuple):
-    """Displacements before a change.
+class _BeforeChange(NamedTuple):
+    """Perturbations before a change.
 
     Attributes:
         time: When [s].
         y: The state.
-        ways: Displacements, (displacement, parameters).
-        books: Of what is integrated, (nx, parameters).
+        ways: Perturbations, (perturbation, parameters).
+        integrals: Of the integrals, (nx, parameters).
     """
 
     time: float
     y: Array
     ways: Array
-    books: Array
+    integrals: Array
 
 
-class Along:
-    """Looks at a run as displacements are carried along it: what it shows itself to where something changes.
+class TangentRecord:
+    """Observer that records the tangents of a run: samples, contacts, events, transitions.
 
     Args:
         run: The run.
-        carrier: Carries its displacements.
+        carrier: Propagates its tangents.
         numbers: Parameters of the system.
-        begin: From when on displacements are looked at where contacts are deepest [s].
+        begin: From when on perturbations are looked at where contacts are deepest [s].
         count: How many parameters there are.
 
     Attributes:
-        carrier: As given.
-        changes: How elements have met their joints.
-        happened: How events are displaced, in their order.
-        lasting: Contacts from onset to release.
+        carrier: The argument.
+        transitions: How elements have met their joints.
+        events: How events are perturbed, in their order.
+        contacts: Contacts from onset to release.
     """
 
     def __init__(
@@ -328,53 +332,56 @@ class Along:
         """Begin at the run's start."""
         system = run.system
         self.carrier, self._begin, self._count = carrier, begin, count
-        self._deepest = Deepest(carrier.states)
+        self._deepest = _DepthMaxima(carrier.states)
         self._field = VectorField(system, run.settings, numbers)
         workspace = self._field.workspace
         self._replay = ElementReplay(workspace, ElementMemory(system), self._field.numbers)
         self._losses = _losses(system)
-        # Of samples what :class:`Displaced` has, in its order.
+        # Of samples what :class:`PerturbedSamples` has, in its order.
         self._seen: list[tuple[Any, ...]] = []
         self._table, self._gaps = np.zeros(len(workspace.table), CONTACT), list[Array]()
-        self._marks: dict[float, _Mark] = {}
-        self.changes: list[TransitionShift] = []
-        self.happened: list[Happened] = []
-        self._happenings, self._taken = Happenings(self._field, self._replay), Taken(system)
-        self.lasting: list[Lasting] = []
+        self._marks: dict[float, _BeforeChange] = {}
+        self.transitions: list[_TransitionShift] = []
+        self.events: list[_EventSensitivity] = []
+        self._happenings, self._taken = (
+            _EventDerivatives(self._field, self._replay),
+            _ElementIntegrals(system),
+        )
+        self.contacts: list[ContactShift] = []
         self._open: dict[int, int] = {}
         carrier.on_look, carrier.on_change = self._see, self._mark
         self._take_over(run)
         nothing = np.zeros(count)
         for c in np.flatnonzero(run.workspace.memory["touching"]).tolist():
-            self._open[c] = len(self.lasting)
+            self._open[c] = len(self.contacts)
             same = nothing, nothing
-            self.lasting.append(Lasting(c, -math.inf, same, same, (self.books, None)))
+            self.contacts.append(ContactShift(c, -math.inf, same, same, (self.integrals, None)))
 
     @property
-    def books(self) -> Array:
-        """Derivatives of what is integrated, so far, (nx, parameters)."""
+    def integrals(self) -> Array:
+        """Derivatives of the integrals so far, (nx, parameters)."""
         return self.carrier.tangents.integrals.copy()
 
     @property
-    def displaced(self) -> Displaced:
-        """What was seen at the samples."""
+    def samples(self) -> PerturbedSamples:
+        """Perturbed samples."""
         at, states, memories, programs, ways, books, doubts, words = zip(*self._seen, strict=True)
         chunk = Chunk(np.array(at), np.array(states), np.array(memories), list(programs))
-        return Displaced(chunk, *(np.array(one) for one in (ways, books, doubts, words)))
+        return PerturbedSamples(chunk, *(np.array(one) for one in (ways, books, doubts, words)))
 
     @property
-    def deepest(self) -> list[tuple[int, float]]:
-        """Contacts and when their depth is largest [s], in order."""
+    def depth_maxima(self) -> list[tuple[int, float]]:
+        """Contacts with the times of their largest depths [s], in order."""
         return self._deepest.found
 
     @property
     def depths(self) -> Array:
-        """Of contacts at the samples, (n, contacts) [m]."""
+        """Contact depths at the samples, (n, contacts) [m]."""
         return -np.array(self._gaps)
 
     @property
     def event_shifts(self) -> tuple[EventShift, ...]:
-        """When contacts have begun and ended and events happened, and how their instants are displaced."""
+        """Onsets, releases and events so far, with the shifts of their times."""
         return self.carrier.event_shifts
 
     def _take_over(self, run: Run) -> None:
@@ -383,11 +390,11 @@ class Along:
     # --- what a run shows itself to -------------------------------------------------------------------------
 
     def observe(self, run: Run) -> None:
-        """Carry displacements over the step that was made, and note what changes there."""
+        """Propagate tangents over the last steps, and record changes."""
         self._go(run, self.carrier.observe)
 
     def end(self, run: Run) -> None:
-        """Likewise, at the end."""
+        """Propagate and record to the end."""
         self._go(run, self.carrier.end)
 
     def _go(self, run: Run, carry: Callable[[Run], None]) -> None:
@@ -415,21 +422,23 @@ class Along:
         self._take_over(run)
 
     def _flip(self, c: int, begins: bool, time: float, late: Array) -> None:
-        """Note a contact that begins or ends: what it integrates has no rate before, and none behind."""
+        """Record an onset or release: integrands of a contact vanish before and behind."""
         nothing = np.zeros(self._count)
         if begins:
-            books = self._marks[time].books if time in self._marks else self.books
-            self._open[c] = len(self.lasting)
-            self.lasting.append(Lasting(c, time, (late, nothing), (nothing, nothing), (books, None)))
+            books = self._marks[time].integrals if time in self._marks else self.integrals
+            self._open[c] = len(self.contacts)
+            self.contacts.append(ContactShift(c, time, (late, nothing), (nothing, nothing), (books, None)))
         elif c in self._open:
             k = self._open.pop(c)
-            one = self.lasting[k]
-            self.lasting[k] = one._replace(late=(one.late[0], late), books=(one.books[0], self.books))
+            one = self.contacts[k]
+            self.contacts[k] = one._replace(
+                late=(one.late[0], late), integrals=(one.integrals[0], self.integrals)
+            )
 
     # --- between changes ------------------------------------------------------------------------------------
 
     def _check(self, time: float, ways: Array) -> None:
-        """Raise where displacements have none any more."""
+        """Refuse tangents that are not finite."""
         if not np.isfinite(ways).all():
             when = max((one.time for one in self.carrier.event_shifts if one.time <= time), default=time)
             raise GrazeError(
@@ -440,7 +449,7 @@ class Along:
             )
 
     def _see(self, time: float, y: Array, ways: Array) -> None:
-        """Look at displacements at a sample."""
+        """Record perturbations at a sample."""
         carrier = self.carrier
         self._check(time, ways)
         self._remember(ways)
@@ -454,25 +463,25 @@ class Along:
         self._seen.append((time, *here, carried.integrals.copy(), doubts, words))
 
     def _mark(self, time: float, y: Array, ways: Array) -> None:
-        """Note displacements before a change."""
+        """Record perturbations before a change."""
         self._check(time, ways)
         self._remember(ways)
-        self._marks[time] = _Mark(time, y.copy(), ways.copy(), self.books)
+        self._marks[time] = _BeforeChange(time, y.copy(), ways.copy(), self.integrals)
 
     def _remember(self, ways: Array) -> None:
-        """Note what contacts that last remember, of neighbours."""
+        """Record the perturbed memory of lasting contacts."""
         speeds, masses = self.carrier.field.parts[3:5]
         for c, k in self._open.items():
             if self.carrier.field.workspace.memory["touching"][c]:
                 pair = ways[speeds][c].copy(), ways[masses][c].copy()
-                self.lasting[k] = self.lasting[k]._replace(remembered=pair)
+                self.contacts[k] = self.contacts[k]._replace(memory=pair)
 
     # --- where something changes ----------------------------------------------------------------------------
 
     def _meet_all(
-        self, mark: _Mark, passages: list[EventEffect], new: list[EventShift], words: Array | None
+        self, mark: _BeforeChange, passages: list[EventEffect], new: list[EventShift], words: Array | None
     ) -> None:
-        """Note how elements meet their joints at an instant."""
+        """Record the events and transitions at a time."""
         time, y, ways, books = mark
         late = next((one.late for one in new), np.zeros(self._count))
         field = self._field
@@ -482,12 +491,12 @@ class Along:
         there = ways + np.outer(field.flow(time, y), late)
         for one in passages:
             own = (p.late for p in new if p.what == "event" and p.name == one.event.name)
-            self.happened.append(self._happenings.of(one, time, y, ways, next(own, late)))
+            self.events.append(self._happenings.of(one, time, y, ways, next(own, late)))
             if one.acts and one.done:
                 self._meet(one, time, y, there, late, books)
 
     def _meet(self, one: EventEffect, time: float, y: Array, there: Array, late: Array, books: Array) -> None:
-        """Note how elements meet their joints, and book what blows take."""
+        """Record element transitions, and add the losses of impacts."""
         field = self._field
         kept = field.memory.words
 
@@ -502,17 +511,17 @@ class Along:
         turned = [step for step in one.done if isinstance(step, ModeEffect)]
         own = books + np.outer(field.integrands(time, y), late)
         slopes = field.along(met, time, y, there).reshape(len(elements), 6, -1)
-        # A passage of rigid parts takes no time: rates before it do not jump at a neighbour's own instant.
+        # A passage of rigid parts takes no time: rates before it do not jump at a perturbed time.
         struck = sum(isinstance(step, ImpulseEffect) for step in one.done)
         for found, step, slope in zip(elements, turned, slopes, strict=True):
-            self.changes.append(TransitionShift(found.place, time, found.angle, late.copy(), slope))
+            self.transitions.append(_TransitionShift(found.place, time, found.angle, late.copy(), slope))
             if struck and found.place in self._losses:
                 self.carrier.add_integral(self._losses[found.place], slope[3])
             slope[3:5] += self._taken.of(step, found, time, y[-len(own) :], own)
 
 
 def _losses(system: System) -> dict[str, int]:
-    """Return where in x the losses of elements stand, by place."""
+    """Return the indices in x of elements' losses, by place."""
     found = {}
     for one in acting_in(system):
         names = [*one.element.integrals]

@@ -28,7 +28,7 @@ from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
 from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity import sensitivities
-from antenna_pin.sensitivity.forward_sensitivity import ByEquation
+from antenna_pin.sensitivity.forward_sensitivity import ForwardSensitivity
 from antenna_pin.sensitivity.parameters import Parameter, parameters_of
 from antenna_pin.simulation.loop import Run
 
@@ -64,7 +64,7 @@ def seconds(make: Callable[[], object]) -> float:
 
 def carried_over(model: Scenario, keys: dict[str, str | float | None], span: float) -> float:
     """Return how long carrying displacements along a run takes, without builds, over the steps of the run."""
-    made = ByEquation(model, parameters_of(model, keys, "bench"), TIGHT)
+    made = ForwardSensitivity(model, parameters_of(model, keys, "bench"), TIGHT)
     flow, start = flow_of(model, TIGHT)
     end = np.array([span])
     flow.after(start, span)

@@ -5,7 +5,7 @@ import pytest
 from known_curves import decay, line, oscillator
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.confidence_bands import along_jacobian, by_sampling, draws
+from antenna_pin.fit.confidence_bands import draws, linear_bands, sampled_bands
 from antenna_pin.fit.uncertainty import sure
 
 
@@ -17,7 +17,7 @@ def test_the_band_of_a_line_is_the_textbooks(times):
     """t s sqrt(1/m + (x - mean)^2 / Sxx), and with 1 under the root for a new measurement."""
     model = _line(times)
     found = sure(model, model.best())
-    bands = along_jacobian(model, found)
+    bands = linear_bands(model, found)
     apart = times - times.mean()
     share = 1.0 / times.size + apart**2 / (apart @ apart)
     s = np.sqrt(found.factor)
@@ -32,11 +32,11 @@ def test_drawn_bands_of_a_line_are_the_same(times, noise):
     """Of 4000 draws a quantile of 2.5 % spreads by 2 to 3 % of the width."""
     model = _line(times)
     found = sure(model, model.best(), noise=noise)
-    drawn, exact = by_sampling(model, found, 4000, 3), along_jacobian(model, found)
+    drawn, exact = sampled_bands(model, found, 4000, 3), linear_bands(model, found)
     assert (drawn.high - drawn.low) / (exact.high - exact.low) == pytest.approx(np.ones(times.size), abs=0.08)
     assert drawn.effective > 3000 and drawn.drawn == 4000 and drawn.failed == 0
     assert drawn.seed == 3
-    again = by_sampling(model, found, 4000, 3)
+    again = sampled_bands(model, found, 4000, 3)
     assert np.array_equal(drawn.low, again.low) and np.array_equal(drawn.new_high, again.new_high)
 
 
@@ -75,7 +75,7 @@ def test_bands_hold_the_true_curve_as_often_as_they_say():
     for seed in range(200):
         truth = 2.0 * np.exp(-1.3 * times)
         model = decay(times, truth + 0.05 * np.random.default_rng(seed).standard_normal(times.size))
-        bands = along_jacobian(model, sure(model, model.best()))
+        bands = linear_bands(model, sure(model, model.best()))
         real = truth - model.record  # what the true curve is as a residual
         missed += ((real < bands.low) | (real > bands.high))[[0, 10, 25]]
     assert np.all((missed >= 3) & (missed <= 19)), missed
@@ -94,16 +94,16 @@ def test_curves_of_what_is_told_together_have_bands_and_draws_have_none(times):
     noise = 0.02 * np.random.default_rng(2).standard_normal(times.size)
     model = oscillator(times, np.cos(5.0 * times) + noise, 0.02)
     found = sure(model, model.best(), noise="given")
-    bands = along_jacobian(model, found)
+    bands = linear_bands(model, found)
     # The frequency alone, fitted: its slope over its length, in standard deviations.
     slope = times * np.sin(np.sqrt(found.values[1] / found.values[0]) * times) / 0.02
     expected = 1.959963984540054 * np.abs(slope) / np.linalg.norm(slope)
     assert 0.5 * (bands.high - bands.low) == pytest.approx(expected, abs=1e-6)
     with pytest.raises(InvalidParameterError, match="got mass, stiffness"):
-        by_sampling(model, found)
+        sampled_bands(model, found)
 
 
 def test_bad_numbers_of_draws_are_refused(times):
     model = _line(times)
     with pytest.raises(InvalidParameterError, match="draws must be 2 or more"):
-        by_sampling(model, sure(model, model.best()), 1)
+        sampled_bands(model, sure(model, model.best()), 1)

@@ -9,8 +9,8 @@ from planar_joint import record
 from antenna_pin.base.state import State
 from antenna_pin.contact.onset import NO_APPROACH
 from antenna_pin.fit import Problem, load_fit
-from antenna_pin.fit.problem import by_differences
-from antenna_pin.fit.runs import bench_of, from_origin, piece_start
+from antenna_pin.fit.problem import central_differences
+from antenna_pin.fit.runs import difference_from_origin, piece_start, prepared_scenario
 
 from .joint import FIT, TIMES, TRUTH, write_record
 
@@ -69,12 +69,12 @@ def test_both_make_the_same_of_a_noise_to_a_hundred_thousandth_of_bands(tmp_path
     there = problem.start
     by_equation, why = problem._by_equation(there)
     assert not why
-    searched, bounds = problem.unknowns.searched(there), problem.unknowns.bounds()
+    searched, bounds = problem.unknowns.to_search(there), problem.unknowns.bounds()
 
     def residuals(ends):
-        return problem.residuals_at([problem.unknowns.natural(one) for one in ends])
+        return problem.residuals_at([problem.unknowns.from_search(one) for one in ends])
 
-    fine, coarse = (by_differences(residuals, searched, *bounds, h) for h in (3e-5, 6e-5))
+    fine, coarse = (central_differences(residuals, searched, *bounds, h) for h in (3e-5, 6e-5))
     by_runs = (4.0 * fine - coarse) / 3.0
     noise = np.random.default_rng(0).standard_normal(len(by_runs))
     answers, bands = [], []
@@ -97,9 +97,9 @@ def in_pieces():
 
 
 def test_a_piece_that_starts_in_the_wall_touches_it(in_pieces):
-    (rig,) = in_pieces._prepared.rigs
+    (rig,) = in_pieces._prepared.record_tests
     play = float(in_pieces.first[0])
-    system = bench_of(rig, tuple(in_pieces.first.tolist())).system
+    system = prepared_scenario(rig, tuple(in_pieces.first.tolist())).system
     for origin in rig.origins:
         begun = piece_start(rig.begun, origin, np.zeros(6), system)
         away, touches = np.hypot(*begun.q[:2]), State.from_json(origin).memory[0, 0] == 1.0
@@ -107,7 +107,7 @@ def test_a_piece_that_starts_in_the_wall_touches_it(in_pieces):
         if touches:
             continue
         q = np.array([*(1.001 * play / away * begun.q[:2]), *begun.q[2:]])
-        pushed = piece_start(rig.begun, origin, from_origin(rig.begun, origin, q, begun.v), system)
+        pushed = piece_start(rig.begun, origin, difference_from_origin(rig.begun, origin, q, begun.v), system)
         assert pushed.memory[0, 0] == 1.0 and len(pushed.contacts) == 1
         assert pushed.memory[0, 1] == NO_APPROACH  # its onset lies before the piece
 
@@ -116,7 +116,7 @@ def test_a_piece_that_starts_in_the_wall_touches_it(in_pieces):
 def test_how_deep_and_fast_a_piece_starts_in_the_wall_moves_all_behind_it(in_pieces):
     found, why = in_pieces._by_equation(np.concatenate([in_pieces.first, in_pieces.states]))
     assert not why
-    whole = in_pieces.unknowns.searched(np.concatenate([in_pieces.first, in_pieces.states]))
+    whole = in_pieces.unknowns.to_search(np.concatenate([in_pieces.first, in_pieces.states]))
     runs = in_pieces._by_runs(whole)
     off = np.linalg.norm(found - runs, axis=0) / np.linalg.norm(runs, axis=0)
     # The error of differences: of the square of their step by parameters, of 1e-5 error scales by starts.

@@ -16,9 +16,9 @@ from antenna_pin.fit.assessment import (
     tells,
     values_in,
 )
-from antenna_pin.fit.experiments import Trial, load_experiments, without
+from antenna_pin.fit.experiments import Trial, eliminate, load_experiments
 from antenna_pin.fit.identifiability import design
-from antenna_pin.fit.run_service import Laboratory
+from antenna_pin.fit.run_service import RunService
 from antenna_pin.plot import table_figures
 from antenna_pin.report import report
 from antenna_pin.trajectory import save_table
@@ -99,7 +99,7 @@ def _late():
 
 def test_without_eliminates_what_a_column_of_zeros_cannot_explain():
     slopes = np.column_stack([np.arange(1.0, 5.0), np.zeros(4)])
-    assert np.array_equal(without(slopes, np.array([1])), slopes)
+    assert np.array_equal(eliminate(slopes, np.array([1])), slopes)
 
 
 def test_two_springs_side_by_side_are_told_together_only(write):
@@ -200,7 +200,7 @@ def test_an_experiment_by_a_clock_that_is_ahead_begins_within_its_run(write, tmp
     clock = CLOCK.replace('"1 ms"', '"-4 ms"').replace('["0 s", "10 ms"]', '["-10 ms", "0 ms"]')
     plan = write(parameters=DAMPER + clock, record='window = ["20 ms", "0.9 s"]')
     problem = Problem(plan)
-    trial = Trial(plan, "slower", experiments["slower"], problem.start, Laboratory)
+    trial = Trial(plan, "slower", experiments["slower"], problem.start, RunService)
     # One trial of 81 samples, of which one column, the clock, is told apart and left out of what it tells.
     found = trial.slopes()
     assert found.shape == (81, 3) and np.all(found[:, list(problem.names).index("shift")] == 0.0)

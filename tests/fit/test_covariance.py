@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from antenna_pin.fit.confidence_bands import bands_of
+from antenna_pin.fit.confidence_bands import parameter_bands
 from antenna_pin.fit.plan import Unknowns
 
 SD = 0.1
@@ -30,7 +30,7 @@ def test_a_parameter_at_its_bound_has_no_band_and_the_others_have_theirs(held):
         lower[held] = values[held]
     slopes = np.stack([TIMES**k for k in range(3)], axis=1) / SD
     rng = np.random.default_rng(3)
-    found = bands_of(
+    found = parameter_bands(
         PLAN, unknowns(lower), values, rng.standard_normal(TIMES.size), slopes, np.zeros(TIMES.size, int)
     )
     exact = np.full((3, 3), np.nan)

@@ -10,7 +10,7 @@ from antenna_pin import load_scenario
 from antenna_pin.errors import OutputError
 from antenna_pin.fit import Problem, load_fit, open_fit, run_fit
 from antenna_pin.fit.assessment import certain
-from antenna_pin.fit.run_service import Laboratory, Notebook
+from antenna_pin.fit.run_service import RunService, RunStore
 
 from .conftest import DAMPING, FIRST, STIFFNESS, closed_form
 from .conftest import FIT as FIT_OF_PENDULUM
@@ -195,9 +195,9 @@ def test_an_interrupted_profile_goes_on_bit_for_bit(write, tmp_path):
 
 def test_another_fits_notebook_is_refused(write, tmp_path):
     plan = write()
-    notebook = Notebook(tmp_path / "fit.nc")
-    Problem(plan, Laboratory(notebook=notebook))
-    notebook.close()
+    store = RunStore(tmp_path / "fit.nc")
+    Problem(plan, RunService(store=store))
+    store.close()
     other = write(parameters=DAMPER)
     with pytest.raises(OutputError, match="of another fit; what differs: records; name another result"):
         run_fit(other, tmp_path / "fit.nc")
@@ -243,7 +243,7 @@ def test_noise_that_hangs_together_is_told_of_and_counts_where_asked(write):
     plain, kept = fitted(noise, "given"), fitted(noise, "correlated")
     assert (kept.bands.sd[1] / plain.bands.sd[1]) ** 2 == pytest.approx((1.0 + rho) / (1.0 - rho), rel=0.37)
     np.testing.assert_array_equal(kept.values, plain.values)
-    assert plain.bands.wider == pytest.approx(np.max(kept.bands.sd / plain.bands.sd))
+    assert plain.bands.widening == pytest.approx(np.max(kept.bands.sd / plain.bands.sd))
     assert plain.notes[-1].startswith("note: residuals of swing.angle hang together in time: bands are up ")
     assert not kept.notes
     assert not fitted(white, "given").notes

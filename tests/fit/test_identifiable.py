@@ -9,7 +9,7 @@ from known_curves import Curve, line, oscillator
 
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.identifiability import identifiable
-from antenna_pin.fit.plan import size_of
+from antenna_pin.fit.plan import parameter_size
 from antenna_pin.fit.uncertainty import rank_of
 
 
@@ -58,7 +58,7 @@ def test_what_a_record_does_not_feel_and_what_it_tells_beside_it(times):
     )
     found = identifiable(model)
     assert found.rank.determined.tolist() == [False, False, True, False]
-    assert found.rank.felt.tolist() == [True, True, True, False]
+    assert found.rank.influential.tolist() == [True, True, True, False]
     assert found.together[-1] == "colour: not at all, the record stays as it is when it changes"
     assert set(found.hold) == {"colour"} | ({"mass", "stiffness"} & set(found.hold))
     # Held as it says, the rest can be told.
@@ -122,4 +122,4 @@ def test_differences_that_are_no_numbers_are_refused(times):
     ],
 )
 def test_a_parameter_that_starts_at_zero_is_as_large_as_its_bounds_are_apart(start, low, high, size):
-    assert size_of(start, low, high) == size
+    assert parameter_size(start, low, high) == size

@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit import Problem, load_fit, run_fit
-from antenna_pin.fit.diagnostics import tests_of as judged
+from antenna_pin.fit.diagnostics import residual_tests as judged
 from antenna_pin.fit.specs import evaluate, names_in
 
 from .conftest import DAMPING, STIFFNESS, closed_form

@@ -5,7 +5,7 @@ import pytest
 from known_curves import Curve, decay, line, oscillator
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.uncertainty import LOSSES, cost, curvature, influence, persistence, sure
+from antenna_pin.fit.uncertainty import LOSSES, autocorrelation, cost, curvature, influence, sure
 
 
 def _noisy_line(times, seed, sd=0.1):
@@ -147,7 +147,9 @@ def test_residuals_that_hang_together_count_for_less():
     mean = Curve(
         ("mean",), times, lambda t, x: x[0] + 0.0 * t, lambda t, x: np.ones((t.size, 1)), noise, np.ones(1)
     )
-    assert persistence(noise) == pytest.approx(rho, abs=0.03)  # three standard errors, sqrt((1 - rho^2) / m)
+    assert autocorrelation(noise) == pytest.approx(
+        rho, abs=0.03
+    )  # three standard errors, sqrt((1 - rho^2) / m)
     plain, kept = (sure(mean, mean.best(), noise=one) for one in ("estimated", "correlated"))
     assert (kept.error / plain.error) ** 2 == pytest.approx((1.0 + rho) / (1.0 - rho), rel=0.33)
     # Curves of one sample each know no next one.

@@ -7,7 +7,7 @@ import pytest
 
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.fit.plan import SurfaceSpec, Unknowns
-from antenna_pin.fit.search import Surface, on_surface
+from antenna_pin.fit.search import ResponseSurface, fit_by_surface
 
 from .conftest import FIT
 
@@ -55,7 +55,7 @@ def test_bands_by_the_scatter_of_runs_hold_as_often_as_they_say():
     """The record is one more run: of 100 bands 95 hold, although only runs say what runs scatter by."""
     count, held, errors, chi2 = 400, np.zeros(2, int), [], []
     for seed in range(count):
-        fit = on_surface(Scattering(seed), SurfaceSpec(runs=64))
+        fit = fit_by_surface(Scattering(seed), SurfaceSpec(runs=64))
         held += (fit.bands.low <= TRUTH) & (TRUTH <= fit.bands.high)
         errors.append((fit.values - TRUTH) / fit.bands.sd)
         chi2.append(fit.bands.chi2)
@@ -72,7 +72,7 @@ def test_a_surface_of_second_order_is_found_exactly():
     rng = np.random.default_rng(2)
     points = rng.uniform(-1.0, 1.0, (12, 2))
     found = np.array([[1.0 + u - 2.0 * v, 3.0 * u * v + v**2] for u, v in points])
-    surface = Surface.through(points, found, np.array([0.0, 0.25]))
+    surface = ResponseSurface.through(points, found, np.array([0.0, 0.25]))
     u = np.array([0.3, -0.4])
     assert surface.at(u) == pytest.approx([2.1, -0.2], abs=1e-13)
     assert surface.slopes(u) == pytest.approx(np.array([[1.0, -2.0], [-1.2, 0.1]]), abs=1e-13)
@@ -82,7 +82,7 @@ def test_a_surface_of_second_order_is_found_exactly():
 
 def test_too_few_runs_for_so_many_statistics_are_refused():
     with pytest.raises(InvalidParameterError, match=r"surface\.runs must be more than 18, for 6 statistics"):
-        on_surface(Scattering(0), SurfaceSpec(runs=16))
+        fit_by_surface(Scattering(0), SurfaceSpec(runs=16))
 
 
 def test_curves_beside_a_surface_are_refused(write):

@@ -9,7 +9,7 @@ import antenna_pin.fit.runs as bench
 import antenna_pin.fit.search as solve
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit import Problem, load_fit, open_fit, run_fit
-from antenna_pin.fit.diagnostics import Growth
+from antenna_pin.fit.diagnostics import DifferenceGrowth
 
 from .conftest import closed_form
 
@@ -77,7 +77,7 @@ def test_many_starts_come_before_pieces_where_a_valley_is_likely(write, monkeypa
     """What is not straight from afar may be a valley's side: pieces are dear, and lead to no other valley."""
 
     def grown(*curves):
-        return Growth(0.5, 0.1) if curves[-1] > 1.0 else None
+        return DifferenceGrowth(0.5, 0.1) if curves[-1] > 1.0 else None
 
     monkeypatch.setattr(solve, "growth_of", grown)
     fit, words = said(write, "5 N*m/rad", columns=record())

@@ -7,7 +7,7 @@ import pytest
 
 from antenna_pin.sensitivity import SensitivityError
 from antenna_pin.sensitivity.finite_differences import Slopes
-from antenna_pin.sensitivity.methods import _held_against
+from antenna_pin.sensitivity.methods import _checked_by_runs
 
 # Of three instants; the second is displaced most and in doubt by 0.6 %, the third by chance in none.
 BY_RUNS = np.array([1.0, 100.0, 50.0])
@@ -20,7 +20,7 @@ def held(ours):
         for values, doubts in ((BY_RUNS, DOUBTS), (ours, np.zeros(3)))
     )
     key, made = SimpleNamespace(key="a.play", scale=1.0), SimpleNamespace(sizes={"onset_time": 1e-3})
-    (one,) = _held_against([runs], [found], made, (key,))
+    (one,) = _checked_by_runs([runs], [found], made, (key,))
     return one
 
 

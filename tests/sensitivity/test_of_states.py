@@ -16,8 +16,8 @@ from antenna_pin.elements import CallableDrive, CallableForce, Motor
 from antenna_pin.geometry import CylindricalClearance
 from antenna_pin.nonlinear.chart import StatePerturbation
 from antenna_pin.nonlinear.perturbed_system import ParameterSlopes, PerturbedParameters
-from antenna_pin.sensitivity.state_series import OfStates
-from antenna_pin.sensitivity.tangent_run import Displaced
+from antenna_pin.sensitivity.state_series import StateSeries
+from antenna_pin.sensitivity.tangent_run import PerturbedSamples
 from antenna_pin.simulation.loop import Run
 from antenna_pin.trajectory.schema import VARIABLES
 from tests.reference import every_kind
@@ -138,7 +138,7 @@ def moved(system, numbers, chunk):
     ways = 1e-4 * rng.normal(size=(n, size, count))
     books = 1e-3 * rng.normal(size=(n, system.manifold.nx, count))
     words = np.broadcast_to(numbers.slopes["program"], (n, *numbers.slopes["program"].shape))
-    return Displaced(chunk, ways, books, np.zeros((n, count)), words)
+    return PerturbedSamples(chunk, ways, books, np.zeros((n, count)), words)
 
 
 def by_both(system, builds, engine, start=None):
@@ -152,11 +152,11 @@ def by_both(system, builds, engine, start=None):
         built = beside.builds.copy()
         if build:
             beside.builds[:], beside.by_program[:] = True, False
-        told = OfStates(
+        told = StateSeries(
             beside, StatePerturbation(system, numbers.count), settings, first, np.ones(numbers.count)
         )
         found.append(told.series(displaced))
-        here = told.seen(chunk)
+        here = told.series_at(chunk)
     return (*found, here, built)
 
 
