@@ -297,12 +297,7 @@ class _Intervals(NamedTuple):
 
 
 def _in_si_units(found: Sure, unknowns: Unknowns) -> _Intervals:
-    """Return covariance and intervals of parameters in SI units.
-
-    Args:
-        found: In the coordinates of the search.
-        unknowns: What these are.
-    """
+    """Return covariance and intervals of parameters in SI units."""
     p = unknowns.count
     whole = np.array([_parameter_in_si(unknowns, found.values[k], k) for k in range(p)])
     values = np.concatenate([whole, found.values[p:]])

@@ -144,14 +144,7 @@ def identifiable(
 
 
 def _direction_text(row: Array, names: tuple[str, ...], scale: Array, values: Array) -> str:
-    """Return a direction that leaves the record unchanged, as text.
-
-    Args:
-        row: The direction, in scales of the parameters, (p,).
-        names: Of the parameters.
-        scale: Their scales, (p,).
-        values: Their values, (p,); changes are said in percent of them, or in scales where they are zero.
-    """
+    """Return a direction that leaves the record unchanged, as text."""
     size = np.abs(row)
     places = [int(k) for k in np.argsort(-size, kind="stable") if size[k] > _SAID * size.max()]
     if len(places) == 1:

@@ -119,7 +119,6 @@ class _PieceEstimator:
         at: Array,
         origin: State | None,
     ) -> None:
-        """Select its rows."""
         self._test, self._unknowns, self._own = test, unknowns, list(own)
         self._rows, self._until = piece_rows(test, shift, piece), test.pieces[piece + 1]
         first = int(np.searchsorted(test.time + shift, self._rows[0])) if len(self._rows) else 0
@@ -131,11 +130,7 @@ class _PieceEstimator:
         self.size = 0 if self._chart is None else 2 * self._chart.positions
 
     def found(self, covariance: Array) -> _PieceEstimate:
-        """Return the estimate from the rows and the covariance so far.
-
-        Args:
-            covariance: Of what is known of them, (p + n, p + n).
-        """
+        """Return the estimate from the rows and the covariance so far."""
         from scipy.optimize import least_squares
 
         p, n = self._unknowns.count, self.size

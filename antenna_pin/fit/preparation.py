@@ -66,18 +66,7 @@ class _Measured:
 
 
 def _read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: str) -> _Measured:
-    """Return a record from its file, or refuse it.
-
-    Args:
-        spec: What the fit file says of it.
-        folder: From which its path starts.
-        units: SI unit of what each column reads.
-        place: Of the record, for messages.
-
-    Raises:
-        ScenarioError: Times do not rise, a number is missing, a unit does not fit, nothing is left.
-        UnknownNameError: The file has no such column.
-    """
+    """Return a record from its file, or refuse it."""
     in_file = {name: one.column or name for name, one in spec.columns.items()}
     path = folder / os.path.expanduser(spec.file)
     for name, one in spec.columns.items():  # what is written wrongly is told before a file is read
@@ -130,12 +119,7 @@ def _read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place
 
 
 def _suspicion(values: Array, rows: NDArray[np.int64]) -> str:
-    """Return a note on a column that is constant or saturated, or "".
-
-    Args:
-        values: The column, (rows,).
-        rows: Their numbers in the file.
-    """
+    """Return a note on a column that is constant or saturated, or ""."""
     changes = np.flatnonzero(np.diff(values) != 0.0)
     if not changes.size:
         return f"is the same in all {len(values)} rows: is its sensor connected?"

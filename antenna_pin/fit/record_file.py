@@ -49,18 +49,7 @@ _STAMP_SECONDS = re.compile(r"(:[0-9]{2})[.,]([0-9]+)")
 def _from_text(
     path: Path, names: Sequence[str], layout: LayoutSpec, place: str
 ) -> tuple[dict[str, Array], dict[str, str]]:
-    """Return columns of a text by name, (rows,) each, and their units.
-
-    Args:
-        path: The file.
-        names: Of the columns that are wanted.
-        layout: Of the text.
-        place: Where the file is named, for messages.
-
-    Raises:
-        ScenarioError: It cannot be read, or a column holds what is no number.
-        UnknownNameError: It has no such column.
-    """
+    """Return columns of a text by name, (rows,) each, and their units."""
     text, where = _text(path, layout, place), f"{place}: {path.name}"
     known = {name: getattr(layout, name) for name in _OF_TEXT}
     try:
@@ -173,19 +162,7 @@ _OF_SI = 1  # code of units, of sets of these
 def _from_universal(
     path: Path, names: Sequence[str], time: str, place: str
 ) -> tuple[dict[str, Array], dict[str, str]]:
-    """Return columns of a universal file by name, (rows,) each, and their units.
-
-    Args:
-        path: The file.
-        names: Of the columns that are wanted; those of one file must have the same times.
-        time: How that of their times is called among these.
-        place: Where the file is named, for messages.
-
-    Raises:
-        ScenarioError: It cannot be read, has a column twice, or columns of other times.
-        UnknownNameError: It has no such column.
-        MissingToolError: pyuff is not installed.
-    """
+    """Return columns of a universal file by name, (rows,) each, and their units."""
     sets, foreign = _sets(path, place)
     where = f"{place}: {path.name}"
     found: dict[str, Array] = {}
@@ -509,11 +486,7 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
 
 
 def _leaves(group: Any, seen: set[Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the arrays of an HDF5 file by name, with points between levels.
-
-    Raises:
-        ValueError: A group stands in it twice: in a circle, or so that names double with each level.
-    """
+    """Yield the arrays of an HDF5 file by name, with points between levels."""
     if group.id in seen:  # equal where they are the same object
         raise ValueError(f"group {group.name} stands elsewhere in it, too")
     seen.add(group.id)

@@ -83,11 +83,7 @@ class _TangentSamples(NamedTuple):
 
 
 def _readings_with_slopes(test: RecordTest, request: RunRequest) -> tuple[Readings, ...]:
-    """Return readings of runs with derivatives, or reasons for their absence.
-
-    Raises:
-        KeyboardInterrupt: It was interrupted.
-    """
+    """Return readings of runs with derivatives, or reasons for their absence."""
     try:
         return _ForwardSensitivity(test, request).readings()
     except Exception as error:
@@ -98,7 +94,6 @@ class _ForwardSensitivity:
     """Test of a record at one set of values, with perturbations of each."""
 
     def __init__(self, test: RecordTest, request: RunRequest) -> None:
-        """Build the perturbed systems; differentiate the system's numbers."""
         self._test, self._request, self._at = test, request, functools.cache(self._neighbour)
         self._here = prepared_scenario(test, request.values)
         check_without_controllers("fit: derivatives by the equation", self._here.scenario)

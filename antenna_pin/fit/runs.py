@@ -367,11 +367,7 @@ def scenario_with(test: RecordTest, values: tuple[float, ...]) -> Scenario:
 
 
 def _assembly(test: RecordTest, values: tuple[float, ...]) -> tuple[Any, ...]:
-    """Return the arguments of a record's scenario with values.
-
-    Raises:
-        ScenarioError: A derived number is none there.
-    """
+    """Return the arguments of a record's scenario with values."""
     every, units, numbers = list(test.keys), list(test.units), list(values)
     for keys, expression in test.derived:
         try:

@@ -57,11 +57,7 @@ class _ElementMode(NamedTuple):
 
 
 def _element_modes(system: System, state: State) -> Mapping[str, _ElementMode]:
-    """Return the modes of elements in a state, by their places.
-
-    Raises:
-        InvalidParameterError: Events have changed more of it than modes.
-    """
+    """Return the modes of elements in a state, by their places."""
     acting = {one.place: one for one in acting_in(system)}
     modal = {place: one for place, one in acting.items() if isinstance(one.element, Modal)}
     numbers = {place: one.element.mode for place, one in modal.items()}  # type: ignore[attr-defined]
@@ -91,11 +87,7 @@ def set_modes(workspace: Workspace, state: State) -> None:
 
 
 def _check_same_modes(origin: Mapping[str, _ElementMode], other: Mapping[str, _ElementMode]) -> None:
-    """Refuse modes that differ from those of the origin.
-
-    Raises:
-        NotAlikeError: It names the element.
-    """
+    """Refuse modes that differ from those of the origin."""
     for place, one in origin.items():
         if other[place].number != one.number:
             rule = (

@@ -80,14 +80,6 @@ def _bifurcations_in(step: BranchStep, after: int, precision: float) -> list[Bif
 
     Where the branch turns back in it, on both sides of that. Where more may happen than the ends tell of,
     orbits are made between them.
-
-    Args:
-        step: The step.
-        after: Number of the orbit that it begins with.
-        precision: To locate to.
-
-    Raises:
-        AntennaPinError: It cannot be told: the step is too long, or leads onto another branch.
     """
     found = _between(step, 0.0, step.arc, precision, _DEEP)
     found.sort(key=lambda each: each.where.along)
@@ -132,15 +124,7 @@ def _crosses(one: Node, other: Node) -> bool:
 
 
 def _on_one_side(step: BranchStep, begin: float, end: float, crossed: bool, precision: float) -> list[_Found]:
-    """Return the bifurcations between two places without a fold between them.
-
-    Args:
-        step: The step.
-        begin: The first place.
-        end: The other.
-        crossed: Whether it is known where another branch crosses in this step.
-        precision: To locate to.
-    """
+    """Return the bifurcations between two places without a fold between them."""
     one, other = step.node(begin), step.node(end)
     if one.point.orbit.onsets != other.point.orbit.onsets:
         value, doubt = locate_graze(step.stepper, one, other, precision)
@@ -374,9 +358,6 @@ def _next_orbit(
     """Return the next orbit, the arc to it, and the reason to stop there.
 
     At the end of the range it is the orbit there, also where the step leads beyond it to where there is none.
-
-    Raises:
-        AntennaPinError: None is found.
     """
     begin, end = values
     straight = last.point.value + step * last.tangent[-1] * stepper.unit

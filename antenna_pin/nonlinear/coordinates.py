@@ -284,12 +284,7 @@ def own_coordinates(
 
 
 def _contact_memory(masses: Sequence[bool], touching: Array) -> tuple[tuple[int, int], ...]:
-    """Return contact and column of the contact memory that forces depend on.
-
-    Args:
-        masses: Of each contact, whether it goes by the effective mass that it remembers.
-        touching: Of each contact, 0 or not, (contacts,).
-    """
+    """Return contact and column of the contact memory that forces depend on."""
     touch = np.flatnonzero(touching).tolist()
     return tuple((c, column) for c in touch for column in ((1, 2) if masses[c] else (1,)))
 

@@ -90,15 +90,7 @@ def _evaluate(
     period: float = math.nan,
     ending: threading.Event | None = None,
 ) -> _Entry:
-    """Return the entry of a value.
-
-    Args:
-        asked: What is asked.
-        value: Of the parameter.
-        start: State to carry over; the scenario's own start if left out.
-        period: Of the stroboscope where that state comes from [s].
-        ending: Ends the run when set, by KeyboardInterrupt.
-    """
+    """Return the entry of a value."""
     entry: _Entry = {"times": [], "values": [], "units": [], "titles": [], "settled": False, "drift": None}
     entry |= {"transient": 0, "period": None, "state": ""}
     try:
@@ -144,14 +136,7 @@ def interrupting(ending: threading.Event | None) -> Callable[[Progress], None] |
 def _diagram_table(
     asked: _Settings, values: Sequence[Any], branches: Sequence[str], entries: Mapping[int, _Entry]
 ) -> xr.Dataset:
-    """Return the dataset of a diagram.
-
-    Args:
-        asked: What was asked at every value.
-        values: Of the parameter.
-        branches: In the order of the entries' numbers.
-        entries: Of every value of every branch, by number.
-    """
+    """Return the dataset of a diagram."""
     b, n, most = len(branches), len(values), max((len(one["times"]) for one in entries.values()), default=0)
     times = np.full((b, n, most), np.nan)
     points = np.full((b, n, most, len(asked.quantities)), np.nan)
@@ -250,7 +235,6 @@ class _EntryStore:
     """
 
     def __init__(self, folder: Path | None) -> None:
-        """Begin with none."""
         self.folder = folder
         self.entries: dict[int, _Entry] = {}
         self._journal: Journal | None = None
@@ -260,17 +244,7 @@ class _EntryStore:
     def of(
         cls, target: Path | None, asked: _Settings, values: Sequence[Any], branches: Sequence[str]
     ) -> Iterator[_EntryStore]:
-        """Yield the stored entries of a diagram.
-
-        Args:
-            target: File of the result, beside which the folder is; None for in memory only.
-            asked: What is asked at every value.
-            values: Of the parameter.
-            branches: In the order of their numbers.
-
-        Raises:
-            OutputError: The folder is of another diagram, or cannot be written, or another process has it.
-        """
+        """Yield the stored entries of a diagram."""
         if target is None:
             yield cls(None)
             return

@@ -151,12 +151,7 @@ _REST = {known: _remainder_matrix(_SAMPLES[kept]) for known, kept in _SAMPLE_ORD
 
 
 def _polynomial_remainder(values: Array, known: tuple[bool, bool]) -> tuple[float, tuple[int, int]]:
-    """Return the remainder of a polynomial fit, and the two samples of its largest jump.
-
-    Args:
-        values: (samples, n).
-        known: Whether its first and its last end are breaks that are known: values there do not count.
-    """
+    """Return the remainder of a polynomial fit, and the two samples of its largest jump."""
     kept = _SAMPLE_ORDER[known]
     rest = _REST[known] @ values[kept]
     worst = int(np.argmax(np.linalg.norm(np.diff(rest, axis=0), axis=1)))
@@ -225,13 +220,7 @@ class _Kink(NamedTuple):
 
     @classmethod
     def of(cls, jump: Array, way: Array, later: float) -> _Kink:
-        """Return the kink with a jump of the Jacobian.
-
-        Args:
-            jump: Of the derivative of the coordinates' rates, (size, size).
-            way: Some tangent, (size,).
-            later: By how much later a perturbed state there comes to it [s].
-        """
+        """Return the kink with a jump of the Jacobian."""
         forces, sizes, passings = np.linalg.svd(jump)
         passing = sizes[0] * passings[0]
         along = float(passing @ way)
@@ -599,14 +588,6 @@ def _relative_error(
     """Return the error of a step of a part, over its size [-].
 
     Next to onsets and releases it is what it does to what is carried, at the perturbed own.
-
-    Args:
-        piece: The part of a step.
-        step: What it makes of the identity.
-        carried: Tangents before it.
-        flow: In which column the flow is, if it is carried.
-        opening: At the step's end the derivative of the gap of a contact that ends there over coordinates,
-            (size,); None if there is none.
     """
     if not (piece.graded or piece.falling) or not carried.frame.clock:
         return step.off

@@ -58,7 +58,6 @@ class _ReferenceMotion:
         count: int,
         progress: Callable[[int, float], None] | None,
     ) -> None:
-        """Run."""
         self._flow, self._interval, self._states = flow, interval, [start]
         self._kept = [(k, one.key) for k, one in enumerate(ElementMemory(flow.system).numbers) if one.of_rate]
         #: Contacts that touch at the end, and since when [s].
@@ -97,11 +96,7 @@ def _mechanical_coordinates(chart: Chart) -> NDArray[np.bool_]:
 
 
 def _independent(matrix: Array, rank: int, time: float) -> NDArray[Any]:
-    """Return which tangents are still independent, (rank,), in order.
-
-    Raises:
-        InvalidParameterError: None is.
-    """
+    """Return which tangents are still independent, (rank,), in order."""
     if rank == matrix.shape[1]:
         return np.arange(rank)
     if rank == 0:

@@ -103,7 +103,6 @@ class _StagePropagation:
     """
 
     def __init__(self, carrying: Carrying, moving: slice) -> None:
-        """Begin with nothing."""
         self._carrying, self._moving = carrying, moving
         self.since = -math.inf
         self.made = 0
@@ -159,15 +158,7 @@ class _StagePropagation:
         carried: Tangents,
         good: float,
     ) -> Tangents | None:
-        """Return tangents behind a part of a step, halved where necessary, or None.
-
-        Args:
-            piece: The piece.
-            within: States within the step.
-            lift: Makes tangents of coordinates about a state: of constraints those where a piece begins.
-            carried: Tangents before the piece.
-            good: As for :meth:`over`.
-        """
+        """Return tangents behind a part of a step, halved where necessary, or None."""
         tries = _TRIES
 
         def along(piece: StepPart, carried: Tangents) -> Tangents | None:
@@ -189,15 +180,7 @@ class _StagePropagation:
     def over_steps(
         self, steps: Sequence[_TangentStep], lift: Lift, carried: Tangents, good: float, until: float
     ) -> tuple[int, Tangents]:
-        """Return the number of steps with accurate tangents, and the tangents behind them.
-
-        Args:
-            steps: One after another, between two changes of the axes.
-            lift: Coordinates as tangents, the same along the steps.
-            carried: Tangents before them.
-            good: As for :meth:`over`.
-            until: When a contact ends next, behind them; infinite if that is not known [s].
-        """
+        """Return the number of steps with accurate tangents, and the tangents behind them."""
         matrix, off = carried.matrix, carried.other - carried.matrix
         there = np.flatnonzero((matrix != 0.0).any(axis=0) | (off != 0.0).any(axis=0))
         every = Steps(
@@ -232,13 +215,7 @@ _ROUND_OFF, _PARTS = 16.0 * float(np.finfo(float).eps), 16
 
 
 def _cut_at_reversals(step: _TangentStep, within: StepStates, field: VectorField) -> list[_TangentStep]:
-    """Return the parts of a step between reversals of work, where parameters need them.
-
-    Args:
-        step: The step.
-        within: States within it.
-        field: The rates.
-    """
+    """Return the parts of a step between reversals of work, where parameters need them."""
     works = field.works
     if field.numbers is None or not len(works):
         return [step]
@@ -386,13 +363,7 @@ class TangentPropagation:
             self._settle()
 
     def _over(self, one: LoggedStep, ends: tuple[bool, bool], parting: Sequence[int]) -> None:
-        """Propagate tangents over a step, now or with those that follow.
-
-        Args:
-            one: The step.
-            ends: Whether anything changes where it ends, and whether rates break there.
-            parting: Contacts that end there.
-        """
+        """Propagate tangents over a step, now or with those that follow."""
         whole = _TangentStep(*one, (self._begins[0], ends[0]), (any(self._begins), any(ends)))
         for step in _cut_at_reversals(whole, self.states, self.field):
             own, along = parting if step.until == one.until else (), self._goes_along(step)
@@ -488,12 +459,7 @@ class TangentPropagation:
         self._time, self._y, self._here = here
 
     def _step(self, step: _TangentStep, parting: Sequence[int]) -> None:
-        """Propagate tangents over a step.
-
-        Args:
-            step: The step.
-            parting: Contacts that end there.
-        """
+        """Propagate tangents over a step."""
         self._time, self._y = step.time, step.y
         self.states.begin(step.time, step.y, step.size, step.end)
         self._cut_step.begin(step.time, step.y)

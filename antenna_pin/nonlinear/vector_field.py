@@ -47,7 +47,6 @@ class _GapSlopes:
     """
 
     def __init__(self, near: PerturbedSystem, units: Units) -> None:
-        """Store the steps."""
         self._near, self._coarse = near, near.coarseness(units, _GAP_STEP)
         *_, speeds, masses, _, _, clock = near.parts
         self._coarse[speeds] = self._coarse[masses] = 1.0 / STEP
@@ -63,14 +62,7 @@ class _GapSlopes:
         return self.tangents if self._of_points[c] else None
 
     def along(self, function: StateFunction, time: float, y: Array, ways: Array) -> Array:
-        """Return the derivatives of a function along perturbations of any size, (values, k).
-
-        Args:
-            function: ``(time, y) -> values``, smooth on the scale of a play.
-            time: [s].
-            y: State.
-            ways: By columns, (perturbation, k).
-        """
+        """Return the derivatives of a function along perturbations of any size, (values, k)."""
         return np.asarray(self.with_steps(function, time, y, ways, self.steps(ways))[0])
 
     def both_orders(self, function: StateFunction, time: float, y: Array, ways: Array) -> Array:
@@ -133,13 +125,7 @@ class _GapSlopes:
         return out
 
     def opening(self, y: Array, c: int, ways: Array) -> tuple[Array, float]:
-        """Return the derivative of a contact's gap along perturbations, (k,), and its rate.
-
-        Args:
-            y: State.
-            c: Which contact.
-            ways: Perturbations, (perturbation, k).
-        """
+        """Return the derivative of a contact's gap along perturbations, (k,), and its rate."""
         near = self._near
         normal, _ = near.workspace.along_normal(y, c)
         own = normal @ ways[near.parts[0]]
@@ -153,12 +139,6 @@ class _GapSlopes:
 
         That is the approach speed [m/s], and the logarithm of the effective mass; by what parts the two rows
         of each it is uncertain.
-
-        Args:
-            time: [s].
-            y: State of the onset.
-            c: Which contact begins.
-            ways: Perturbations, (perturbation, k).
         """
         if (known := self.tangents_at(c)) is not None:
             faster, heavier = known.impact(y, c, ways)
@@ -177,13 +157,7 @@ class _GapSlopes:
         return faster - workspace.along_normal(y, c)[0] @ ways[rate], heavier
 
     def level(self, frame: Frame, y: Array, up: Array) -> Array | None:
-        """Return the basis for differences near onsets and releases, (size, size), or None.
-
-        Args:
-            frame: Axes of coordinates; there is no such basis if time is none of these.
-            y: State.
-            up: Perturbations of coordinates, (perturbation, size).
-        """
+        """Return the basis for differences near onsets and releases, (size, size), or None."""
         workspace = self._near.workspace
         touching = np.flatnonzero(workspace.memory["touching"]).tolist()
         if not (frame.clock and touching):

@@ -42,12 +42,7 @@ _INSTANTS = ("onset_time", "change_time", "event_time")
 
 
 def _first_difference(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> float:
-    """Return the first time at which events of two runs differ [s], or NaN.
-
-    Args:
-        ours: Variables of a run.
-        theirs: Those of another.
-    """
+    """Return the first time at which events of two runs differ [s], or NaN."""
     found = [_first_mismatch(*(_event_sequence(one, name) for one in (ours, theirs))) for name in _INSTANTS]
     earliest = min(found)
     return earliest if earliest < math.inf else math.nan
@@ -82,12 +77,7 @@ _AT_ONCE = 1e-9
 
 
 def _in_order_of(ours: Mapping[str, Column], theirs: Mapping[str, Column]) -> Mapping[str, Column]:
-    """Return a perturbed run's variables with simultaneous onsets in a run's order.
-
-    Args:
-        ours: The run's.
-        theirs: The perturbed run's.
-    """
+    """Return a perturbed run's variables with simultaneous onsets in a run's order."""
     count = len(theirs["onset_time"].values) if "onset_time" in theirs else -1
     if count < 0 or "onset_time" not in ours or len(ours["onset_time"].values) != count:
         return theirs
@@ -111,16 +101,7 @@ def _onset_order(run: Mapping[str, Column]) -> NDArray[np.int_]:
 
 
 def _check_same_events(ours: Mapping[str, Column], theirs: Mapping[str, Column], what: str) -> None:
-    """Refuse a perturbed run with other onsets or events.
-
-    Args:
-        ours: The variables of the run.
-        theirs: Those of the perturbed run, in its order.
-        what: What is said of it.
-
-    Raises:
-        GrazeError: It is none that goes over into the run.
-    """
+    """Refuse a perturbed run with other onsets or events."""
     for name, here in ours.items():
         there = theirs.get(name)
         if "time" in here.dims or here.dtype.kind == "f" and there is not None and here.shape == there.shape:
@@ -182,11 +163,7 @@ class _Difference(NamedTuple):
 
 
 def _numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
-    """Return the differentiable numbers of a result, at some of its times.
-
-    Raises:
-        SensitivityError: The run has no sample there.
-    """
+    """Return the differentiable numbers of a result, at some of its times."""
     names = [name for name, one in run.data.data_vars.items() if one.dtype.kind == "f"]
     data = run.data[[name for name in names if name not in _OF_THE_RUN]]
     if "time" not in data.sizes:
@@ -262,11 +239,7 @@ class FiniteDifferences:
         self._longest = _longest(self.run.data)
 
     def _made(self, scenario: Scenario, what: str, start: State | None) -> Trajectory:
-        """Return a run of a scenario, from its start or from a state.
-
-        Raises:
-            SensitivityError: It did not come to its end.
-        """
+        """Return a run of a scenario, from its start or from a state."""
         given: dict[str, Any] = {"settings": self._settings, "duration": self._duration}
         if start is None and scenario is self._scenario:
             run = simulate(scenario, **given)
@@ -383,11 +356,7 @@ class FiniteDifferences:
         return found
 
     def _neighbour(self, parameter: Parameter, value: float) -> dict[str, Array]:
-        """Return the numbers of a perturbed run, by variable.
-
-        Raises:
-            GrazeError: Other contacts begin in it, or other events happen.
-        """
+        """Return the numbers of a perturbed run, by variable."""
         what = f"with {parameter.key} = {value:.12g}"
         try:
             other = with_number(self._scenario, parameter.key, value)

@@ -224,15 +224,7 @@ def maximum_times(run: xr.Dataset) -> Array:
 def _force_peaks(
     along: TangentRecord, series: _Series, in_time: TimeDerivatives, run: xr.Dataset, scales: Array
 ) -> _Peaks:
-    """Return the derivatives of force peaks; NaN where there is none.
-
-    Args:
-        along: The run that was looked at, at :func:`maximum_times` too.
-        series: Derivatives at its samples and their doubts, by name, (n, ..., parameters).
-        in_time: How its samples go on.
-        run: The result.
-        scales: Of the parameters, (parameters,).
-    """
+    """Return the derivatives of force peaks; NaN where there is none."""
     displaced, times = along.samples, along.samples.chunk.times
     begin, end = float(times[0]), float(times[-1])
     count = len(run["peak_time"]) if "peak_time" in run else 0
@@ -280,16 +272,7 @@ def _largest_values(
     peaks: _Peaks,
     at: tuple[Array, Array],
 ) -> _Series:
-    """Return the derivatives of reported maxima and their error estimates, by name.
-
-    Args:
-        along: The run that was looked at.
-        series: Derivatives at its samples and their doubts, by name.
-        in_time: How its samples go on.
-        run: The result.
-        peaks: What :func:`_force_peaks` says of it.
-        at: Times that were asked for, ascending, and scales of the parameters.
-    """
+    """Return the derivatives of reported maxima and their error estimates, by name."""
     asked, scales = at
     times = along.samples.chunk.times
     found: _Series = {}

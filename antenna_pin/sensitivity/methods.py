@@ -47,11 +47,7 @@ _SHORTEST, _ONE = 1e-6, 1e-12
 
 
 def _piece_borders(length: float, begin: float, span: float) -> Array:
-    """Return the times at which pieces of a length [s] begin, and the last ends.
-
-    Raises:
-        InvalidParameterError: There are none of such a length.
-    """
+    """Return the times at which pieces of a length [s] begin, and the last ends."""
     if not _SHORTEST * span <= length <= span:
         rule = f"at most the run's {span:g} s, and at least a millionth of it"
         raise InvalidParameterError("sensitivities", "pieces", rule, length)
@@ -66,15 +62,7 @@ def _over_pieces(
     times: Array,
     made: Callable[[State, Array, float], Sensitivities],
 ) -> Sensitivities:
-    """Return derivatives at times and at the ends of pieces, each over its own piece.
-
-    Args:
-        flow: Whose run it is.
-        first: Its first state.
-        borders: Of pieces [s].
-        times: Of samples, ascending [s].
-        made: Makes those of a piece, ``(start, times, span)``.
-    """
+    """Return derivatives at times and at the ends of pieces, each over its own piece."""
     parts: list[tuple[float, Sensitivities]] = []
     refused: list[dict[str, float | str]] = []
     start = first

@@ -65,15 +65,7 @@ class Growth(NamedTuple):
 def _growth(
     times: Array, slopes: Array, doubts: Array, keys: tuple[str, ...], share: float
 ) -> tuple[Growth, ...]:
-    """Return the growth of the velocities' derivatives.
-
-    Args:
-        times: Of samples, (n,) [s].
-        slopes: Per scale of each parameter, (n, nv, parameters).
-        doubts: Likewise.
-        keys: Of the parameters.
-        share: Of doubt over the derivative, that is believed.
-    """
+    """Return the growth of the velocities' derivatives."""
     found = []
     for k, key in enumerate(keys):
         sizes, rest = (np.linalg.norm(one[..., k], axis=1) for one in (slopes, doubts))

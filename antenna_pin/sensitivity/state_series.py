@@ -62,7 +62,6 @@ class _SeriesTable:
     """
 
     def __init__(self, here: Mapping[str, Array]) -> None:
-        """Lay them out."""
         taken = {name: one for name, one in here.items() if one.dtype.kind == "f" and name != "time"}
         self.shapes = {name: one.shape[1:] for name, one in taken.items()}
         widths = [int(np.prod(shape)) for shape in self.shapes.values()]
@@ -272,9 +271,6 @@ class _ForceCurvature(NamedTuple):
         """Return the delay of a force's maximum [s], its error, and the force's correction.
 
         The correction is what the force changes more where it is largest than here, where that was found.
-
-        Args:
-            known: To which share perturbations are known, (parameters,).
         """
         (force,), (rate,), (bend,), (over,), (rough,), (rest,) = self
         late, off = -over / bend, -rate / bend
@@ -408,14 +404,7 @@ def _orders(values: Array) -> tuple[Array, Array]:
 def _best(
     function: Callable[[Array], Array], sizes: Array, steps: tuple[float, ...], noise: Array
 ) -> tuple[Array, Array, Array]:
-    """Return derivatives at zero, their errors and steps, (n,) each, of best agreement.
-
-    Args:
-        function: Of arguments of each of its values, (n, of each).
-        sizes: What steps are a part of, (n,).
-        steps: These parts.
-        noise: What values are uncertain by, (n,).
-    """
+    """Return derivatives at zero, their errors and steps, (n,) each, of best agreement."""
     best, doubt, used = np.zeros_like(sizes), np.full_like(sizes, np.inf), sizes.copy()
     for h in (step * sizes for step in steps):
         sixth, apart = _orders(function(h[:, None] * _SIDES))

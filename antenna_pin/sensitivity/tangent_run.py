@@ -54,7 +54,6 @@ class _ElementIntegrals:
     """
 
     def __init__(self, system: System) -> None:
-        """Begin before any change."""
         self._first = {
             one.place: int(system.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["x"])
             for one in acting_in(system)
@@ -63,15 +62,7 @@ class _ElementIntegrals:
         self._kept: dict[str, Array] = {}
 
     def of(self, one: ModeEffect, met: ElementTransition, time: float, x: Array, books: Array) -> Array:
-        """Return the derivatives of loss and impulse of a change, (2, parameters).
-
-        Args:
-            one: The change.
-            met: How its joint was met.
-            time: When [s].
-            x: Integrals, so far, (nx,).
-            books: How that is perturbed, at the perturbed times, (nx, parameters).
-        """
+        """Return the derivatives of loss and impulse of a change, (2, parameters)."""
         first, count = self._first[one.place], len(one.before.integrals)
         here = slice(first, first + count)
 
@@ -125,19 +116,10 @@ class _EventDerivatives:
     """
 
     def __init__(self, field: VectorField, replay: ElementReplay) -> None:
-        """Allocate once."""
         self._field, self._replay, self._moment = field, replay, Moment(field.workspace)
 
     def of(self, one: EventEffect, time: float, y: Array, ways: Array, late: Array) -> _EventSensitivity:
-        """Return the derivatives of an event.
-
-        Args:
-            one: What has happened.
-            time: When [s].
-            y: State before it.
-            ways: Perturbations at equal times, (perturbation, parameters).
-            late: By how much later it comes, of one that acts.
-        """
+        """Return the derivatives of an event."""
         field, name = self._field, one.event.name
         if not one.acts or not one.event.has(Set, Jump, Switch):  # noted, or the run's end
             return _EventSensitivity(name, time, self._late(one, time, y, ways), np.zeros_like(late))
@@ -206,7 +188,6 @@ class _DepthMaxima:
     """
 
     def __init__(self, within: StepStates) -> None:
-        """Begin with none."""
         self._within = within
         self._table = np.zeros(len(within.workspace.table), CONTACT)
         self.found: list[tuple[int, float]] = []

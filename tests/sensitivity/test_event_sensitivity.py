@@ -13,7 +13,7 @@ from tests.sensitivity.test_closed_forms import (
     STIFFNESS,
     oscillation,
 )
-from tests.sensitivity.test_what_is_booked import mass
+from tests.sensitivity.test_integrals import mass
 
 KEYS = {
     "springs.coil.stiffness": STIFFNESS,
