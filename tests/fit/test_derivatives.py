@@ -10,7 +10,7 @@ from antenna_pin.fit.sensors import compared_numbers, compared_slopes
 from antenna_pin.fit.specs import ColumnSpec
 
 from .conftest import DAMPING, STIFFNESS, closed_form
-from .test_fitted import DAMPER
+from .test_run_fit import DAMPER
 
 EQUATION = 'jacobian = "equation"'
 CLOCK = """
