@@ -251,55 +251,48 @@ class KinkDefects:
         """Column of the flow; zero where the flow is not propagated."""
         return self._count + 1
 
-    def without_defects(self, carried: Tangents) -> Tangents:
+    def without_defects(self, tangents: Tangents) -> Tangents:
         """Return the tangents alone."""
-        matrix, other, books = (
-            one[:, : self._count] for one in (carried.matrix, carried.other, carried.integrals)
-        )
-        return Tangents(matrix, other, carried.frame, books)
+        return tangents.mapped(lambda columns: columns[:, : self._count])
 
-    def run_error(self, carried: Tangents) -> Array:
+    def run_error(self, tangents: Tangents) -> Array:
         """Return the error of the run as a perturbation, (size,)."""
-        return np.asarray(carried.matrix[:, self._count])
+        return np.asarray(tangents.matrix[:, self._count])
 
-    def with_run_error(self, carried: Tangents, more: Array) -> Tangents:
+    def with_run_error(self, tangents: Tangents, more: Array) -> Tangents:
         """Return tangents with a further error of the run, (size,)."""
-        both = carried.matrix.copy(), carried.other.copy()
+        both = tangents.matrix.copy(), tangents.other.copy()
         for one in both:
             one[:, self._count] += more
-        return Tangents(*both, carried.frame, carried.integrals)
+        return Tangents(*both, tangents.frame, tangents.integrals)
 
-    def with_kink(self, kink: _Kink, error: Array, carried: Tangents) -> Tangents:
+    def with_kink(self, kink: _Kink, error: Array, tangents: Tangents) -> Tangents:
         """Return tangents with their defect at a kink that a run with an error passes."""
         size = float(np.linalg.norm(kink.passing))
         late = kink.later * (abs(float(kink.passing @ error)) + size * self._least)
-        self._parts.append(np.abs(kink.passing @ carried.matrix[:, : self._count]) * late)
+        self._parts.append(np.abs(kink.passing @ tangents.matrix[:, : self._count]) * late)
         column = kink.force[:, None]
-        matrix, other = (np.hstack([one, column]) for one in carried[:2])
-        return Tangents(matrix, other, carried.frame, np.pad(carried.integrals, ((0, 0), (0, 1))))
+        matrix, other = (np.hstack([one, column]) for one in tangents[:2])
+        return Tangents(matrix, other, tangents.frame, np.pad(tangents.integrals, ((0, 0), (0, 1))))
 
-    def merge(self, carried: Tangents) -> Tangents:
+    def merge(self, tangents: Tangents) -> Tangents:
         """Return tangents with the two oldest defects merged where there are too many."""
         while len(self._parts) > _MOST_DEFECTS:
             first = self._count + 2
-            sizes = np.linalg.norm(carried.matrix[:, first : first + 2], axis=0)
+            sizes = np.linalg.norm(tangents.matrix[:, first : first + 2], axis=0)
             kept = int(np.argmax(sizes))
             if sizes[kept] > 0.0:
                 self._parts[1 - kept] = self._parts[1 - kept] * (sizes[1 - kept] / sizes[kept])
             self._parts[:2] = [self._parts[0] + self._parts[1]]
-            matrix, other, books = (
-                np.delete(one, first + 1 - kept, axis=1)
-                for one in (carried.matrix, carried.other, carried.integrals)
-            )
-            carried = Tangents(matrix, other, carried.frame, books)
-        return carried
+            lost = first + 1 - kept
+            tangents = tangents.mapped(lambda columns, lost=lost: np.delete(columns, lost, axis=1))  # type: ignore[misc]
+        return tangents
 
-    def sizes(self, carried: Tangents) -> Array:
+    def sizes(self, tangents: Tangents) -> Array:
         """Return the size of each tangent's defects, (count,)."""
-        matrix = carried.matrix
-        out = np.linalg.norm(matrix[:, : self._count], axis=0) * float(
-            np.linalg.norm(self.run_error(carried))
-        )
+        matrix = tangents.matrix
+        error = float(np.linalg.norm(self.run_error(tangents)))
+        out = np.linalg.norm(matrix[:, : self._count], axis=0) * error
         for column, parts in zip(matrix.T[self._count + 2 :], self._parts, strict=True):
             out += float(np.linalg.norm(column)) * parts
         return np.asarray(out)
@@ -420,26 +413,26 @@ class StepStates:
 
 
 def _locate_kink(
-    piece: StepPart,
+    part: StepPart,
     between: tuple[int, int],
     seen: list[tuple[Array, float]],
-    within: StepStates,
+    states: StepStates,
     by: tuple[VectorField, Frame, Array, Array],
 ) -> tuple[float, _Kink] | None:
     """Return fraction of the step and kink between two samples of a part, or None.
 
     Args:
-        piece: The part of the step.
+        part: The part of the step.
         between: Which of :data:`antenna_pin.nonlinear.kinks._SAMPLES`.
         seen: What rates are along a tangent at each of them, first.
-        within: States within the step.
+        states: States within the step.
         by: The rates, the axes of coordinates, the tangent, and that in coordinates.
     """
     field, frame, way, unit = by
 
     def looked(place: float, look: Callable[[float, Array, Array], tuple[Array, float]]) -> Array:
-        (theta,), (slope,) = piece.at(np.array([place]))
-        there = within.time + float(theta) * within.size, within.at(float(theta))
+        (theta,), (slope,) = part.at(np.array([place]))
+        there = states.time + float(theta) * states.size, states.at(float(theta))
         return float(slope) * look(*there, way)[0]
 
     low, high = between
@@ -453,13 +446,13 @@ def _locate_kink(
     )
     if found is None:
         return None
-    (cut, before, behind), (slope, *_) = piece.at(np.array([found.place, *found.beside]))
+    (cut, before, behind), (slope, *_) = part.at(np.array([found.place, *found.beside]))
     one, other = (
-        field.matrix(frame, within.time + s * within.size, within.at(s), way).sixth
+        field.matrix(frame, states.time + s * states.size, states.at(s), way).sixth
         for s in (float(before), float(behind))
     )
-    step = field.across_kinks(within.time + cut * within.size, within.at(float(cut)), way)[1]
-    later = found.later * slope * (piece.b - piece.a) * within.size / step
+    step = field.across_kinks(states.time + cut * states.size, states.at(float(cut)), way)[1]
+    later = found.later * slope * (part.b - part.a) * states.size / step
     return float(cut), _Kink.of(other - one, unit, later)
 
 
@@ -478,9 +471,9 @@ class JacobianPropagation:
 
     Args:
         field: The rates.
-        within: States within the step.
-        again: Makes it anew, cut at kinks.
-        missed: Counts what tangents miss of these.
+        states: States within the step.
+        cut_step: Makes it anew, cut at kinks.
+        defects: Counts what tangents miss of these.
         good: What a part may be wrong by, over the tangents.
 
     Attributes:
@@ -491,10 +484,10 @@ class JacobianPropagation:
     """
 
     def __init__(
-        self, field: VectorField, within: StepStates, again: CutStep, missed: KinkDefects, good: float
+        self, field: VectorField, states: StepStates, cut_step: CutStep, defects: KinkDefects, good: float
     ) -> None:
         """Begin with nothing."""
-        self._field, self._within, self._cut_step, self._defects = field, within, again, missed
+        self._field, self._states, self._cut_step, self._defects = field, states, cut_step, defects
         self._good, self.made, self.left_over = good, 0, 0.0
         self.opening: Array | None = None
         self._looked_at = self._steps = 0
@@ -517,8 +510,8 @@ class JacobianPropagation:
     def _along(self, frame: Frame) -> tuple[Array, Array]:
         """Return a random perturbation of the state along which kinks are sought, and its coordinates."""
         if self._way is None or self._way[0] is not frame:
-            within = self._within
-            up = self._field.lift(frame, within.time, within.at(0.0)).up
+            states = self._states
+            up = self._field.lift(frame, states.time, states.at(0.0)).up
             some = np.asarray(np.random.default_rng(0).standard_normal(up.shape[1]))
             *_, numbers, _, clock = self._field.parts
             some[up[numbers].any(axis=0) | up[clock].any(axis=0)] = 0.0  # what breaks does so in states
@@ -526,17 +519,17 @@ class JacobianPropagation:
             self._way = frame, up @ unit, unit
         return self._way[1:]
 
-    def over(self, piece: StepPart, carried: Tangents) -> Tangents:
+    def over(self, part: StepPart, tangents: Tangents) -> Tangents:
         """Return tangents behind a part of the step."""
         self.made += 1
-        frame, (way, unit) = carried.frame, self._along(carried.frame)
+        frame, (way, unit) = tangents.frame, self._along(tangents.frame)
         if self._unseen is not None:
             self._field.estimate_round_off(*self._unseen, way)
             self._unseen, self._looked_at = None, self._steps
-        field, within, at = self._field, self._within, self._within.at
-        start, whole = within.time, within.size
-        length = (piece.b - piece.a) * whole
-        thetas, slopes = piece.at(NODES)
+        field, states, at = self._field, self._states, self._states.at
+        start, whole = states.time, states.size
+        length = (part.b - part.a) * whole
+        thetas, slopes = part.at(NODES)
         found = [field.matrix(frame, start + s * whole, at(s), way) for s in thetas.tolist()]
         sixth, fourth, books = (
             np.array([one * s for one, s in zip(each, slopes, strict=True)])
@@ -547,52 +540,52 @@ class JacobianPropagation:
         step = self._propagator.step(length, sixth)
         # What breaks at a place between the nodes, or behind the last, neither method sees.
         seen = [(f.along * s, f.noise * s) for f, s in zip(found, slopes.tolist(), strict=True)]
-        for s, slope in zip(*(one.tolist() for one in piece.at(_BETWEEN)), strict=True):
+        for s, slope in zip(*(one.tolist() for one in part.at(_BETWEEN)), strict=True):
             value, noise = field.directional(start + s * whole, at(s), way)
             seen.append((value * slope, noise * slope))
-        rest, (low, high) = _polynomial_remainder(np.array([value for value, _ in seen]), piece.known)
+        rest, (low, high) = _polynomial_remainder(np.array([value for value, _ in seen]), part.known)
         noise = _NOISY * length * max(one for _, one in seen)
         off = length * rest if length * rest <= self._good else max(length * rest - noise, 0.0)
         found_break = None
         if off > self._good:
             by = field, frame, way, unit
-            found_break = _locate_kink(piece, (low, high), seen, within, by)
-        searching = off > self._good and piece.halvings > _HALVINGS - _SEARCHES
+            found_break = _locate_kink(part, (low, high), seen, states, by)
+        searching = off > self._good and part.halvings > _HALVINGS - _SEARCHES
         rough = (
-            not _relative_error(piece, step, carried, self._defects.flow_column, self.opening) <= self._good
+            not _relative_error(part, step, tangents, self._defects.flow_column, self.opening) <= self._good
         )
-        if piece.halvings > 0 and (found_break is not None or searching or rough):
-            cut = 0.5 * (piece.a + piece.b) if found_break is None else found_break[0]
-            before, behind = piece.cut(cut, found_break is not None)
-            carried = self.over(before, carried)
+        if part.halvings > 0 and (found_break is not None or searching or rough):
+            cut = 0.5 * (part.a + part.b) if found_break is None else found_break[0]
+            before, behind = part.cut(cut, found_break is not None)
+            tangents = self.over(before, tangents)
             if found_break is not None:
-                carried = self._pass(*found_break, carried)
-            return self.over(behind, carried)
+                tangents = self._pass(*found_break, tangents)
+            return self.over(behind, tangents)
         self.left_over += off
         other = step.other + self._propagator.change(length, fourth - sixth)
-        booked = carried.integrals + self._propagator.integral(length, books) @ carried.matrix
-        return Tangents(step.matrix @ carried.matrix, other @ carried.other, frame, booked)
+        booked = tangents.integrals + self._propagator.integral(length, books) @ tangents.matrix
+        return Tangents(step.matrix @ tangents.matrix, other @ tangents.other, frame, booked)
 
-    def _pass(self, theta: float, kink: _Kink, carried: Tangents) -> Tangents:
+    def _pass(self, theta: float, kink: _Kink, tangents: Tangents) -> Tangents:
         """Add the defect of tangents at a kink at a fraction of the step."""
-        time, y = self._within.time + theta * self._within.size, self._within.at(theta)
+        time, y = self._states.time + theta * self._states.size, self._states.at(theta)
         self._cut_step.to(time)
-        down = self._field.lift(carried.frame, time, y).down
-        error = self._defects.run_error(carried) + down @ self._cut_step.off(time, y)
-        return self._defects.with_kink(kink, error, carried)
+        down = self._field.lift(tangents.frame, time, y).down
+        error = self._defects.run_error(tangents) + down @ self._cut_step.off(time, y)
+        return self._defects.with_kink(kink, error, tangents)
 
 
 def _relative_error(
-    piece: StepPart, step: Propagated, carried: Tangents, flow: int, opening: Array | None
+    part: StepPart, step: Propagated, tangents: Tangents, flow: int, opening: Array | None
 ) -> float:
     """Return the error of a step of a part, over its size [-].
 
     Next to onsets and releases it is what it does to what is carried, at the perturbed own.
     """
-    if not (piece.graded or piece.falling) or not carried.frame.clock:
+    if not (part.graded or part.falling) or not tangents.frame.clock:
         return step.off
-    ends, wrong = step.matrix @ carried.matrix, (step.matrix - step.other) @ carried.matrix
-    if piece.falling and opening is not None:
+    ends, wrong = step.matrix @ tangents.matrix, (step.matrix - step.other) @ tangents.matrix
+    if part.falling and opening is not None:
         late = (opening @ ends) / (opening @ ends[:, flow])
         late[flow] = 0.0
         ends, wrong = (one - np.outer(one[:, flow], late) for one in (ends, wrong))

@@ -12,7 +12,7 @@ import dataclasses
 import math
 import pickle
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import numpy as np
 import pinocchio as pin
@@ -130,26 +130,25 @@ class ParameterShift:
         #: How far each is perturbed at present, (count,).
         self.present = np.zeros(self.count)
 
-    def displace(self, s: Array) -> Callable[[], None]:
-        """Shift the numbers by parameters, (count,) in their scales; return the reversal."""
+    @contextmanager
+    def shifted(self, s: Array) -> Iterator[None]:
+        """Shift the numbers by parameters, (count,) in their scales, and back."""
         kept = []
         for flat, at, slopes in self._parts:
             values = flat[at]
             kept.append((flat, at, values))
             flat[at] = values + s @ slopes[:, at]
         before, self.present = self.present, s
-        changed_back = self._displace_model(s) if self._of_model else None
+        with self._shifted_model(s) if self._of_model else nullcontext():
+            try:
+                yield
+            finally:
+                for flat, at, values in kept:
+                    flat[at] = values
+                self.present = before
 
-        def back() -> None:
-            for flat, at, values in kept:
-                flat[at] = values
-            self.present = before
-            if changed_back is not None:
-                changed_back()
-
-        return back
-
-    def _displace_model(self, s: Array) -> Callable[[], None]:
+    @contextmanager
+    def _shifted_model(self, s: Array) -> Iterator[None]:
         """Shift Pinocchio's numbers likewise."""
         model = self._model
         inertias = [(i, model.inertias[i].copy()) for i in self._heavier]
@@ -166,15 +165,14 @@ class ParameterShift:
             model.armature = armature + s @ self._armature
         if self.gravity.any():
             model.gravity.linear = gravity + s @ self.gravity
-
-        def back() -> None:
+        try:
+            yield
+        finally:
             for i, one in inertias:
                 model.inertias[i] = one
             for i, one in places:
                 model.jointPlacements[i] = one
             model.armature, model.gravity.linear = armature, gravity
-
-        return back
 
     def element_changes(self, place: str) -> Mapping[str, float]:
         """Return the present shifts of an element's numbers, by its place."""
@@ -369,66 +367,62 @@ class PerturbedSystem:
         nq, nv = self.system.model.nq, self.system.model.nv
         way, rate, bristles, speeds, masses, numbers, own, clock = (displacement[one] for one in self.parts)
         memory, kept, program = self.workspace.memory, self._memory, self.workspace.program
-        back = self.numbers.displace(numbers) if self.numbers is not None and numbers.any() else None
-        words = program[self.memory.words]
-        self._y[:] = y
-        self.workspace.retract(self._y, way)
-        self._y[nq : nq + nv] += rate
-        self._y[nq + nv + self.bristles] += bristles
-        kept[:] = memory
-        memory["approach_speed"] *= np.exp(speeds)
-        memory["effective_mass"] *= np.exp(masses)
-        program[self.memory.words] += own
-        try:
-            return np.array(function(time + float(clock[0]), self._y))
-        finally:
-            memory[:], program[self.memory.words] = kept, words
-            if back is not None:
-                back()
+        shift = self.numbers.shifted(numbers) if self.numbers is not None and numbers.any() else nullcontext()
+        with shift:
+            words = program[self.memory.words]
+            self._y[:] = y
+            self.workspace.retract(self._y, way)
+            self._y[nq : nq + nv] += rate
+            self._y[nq + nv + self.bristles] += bristles
+            kept[:] = memory
+            memory["approach_speed"] *= np.exp(speeds)
+            memory["effective_mass"] *= np.exp(masses)
+            program[self.memory.words] += own
+            try:
+                return np.array(function(time + float(clock[0]), self._y))
+            finally:
+                memory[:], program[self.memory.words] = kept, words
 
     def over(self, function: StateFunction, time: float, y: Array, way: Array, step: float) -> Array:
         """Return the derivative of a function along a perturbation, of two orders, (2, ...)."""
-        ahead, behind = (
-            np.array([self.at(function, time, y, side * point * step * way) for point in (1, 2, 3)])
-            for side in (1, -1)
-        )
-        return np.asarray(WEIGHTS @ (ahead - behind) / step)
+        return np.asarray(WEIGHTS @ _odd(lambda point: self.at(function, time, y, point * step * way)) / step)
 
     def over_numbers(self, time: float, y: Array, way: Array, step: float) -> Array:
         """Return derivatives of the rates over parameters, of two orders, (2, ...)."""
         assert self.numbers is not None
-        found = []
-        for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
-            back = self.numbers.displace(point * step * way)
-            try:
-                found.append(self.rates(time, y).copy())
-            finally:
-                back()
-        values = np.array(found)
-        return np.asarray(WEIGHTS @ (values[:3] - values[3:]) / step)
+        shifted = self.numbers.shifted
+
+        def rates(point: float) -> Array:
+            with shifted(point * step * way):
+                return self.rates(time, y).copy()
+
+        return np.asarray(WEIGHTS @ _odd(rates) / step)
 
     def constraint_slopes(self, time: float, y: Array) -> Array:
         """Return derivatives of constraint gaps and rates over parameters, (2, rows, parameters)."""
         workspace, numbers, constraints = self.workspace, self.numbers, self.workspace.constraints
         assert constraints is not None
-        count = 0 if numbers is None else numbers.count
-        out = np.zeros((2, len(constraints.every_gap), count))
+        out = np.zeros((2, len(constraints.every_gap), 0 if numbers is None else numbers.count))
         if numbers is None:
             return out
-        for k in self._of_rows:
-            found, way = [], np.zeros(count)
-            for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0):
-                way[k] = point * STEP
-                back = numbers.displace(way)
-                try:
-                    workspace.prepare_motions(time, y)
-                    constraints.residuals(time, y, workspace.program)
-                    found.append([constraints.every_gap.copy(), constraints.every_speed.copy()])
-                finally:
-                    back()
-            values = np.array(found)
-            out[:, :, k] = np.tensordot(WEIGHTS[0], values[:3] - values[3:], 1) / STEP
+        shifted = numbers.shifted
+
+        def residuals(way: Array) -> Array:
+            with shifted(way):
+                workspace.prepare_motions(time, y)
+                constraints.residuals(time, y, workspace.program)
+                return np.array([constraints.every_gap, constraints.every_speed])
+
+        for k, way in ((k, STEP * np.eye(numbers.count)[k]) for k in self._of_rows):
+            odd = _odd(lambda point, way=way: residuals(point * way))  # type: ignore[misc]
+            out[:, :, k] = np.tensordot(WEIGHTS[0], odd, 1) / STEP
         return out
+
+
+def _odd(function: Callable[[float], Array]) -> Array:
+    """Return the differences of a function between 1, 2, 3 and -1, -2, -3, (3, ...)."""
+    values = np.array([function(point) for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0)])
+    return np.asarray(values[:3] - values[3:])
 
 
 # --- a system at perturbed parameters -----------------------------------------------------------------------
@@ -437,9 +431,9 @@ class PerturbedSystem:
 class PerturbedParameters:
     """Copy of a system with one parameter perturbed at a time.
 
-    What is told of states goes by the arrays that rates go by, so that a copy with these perturbed has its
-    derivatives; a perturbed other digits are of second order. Two things are in no array, and there the
-    perturbed state is built: what Python is asked for, and the axes of joints in Pinocchio's model.
+    Results of states depend on the arrays that rates depend on, so that a copy with these perturbed gives
+    their derivatives. Two things are in no array, and there a perturbed system is built: functions in Python,
+    and the axes of joints in Pinocchio's model.
 
     Args:
         system: The system.
@@ -475,8 +469,5 @@ class PerturbedParameters:
         own, far = self._near.numbers, np.zeros(len(self.builds))
         assert own is not None
         far[k] = s
-        back = own.displace(far)
-        try:
+        with own.shifted(far):
             yield self._near
-        finally:
-            back()

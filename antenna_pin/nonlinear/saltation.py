@@ -10,7 +10,7 @@ See :mod:`antenna_pin.nonlinear.variational` for the equations.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -57,32 +57,36 @@ class Tangents(NamedTuple):
     frame: Frame
     integrals: Array
 
+    def mapped(self, function: Callable[[Array], Array]) -> Tangents:
+        """Return the tangents with a function applied to the columns of all arrays."""
+        return Tangents(function(self.matrix), function(self.other), self.frame, function(self.integrals))
 
-def with_time(carried: Tangents) -> Tangents:
+
+def with_time(tangents: Tangents) -> Tangents:
     """Return tangents with time as a coordinate, from tangents at equal times."""
-    frame = carried.frame
+    frame = tangents.frame
     if frame.clock:
-        return carried
-    matrix, other = (np.insert(one, 2 * frame.positions, 0.0, axis=0) for one in carried[:2])
-    return Tangents(matrix, other, frame._replace(clock=True), carried.integrals)
+        return tangents
+    matrix, other = (np.insert(one, 2 * frame.positions, 0.0, axis=0) for one in tangents[:2])
+    return Tangents(matrix, other, frame._replace(clock=True), tangents.integrals)
 
 
-def at_equal_times(field: VectorField, carried: Tangents, time: float, y: Array) -> Tangents:
+def at_equal_times(field: VectorField, tangents: Tangents, time: float, y: Array) -> Tangents:
     """Return tangents at equal times, without time as a coordinate.
 
     Args:
         field: The rates, with the contacts and the program of the moment.
-        carried: Tangents.
+        tangents: Tangents.
         time: When [s].
         y: State.
     """
-    if not carried.frame.clock:
-        return carried
-    frame, up = carried.frame._replace(clock=False), field.lift(carried.frame, time, y).up
+    if not tangents.frame.clock:
+        return tangents
+    frame, up = tangents.frame._replace(clock=False), field.lift(tangents.frame, time, y).up
     late = up[field.parts[-1].start]
     back = field.lift(frame, time, y).down @ (up - np.outer(field.flow(time, y), late))
-    books = carried.integrals - np.outer(field.integrands(time, y), late @ carried.matrix)
-    return Tangents(back @ carried.matrix, back @ carried.other, frame, books)
+    books = tangents.integrals - np.outer(field.integrands(time, y), late @ tangents.matrix)
+    return Tangents(back @ tangents.matrix, back @ tangents.other, frame, books)
 
 
 # --- actions of elements, repeated on perturbed states ------------------------------------------------------
@@ -283,18 +287,18 @@ class Saltation:
         """Return the times of events and mode changes since the last call [s]."""
         return {one.time for one in self._passages}
 
-    def across_events(self, carried: Tangents, time: float, y: Array) -> Tangents:
+    def across_events(self, tangents: Tangents, time: float, y: Array) -> Tangents:
         """Return tangents behind the events since the last call.
 
         Args:
-            carried: Tangents before it.
+            tangents: Tangents before it.
             time: When [s].
             y: State before it; brought behind it, in place.
         """
         for one in self._passages:
-            carried = self._event(one, carried, time, y)
+            tangents = self._event(one, tangents, time, y)
         self._passages.clear()
-        return carried
+        return tangents
 
     def _note(self, what: str, name: str, time: float, late: Array) -> None:
         """Record the time shift of an event with each tangent."""
@@ -302,13 +306,13 @@ class Saltation:
 
     # --- events ---------------------------------------------------------------------------------------------
 
-    def _event(self, one: EventEffect, carried: Tangents, time: float, y: Array) -> Tangents:
+    def _event(self, one: EventEffect, tangents: Tangents, time: float, y: Array) -> Tangents:
         """Return tangents behind an event."""
         event = one.event
         if not one.acts or not event.has(Set, Jump, Switch):
-            return carried
+            return tangents
         field = self._field
-        up = field.lift(carried.frame, time, y).up
+        up = field.lift(tangents.frame, time, y).up
 
         def function(t: float, state: Array) -> Array:
             return np.array([event.when(self._moment.set(t, state))])
@@ -319,13 +323,13 @@ class Saltation:
             late = np.full_like(clock, np.nan)
         elif not isinstance(event.when, Time):
             late = self._late(function, time, y, up, of_forces=True)
-        self._note("event", one.event.name, time, (clock + late) @ carried.matrix)
+        self._note("event", one.event.name, time, (clock + late) @ tangents.matrix)
         passage = _Crossing(up, late, field.flow(time, y), field.integrands(time, y))
         if isinstance(event.action, Jump) or one.done:
             passage = self._jump(one, time, y, up, late)
         field.release_words(np.flatnonzero(field.workspace.program != one.program))
         field.workspace.program[:] = one.program
-        return self._carry(passage, carried, time, y)
+        return self._carry(passage, tangents, time, y)
 
     def _late(
         self, function: StateFunction, time: float, y: Array, up: Array, *, of_forces: bool = False
@@ -368,19 +372,19 @@ class Saltation:
         y[:nq], y[nq : nq + nv] = places, rates
         return _Crossing(moved, late, going, booked)
 
-    def _carry(self, passage: _Crossing, carried: Tangents, time: float, y: Array) -> Tangents:
+    def _carry(self, passage: _Crossing, tangents: Tangents, time: float, y: Array) -> Tangents:
         """Return tangents behind a crossing, with the field's contacts, program and state after it."""
         field = self._field
-        frame = field.frame(y, carried.frame.clock)
+        frame = field.frame(y, tangents.frame.clock)
         down = field.lift(frame, time, y).down
         moved, jump = passage.moved, passage.going - field.flow(time, y)
         if jump.any():  # else it matters to none when it comes, as where a joint turns back in a stop
             moved = moved + np.outer(jump, passage.late)
-        through, books = down @ moved, carried.integrals
+        through, books = down @ moved, tangents.integrals
         if (change := passage.integrands - field.integrands(time, y)).any():
-            books = books + np.outer(change, passage.late @ carried.matrix)
-        self._lose(through, carried.matrix[:, : self.count])
-        return Tangents(through @ carried.matrix, through @ carried.other, frame, books)
+            books = books + np.outer(change, passage.late @ tangents.matrix)
+        self._lose(through, tangents.matrix[:, : self.count])
+        return Tangents(through @ tangents.matrix, through @ tangents.other, frame, books)
 
     def _lose(self, through: Array, displacements: Array) -> None:
         """Update the rank of the tangents, which a crossing may reduce."""
@@ -391,7 +395,7 @@ class Saltation:
 
     # --- contacts -------------------------------------------------------------------------------------------
 
-    def onset(self, c: int, memory: NDArray[Any], carried: Tangents, time: float, y: Array) -> Tangents:
+    def onset(self, c: int, memory: NDArray[Any], tangents: Tangents, time: float, y: Array) -> Tangents:
         """Return tangents at the perturbed onsets of a contact, which acts from now on.
 
         There its depth is the same in all of them; what they remember is of their own times, and bristles
@@ -400,17 +404,17 @@ class Saltation:
         Args:
             c: Which.
             memory: What the state itself remembers.
-            carried: Tangents, with time.
+            tangents: Tangents, with time.
             time: When [s].
             y: State.
         """
         field = self._field
-        lift = field.lift(carried.frame, time, y)
+        lift = field.lift(tangents.frame, time, y)
         opening, rate = field.gaps.opening(y, c, lift.up)
         with np.errstate(divide="ignore", invalid="ignore"):
             flow, late = lift.down @ field.flow(time, y), -opening / rate
-        ways = [one + np.outer(flow, late @ one) for one in carried[:2]]
-        books = carried.integrals + np.outer(field.integrands(time, y), late @ carried.matrix)
+        ways = [one + np.outer(flow, late @ one) for one in tangents[:2]]
+        books = tangents.integrals + np.outer(field.integrands(time, y), late @ tangents.matrix)
         clock = lift.up[field.parts[-1].start]
         self._note("onset", str(c), time, clock @ ways[0])
 
@@ -419,7 +423,7 @@ class Saltation:
         if memory["approach_speed"] > field.system.approach_speed_floors[c]:
             slopes[1] = faster / float(memory["approach_speed"])
         for one in ways:
-            one[carried.frame.first_bristle + field.contact_bristles(c)] = 0.0
+            one[tangents.frame.first_bristle + field.contact_bristles(c)] = 0.0
         frame = self._let(c, memory, y)
         turn = field.lift(frame, time, y).down @ lift.up
         found = Tangents(turn @ ways[0], turn @ ways[1], frame, books)
@@ -429,7 +433,7 @@ class Saltation:
                     each[k] = slope @ one
         return found
 
-    def release(self, c: int, flow: int, carried: Tangents, time: float, y: Array) -> Tangents:
+    def release(self, c: int, flow: int, tangents: Tangents, time: float, y: Array) -> Tangents:
         """Return tangents at the perturbed releases of a contact, which no longer acts.
 
         Where a force begins and ends with its depth the derivative of rates has no bounds. What carrying was
@@ -439,21 +443,21 @@ class Saltation:
         Args:
             c: Which.
             flow: In which column the flow is, carried up to here as tangents are.
-            carried: Tangents, with time.
+            tangents: Tangents, with time.
             time: When [s].
             y: State.
         """
         field = self._field
-        lift = field.lift(carried.frame, time, y)
+        lift = field.lift(tangents.frame, time, y)
         opening, _ = field.gaps.opening(y, c, lift.up)
         ways, lates = [], []
-        for one in carried[:2]:
+        for one in tangents[:2]:
             with np.errstate(divide="ignore", invalid="ignore"):
                 late = -(opening @ one) / (opening @ one[:, flow])
             late[flow] = 0.0
             ways.append(one + np.outer(one[:, flow], late))
             lates.append(late)
-        books = carried.integrals + np.outer(carried.integrals[:, flow], lates[0])
+        books = tangents.integrals + np.outer(tangents.integrals[:, flow], lates[0])
         self._note("release", str(c), time, lift.up[field.parts[-1].start] @ ways[0])
         frame = self._let(c, np.zeros(1, MEMORY)[0], y)
         turn = field.lift(frame, time, y).down @ lift.up

@@ -85,7 +85,7 @@ class _TangentStep(NamedTuple):
     known: tuple[bool, bool]
 
     @property
-    def piece(self) -> StepPart:
+    def part(self) -> StepPart:
         """The whole step."""
         return StepPart(0.0, 1.0, *self.changes, self.known)
 
@@ -112,30 +112,30 @@ class _StagePropagation:
         return time if known else self.since
 
     def over(
-        self, piece: StepPart, start: tuple[float, float, Array], lift: Lift, carried: Tangents, good: float
+        self, part: StepPart, start: tuple[float, float, Array], lift: Lift, tangents: Tangents, good: float
     ) -> Tangents | None:
         """Return tangents behind a part of a step, or None where they are too inaccurate.
 
         Args:
-            piece: The piece.
+            part: The piece.
             start: When the step begins [s], its size [s], and the state where the piece begins.
             lift: Coordinates as tangents.
-            carried: Tangents before the piece.
+            tangents: Tangents before the piece.
             good: What the method, or differences, may be off by, over a tangent: next to a kink of a
                 force the orders of these part.
         """
         time, whole, y = start
-        matrix, off = carried.matrix, carried.other - carried.matrix
+        matrix, off = tangents.matrix, tangents.other - tangents.matrix
         there, behind = (np.flatnonzero(one.any(axis=0)) for one in (matrix, off))
-        begin, size = time + piece.a * whole, (piece.b - piece.a) * whole
+        begin, size = time + part.a * whole, (part.b - part.a) * whole
         # A break that is known at both ends has no piece.
-        falling = (piece.falling or piece.known[1]) and not piece.known[0]
+        falling = (part.falling or part.known[1]) and not part.known[0]
         found = self._carrying.along(
             (begin, size, y),
             lift.up @ matrix[:, there],
             lift.up @ off[:, behind],
             until=begin + size if falling else math.inf,
-            since=self._since(piece.known[0], begin),
+            since=self._since(part.known[0], begin),
         )
         down, moved = lift.down, lift.down @ found.ways
         count = len(there)
@@ -146,42 +146,42 @@ class _StagePropagation:
         ends, rests = np.zeros_like(matrix), np.zeros_like(matrix)
         ends[:, there], rests[:, behind] = moved[:, :count], moved[:, count:]
         rests[:, there] += down[:, self._moving] @ (_OVER_KINKS * found.errors + found.rough)
-        books = carried.integrals.copy()
+        books = tangents.integrals.copy()
         books[:, there] += found.books
-        return Tangents(ends, ends + rests, carried.frame, books)
+        return Tangents(ends, ends + rests, tangents.frame, books)
 
     def in_halves(
         self,
-        piece: StepPart,
-        within: StepStates,
+        part: StepPart,
+        states: StepStates,
         lift: Callable[[Frame, float, Array], Lift],
-        carried: Tangents,
+        tangents: Tangents,
         good: float,
     ) -> Tangents | None:
         """Return tangents behind a part of a step, halved where necessary, or None."""
         tries = _TRIES
 
-        def along(piece: StepPart, carried: Tangents) -> Tangents | None:
+        def along(part: StepPart, tangents: Tangents) -> Tangents | None:
             nonlocal tries
-            if all(piece.known) or tries == 0:
+            if all(part.known) or tries == 0:
                 return None
             tries -= 1
-            y = within.at(piece.a)
-            here = lift(carried.frame, within.time + piece.a * within.size, y)
-            found = self.over(piece, (within.time, within.size, y), here, carried, good)
-            if found is None and piece.halvings > 0:
-                found = carried
-                for half in piece.cut(0.5 * (piece.a + piece.b), False):
+            y = states.at(part.a)
+            here = lift(tangents.frame, states.time + part.a * states.size, y)
+            found = self.over(part, (states.time, states.size, y), here, tangents, good)
+            if found is None and part.halvings > 0:
+                found = tangents
+                for half in part.cut(0.5 * (part.a + part.b), False):
                     found = None if found is None else along(half, found)
             return found
 
-        return along(piece, carried)
+        return along(part, tangents)
 
     def over_steps(
-        self, steps: Sequence[_TangentStep], lift: Lift, carried: Tangents, good: float, until: float
+        self, steps: Sequence[_TangentStep], lift: Lift, tangents: Tangents, good: float, until: float
     ) -> tuple[int, Tangents]:
         """Return the number of steps with accurate tangents, and the tangents behind them."""
-        matrix, off = carried.matrix, carried.other - carried.matrix
+        matrix, off = tangents.matrix, tangents.other - tangents.matrix
         there = np.flatnonzero((matrix != 0.0).any(axis=0) | (off != 0.0).any(axis=0))
         every = Steps(
             np.array([one.time for one in steps]),
@@ -196,11 +196,11 @@ class _StagePropagation:
         done, ways, rest, booked = self._carrying.along_all(every, *before, scales, good)
         self.made += done
         if not done:
-            return 0, carried
-        ends, rests, books = np.zeros_like(matrix), np.zeros_like(matrix), carried.integrals.copy()
+            return 0, tangents
+        ends, rests, books = np.zeros_like(matrix), np.zeros_like(matrix), tangents.integrals.copy()
         ends[:, there], rests[:, there] = lift.down @ ways, lift.down @ rest
         books[:, there] += booked
-        return done, Tangents(ends, ends + rests, carried.frame, books)
+        return done, Tangents(ends, ends + rests, tangents.frame, books)
 
 
 # What gross works and works differ by in a step that no work turns back in, over their sizes; in how many
@@ -214,7 +214,7 @@ _ROUND_OFF, _PARTS = 16.0 * float(np.finfo(float).eps), 16
 # enough that no part of a step has both signs of the power in it.
 
 
-def _cut_at_reversals(step: _TangentStep, within: StepStates, field: VectorField) -> list[_TangentStep]:
+def _cut_at_reversals(step: _TangentStep, states: StepStates, field: VectorField) -> list[_TangentStep]:
     """Return the parts of a step between reversals of work, where parameters need them."""
     works = field.works
     if field.numbers is None or not len(works):
@@ -224,29 +224,27 @@ def _cut_at_reversals(step: _TangentStep, within: StepStates, field: VectorField
     turn = gone[:, 1] - gone[:, 0] > _ROUND_OFF * np.abs(step.end[places]).sum(axis=1)
     if not turn.any():
         return [step]
-    within.begin(step.time, step.y, step.size, step.end)
-    thetas = np.unique([0.0, *_reversals(works[turn, 0], step, within, field), 1.0]).tolist()
+    states.begin(step.time, step.y, step.size, step.end)
+    thetas = np.unique([0.0, *_reversals(works[turn, 0], step, states, field), 1.0]).tolist()
     instants = [*(step.time + theta * step.size for theta in thetas[:-1]), step.until]
-    states = [step.y, *(within.at(theta) for theta in thetas[1:-1]), step.end]
+    ys = [step.y, *(states.at(theta) for theta in thetas[1:-1]), step.end]
     last, parts = len(thetas) - 2, []
     for k in range(last + 1):
         ends = k == 0, k == last
         changes = ends[0] and step.changes[0], ends[1] and step.changes[1]
         known = not ends[0] or step.known[0], not ends[1] or step.known[1]
         size = (thetas[k + 1] - thetas[k]) * step.size
-        parts.append(
-            _TangentStep(instants[k], size, states[k], instants[k + 1], states[k + 1], changes, known)
-        )
+        parts.append(_TangentStep(instants[k], size, ys[k], instants[k + 1], ys[k + 1], changes, known))
     return parts
 
 
 def _reversals(
-    works: NDArray[np.int_], step: _TangentStep, within: StepStates, field: VectorField
+    works: NDArray[np.int_], step: _TangentStep, states: StepStates, field: VectorField
 ) -> list[float]:
     """Return the fractions of a step at which works reverse."""
 
     def power(theta: float, x: int) -> float:
-        return float(field.integrands(step.time + theta * step.size, within.at(theta))[x])
+        return float(field.integrands(step.time + theta * step.size, states.at(theta))[x])
 
     found = []
     for x in works.tolist():
@@ -296,8 +294,8 @@ class TangentPropagation:
         self.field = VectorField(run.system, settings, numbers)
         workspace = self.field.workspace
         workspace.memory[:], workspace.program[:] = run.workspace.memory, run.workspace.program
-        self.states = within = StepStates(run)
-        self._cut_step = CutStep(self.field, settings, run.stepper.scales, within.workspace)
+        self.states = states = StepStates(run)
+        self._cut_step = CutStep(self.field, settings, run.stepper.scales, states.workspace)
         self._good = _GOOD * settings.rtol
         carrying, moving = self.field.stage_propagation(), slice(self.field.parts[2].stop)
         #: What carries tangents by the run's own stages; None where nothing does.
@@ -315,7 +313,7 @@ class TangentPropagation:
         start = np.eye(lift.up.shape[1]) if ways is None else ways(lift) if callable(ways) else ways
         self._saltation = Saltation(self.field, run, start.shape[1])
         self._defects = KinkDefects(start.shape[1], settings.rtol)
-        self._matrices = JacobianPropagation(self.field, within, self._cut_step, self._defects, self._good)
+        self._matrices = JacobianPropagation(self.field, states, self._cut_step, self._defects, self._good)
         self._matrices.begin(self._time, self._y, True)
         start = self._defects.begin(start)
         self._all = Tangents(start, start.copy(), first, np.zeros((run.system.manifold.nx, start.shape[1])))
@@ -465,7 +463,7 @@ class TangentPropagation:
         self._cut_step.begin(step.time, step.y)
         (begins, ends), known, end = step.changes, step.known, step.until
         self._matrices.begin(step.time, step.y, begins or bool(self._young))
-        rest = step.piece
+        rest = step.part
         if all(known):
             self._part(StepPart(0.0, 0.5, begins, False, (True, False)))
             rest = StepPart(0.5, 1.0, False, ends, (False, True))
@@ -494,17 +492,17 @@ class TangentPropagation:
             one[:, self._defects.flow_column] = flow
         self._all.integrals[:, self._defects.flow_column] = self.field.integrands(time, y)
 
-    def _part(self, piece: StepPart) -> None:
+    def _part(self, part: StepPart) -> None:
         """Propagate tangents over a part of a step, with calls of ``on_look`` on the way."""
         near = coincidence(self._time, size := self.states.size)
-        while self._looks and (theta := (self._looks[0] - self._time) / size) < piece.b - near:
-            if theta > piece.a + near:
-                before, piece = piece.cut(theta, False)
+        while self._looks and (theta := (self._looks[0] - self._time) / size) < part.b - near:
+            if theta > part.a + near:
+                before, part = part.cut(theta, False)
                 self._piece(before)
-            self._show(piece.a)
-        self._piece(piece)
-        while self._looks and (self._looks[0] - self._time) / size < piece.b + near:
-            self._show(piece.b)
+            self._show(part.a)
+        self._piece(part)
+        while self._looks and (self._looks[0] - self._time) / size < part.b + near:
+            self._show(part.b)
 
     def _show(self, theta: float) -> None:
         """Call ``on_look`` at a fraction of the step."""
@@ -514,8 +512,8 @@ class TangentPropagation:
     def _tell(self, told: Callable[[float, Array, Array], None] | None) -> None:
         """Call a callback with the perturbations in the present state."""
         if told is not None:
-            carried, (time, y) = self.tangents, self._here
-            told(time, y, self.field.lift(carried.frame, time, y).up @ carried.matrix)
+            tangents, (time, y) = self.tangents, self._here
+            told(time, y, self.field.lift(tangents.frame, time, y).up @ tangents.matrix)
 
     def _down(self, time: float, y: Array) -> Array:
         """Return the map from perturbations to coordinates."""
@@ -534,16 +532,16 @@ class TangentPropagation:
         turn = field.lift(frame, self._time, self._y).down @ field.lift(old.frame, self._time, self._y).up
         self._all = Tangents(turn @ old.matrix, turn @ old.other, frame, old.integrals)
 
-    def _piece(self, piece: StepPart) -> None:
+    def _piece(self, part: StepPart) -> None:
         """Propagate tangents over a part of the step, by the run's own stages where possible."""
         by = self.states, self.field.lift, self._all, _BY_STAGES * self._good
-        found = None if self.stages is None else self.stages.in_halves(piece, *by)
-        self._all = self._matrices.over(piece, self._all) if found is None else found
+        found = None if self.stages is None else self.stages.in_halves(part, *by)
+        self._all = self._matrices.over(part, self._all) if found is None else found
 
     @property
     def doubt(self) -> Array:
         """Error estimate of each tangent, (k,)."""
         matrix, other, *_ = self.tangents
-        missed = self._defects.sizes(at_equal_times(self.field, self._all, *self._here))
+        defects = self._defects.sizes(at_equal_times(self.field, self._all, *self._here))
         left_over = self._matrices.left_over * np.linalg.norm(matrix, axis=0)
-        return np.asarray(np.linalg.norm(matrix - other, axis=0) + left_over + missed)
+        return np.asarray(np.linalg.norm(matrix - other, axis=0) + left_over + defects)

@@ -108,11 +108,8 @@ class _GapSlopes:
             return known.opening(y, c, self._over_numbers)
 
         def gap(displaced: Array) -> float:
-            back = numbers.displace(displaced)
-            try:
+            with numbers.shifted(displaced):
                 return near.workspace.along_normal(y, c)[1]
-            finally:
-                back()
 
         here, out = near.workspace.along_normal(y, c)[1], np.zeros(numbers.count)
         for k, way in enumerate(_OF_NUMBERS * np.eye(numbers.count)):
