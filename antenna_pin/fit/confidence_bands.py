@@ -48,9 +48,9 @@ Array = NDArray[np.float64]
 
 # --- bands of curves ----------------------------------------------------------------------------------------
 
-# Freedom of the t distribution that draws are from at most: its tails are to be heavier than what is sought.
+# Most degrees of freedom of the t distribution of draws, whose tails must be heavier than the target's.
 _TAILS = 6.0
-# How often a draw beyond a bound is drawn again, per draw that is wanted.
+# Most repetitions of draws beyond a bound, per draw.
 _TRIES = 200
 
 
@@ -207,7 +207,7 @@ def _log_likelihood(grown: float, phi: float, found: Sure) -> float:
     """Return the log likelihood of a draw: normal, or Student's t of estimated noise."""
     if found.noise == "given":
         return -0.5 * grown / phi
-    # With the noise's size integrated out: (S / S_least)^(-m / 2), which of a linear model is Student's t.
+    # Marginal over the noise's size: (S / S_least)^(-m / 2), of a linear model Student's t.
     count = found.freedom + len(found.rank.identified)
     return -0.5 * count * math.log(max(grown, 1e-300) / (found.freedom * phi))
 
@@ -224,8 +224,8 @@ def _quantile(every: Array, share: Array, at: float) -> Array:
 
 _Columns = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 
-#: Relative error that columns of a Jacobian are taken to have [-]: differences of runs at 1e-4 of a size lose
-#: four digits of what runs are good to. Those of the equation are nearer; by how much is not known of each.
+#: Relative error of a Jacobian's columns [-]: differences of runs at 1e-4 of a size lose four digits of a
+#: run's accuracy.
 DOUBT = 1e-5
 
 _SIDES = ("below", "above")
@@ -362,9 +362,9 @@ def band_columns(found: CurveBands, predicted: xr.Dataset, weights: Array) -> _C
 
 # --- bands of parameters ------------------------------------------------------------------------------------
 
-#: Share of records of the stated noise below which a chi2 is beyond chance [-].
+#: Probability of a worse record below which a chi2 is beyond chance [-].
 BEYOND_CHANCE = 1e-6
-#: Chi2 over degrees of freedom from which on a fit beyond chance has no bands; below they are widened [-].
+#: Chi2 over degrees of freedom from which a fit beyond chance has no bands; below they are widened [-].
 WITHHELD = 4.0
 
 

@@ -21,10 +21,10 @@ Array = NDArray[np.float64]
 
 # --- verdict ------------------------------------------------------------------------------------------------
 
-# Distance from a bound, over that of both, at which a value stands there.
+# Relative distance from a bound of a value at it.
 _AT_BOUND = 1e-6
-# Ratio of a record to the model at the start from which on a unit is suspected; correlation below which a
-# sign is; share of chi2 that a shift of the clock must take to be named; and shifts tried, over the record.
+# Ratio of record to model at the start that suggests a wrong unit; correlation that suggests a wrong sign;
+# share of chi2 removed by a clock shift that is named; shifts tried, over the record.
 _UNIT, _SIGN, _CLOCK, _SHIFTS = 5.0, -0.8, 0.8, np.linspace(-0.2, 0.2, 161)
 
 
@@ -282,7 +282,7 @@ def difference_growth(
         sizes[k] = np.linalg.norm(above[:, rows] - below[:, rows])
     floor = _ROUND_OFF * np.linalg.norm(here)  # differences of next to nothing are bent by round-off
     bent = (reach * bends > _BENT * sizes) & (sizes > floor)
-    # Where it begins for good: a single part of nothing but crossings is none.
+    # Start of lasting growth: a single part of zero crossings does not count.
     first = next((k for k in range(_PARTS) if bent[k] and bent[k:].mean() > _BENT), None)
     if first is None or not sizes[first] > 0.0:
         return None

@@ -37,7 +37,7 @@ __all__ = ["Experiments", "Trial", "load_experiments", "eliminate"]
 
 Array = NDArray[np.float64]
 
-# Samples of a made record at most: more tell no more, and take long.
+# Most samples of a synthetic record.
 _MOST = 1_000_000
 
 
@@ -282,7 +282,7 @@ def _problem(
         time = read_columns(file, names, spec, f"records.{like}").time
     else:
         clocks = [one.numbers() for one in parameters.values() if _is_clock(one)]
-        # By a clock ahead of the run's the first sample is late enough for any shift that it may have.
+        # With an early clock the first sample suits any shift.
         early = max(0.0, -min([spec.clock_shift, *(low for _, low, _, _ in clocks)]))
         time = experiment.times.instants() + early
         last = float(time[-1]) + max([spec.clock_shift, *(high for _, _, high, _ in clocks)])
@@ -294,7 +294,7 @@ def _problem(
     readings = {key: np.zeros(len(time)) for key in made}
     _write(folder / "made.csv", time, readings)
     if any(one.compare in ("spectrum", "blows") for one in made.values()):
-        # Of bands and impacts even the noise is known from a record only: that of the model itself.
+        # The noise of bands and impacts depends on a record: the model's own.
         curves = {"compare": "curve", "spectrum": None, "blows": None, "sd": 1.0}
         plain = {key: one.model_copy(update=curves) for key, one in made.items()}
         first = problem(spec.model_copy(update=update | {"columns": plain, "gaps": "skip", "pieces": None}))

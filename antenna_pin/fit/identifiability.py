@@ -48,10 +48,10 @@ Array = NDArray[np.float64]
 
 # --- identifiability ----------------------------------------------------------------------------------------
 
-# What of a direction is said: parts of it as large as this share of the largest.
+# Least share of a parameter in a direction, over the largest, in its text.
 _SAID = 0.02
 
-#: An expected interval as wide as this many times the size of the value tells hardly anything [-].
+#: Width of an interval, over the size of the value, from which it hardly informs [-].
 _POOR = 1.0
 
 
@@ -165,7 +165,7 @@ Criterion = Literal["D", "c", "A", "E"]
 
 _CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
 
-#: Rounds of multiplication, and how near to the best its bound must come, as a share.
+#: Most rounds of multiplication, and relative gap to the bound at convergence.
 _ROUNDS, _NEAR = 20_000, 1e-6
 
 
@@ -361,7 +361,7 @@ def planned(
             "such that all of them together tell every parameter; hold what they do not tell",
             said=f"none that tells {lacking}",
         )
-    # In lengths of the columns, so that information of parameters of any sizes can be inverted.
+    # Scaled by column lengths, so that the information can be inverted.
     weight = np.outer(rank.lengths, rank.lengths)
     parts, have, size = parts / weight, have / weight, 1.0 / rank.lengths
     weights, gap = _weights(parts, have, total, criterion, place, size)
@@ -403,7 +403,7 @@ def _weights(
         inverse = np.linalg.inv(have + total * np.einsum("k,kij->ij", weights, parts))
         gains = total * _gains(inverse, parts, criterion, place, size)
         mean = float(weights @ gains)
-        # The criterion is convex: it lies above its tangent, so that it can fall by no more than this.
+        # The convex criterion lies above its tangent, which bounds its decrease.
         value = 1.0 if criterion == "D" else _loss(inverse, criterion, place, size)
         gap = (float(gains.max()) - mean) / (len(have) if criterion == "D" else value)
         if gap <= _NEAR or not mean > 0.0:

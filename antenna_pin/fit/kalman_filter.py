@@ -37,10 +37,10 @@ Array = NDArray[np.float64]
 
 # --- one piece of a record ----------------------------------------------------------------------------------
 
-# Step of differences, in sizes of numbers and error scales; steps of a search, and the change of its sum
-# below which it ends: it is a beginning, no more.
+# Difference step in sizes and error scales; most search steps, and relative change of the sum at their end: a
+# start value suffices.
 _STEP, _ROUNDS, _ROUGHLY = 1e-4, 10, 0.01
-# Sum of squares over rows from which on a piece has not been found from what was known.
+# Sum of squares over rows from which a piece counts as lost.
 _LOST = 4.0
 
 
@@ -265,10 +265,10 @@ def _chart_coordinates(chart: Chart, there: State) -> Array:
 
 # --- a record in pieces -------------------------------------------------------------------------------------
 
-# Standard deviations: of a number before any row is seen, in its size; of a state that nothing is known of,
-# in error scales; and what straight lines leave out of a state that is known from the piece before.
+# Standard deviations: of a parameter before any row, in its size; of an unknown state, in error scales; and
+# the nonlinear error of a predicted state.
 _NUMBER, _STATE, _BENT = 1.0, 1.0, 1e-2
-# How often a record is followed at most, and the standard deviation of a number before another time.
+# Most passes over a record, and standard deviation of a parameter before the next one.
 _PASSES, _AGAIN = 2, 0.1
 
 

@@ -35,7 +35,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Of a record's own numbers: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
+#: Numbers of a record: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")
 
 _Jacobian = Literal["differences", "equation"]
@@ -371,7 +371,7 @@ def load_fit(path: str | os.PathLike[str], settings: Mapping[str, Any] | Sequenc
 
 # --- unknowns of a fit --------------------------------------------------------------------------------------
 
-# Size of a coordinate of a piece's start, in error scales: a search's first step.
+# Size of a coordinate of a piece's start in error scales: a search's first step.
 _REACH = 0.1
 
 
@@ -447,7 +447,7 @@ class Unknowns:
         """Return values with states from search coordinates, (p + h,)."""
         found, p = np.asarray(searched, dtype=float) * self.sizes(), self.count
         values = np.where(self.logarithmic, np.exp(np.where(self.logarithmic, found[:p], 0.0)), found[:p])
-        # What exp and log round must not lead out of the bounds, beyond which a scenario may be none.
+        # Round-off of exp and log must not leave the bounds.
         found[:p] = np.clip(values, self.lower, self.upper)
         return found
 

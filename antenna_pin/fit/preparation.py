@@ -43,10 +43,9 @@ Array = NDArray[np.float64]
 
 # --- measured records ---------------------------------------------------------------------------------------
 
-# Of the middle step of a record's clock: from one row to the next more than this is a gap; and how far steps
-# may be off for the clock to count as even.
+# Steps of a clock over their median from which rows are missing; relative deviation of even steps.
 _GAP, _EVEN = 5.5, 1e-3
-# So many rows in turn at a column's end are no noise's doing.
+# Rows in succession at an extreme value that noise does not explain.
 _STAYS = 5
 
 
@@ -182,10 +181,9 @@ def _check_even(time: Array, place: str) -> None:
 
 # --- records with their scenarios ---------------------------------------------------------------------------
 
-# How much longer or shorter than its run a record is that may be in another unit.
+# Ratio of the durations of record and run that suggests a wrong unit.
 _FAR = 100.0
-# The least noise over the largest reading, the round-off of it; and what of a record a filter's corner must
-# be, in periods.
+# Least noise over the largest reading, its round-off; least corner of a filter in periods of the record.
 _LEAST_NOISE, _LEAST_PERIODS = 1e-15, 0.01
 _GLANCE = 1e-6  # of a run's duration: enough to have all its variables
 

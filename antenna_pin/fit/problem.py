@@ -25,9 +25,9 @@ __all__ = ["NoRunError", "Problem"]
 
 Array = NDArray[np.float64]
 
-# --- derivatives of a fit's residuals by its unknowns: by central differences of runs, or by what else ---
+# --- derivatives of residuals by unknowns -------------------------------------------------------------------
 
-#: By how much the equation may contradict differences of runs, over the size of derivatives by one unknown.
+#: Largest deviation of the equation from differences, over the size of derivatives by one unknown.
 _APART = 1e-2
 
 
@@ -138,8 +138,8 @@ def _or_none(evaluate: Callable[[Sequence[Array]], list[Array]], there: Array) -
         return None
 
 
-#: Runs of pieces that are made together at most: their sensors are read at once, and what that rounds is
-#: not to hang on how many hands there are.
+#: Most runs of pieces made together: their sensors are read at once, and round-off must not depend on the
+#: number of workers.
 _TOGETHER = 16
 
 
@@ -286,7 +286,7 @@ class Problem:
         whole = self._whole(values)
         return self.rows.table(whole, self._readings([whole])[0])
 
-    # --- what searches and derivatives ask for
+    # --- residuals and derivatives for searches -------------------------------------------------------------
 
     def residuals_at(self, wholes: Sequence[Array]) -> list[Array]:
         """Return the residuals at several values with states, (p + h,) each, in parallel.
@@ -402,7 +402,7 @@ class Problem:
                 slopes[:, at - p] = (upper - lower) / (right - left)
         return slopes
 
-    # --- one evaluation
+    # --- one evaluation -------------------------------------------------------------------------------------
 
     def _without_priors(self, wholes: Sequence[Array]) -> list[Array]:
         found = self._readings(wholes)

@@ -38,13 +38,13 @@ _End = Literal["crossed", "bounded", "open", "stopped"]
 """How a side of an interval ends: where the loss is too high; at a bound of the parameter; nowhere, as far as
 was looked; where the model cannot be run."""
 
-# Steps are to change the signed root by this share of the threshold; and how many a side has at most.
+# Change of the signed root in a step, over the threshold; most steps of a side.
 _STEP, _MOST = 0.25, 40
-# A step is at most this many times as long as the one before.
+# Largest ratio of consecutive steps.
 _GROWTH = 3.0
-# How far a side is looked along, in scales of the parameter: one that has not risen there is open.
+# Distance in scales of the parameter from which a side without a rise is open.
 _FAR = 100.0
-# How near to the threshold its crossing is found, as a share of it.
+# Relative tolerance of the crossing's root.
 _NEAR = 1e-3
 
 
@@ -134,7 +134,7 @@ class _ProfilePath:
             dtype=int,
         )
         self._least = cost(problem.residuals(found.values), loss, loss_scale)
-        # The growth of the loss that is one standard error, squared.
+        # Growth of the loss at one standard error, squared.
         self._one = found.factor * float(found.stretch[place])
         self._better: Array | None = None
         self._best = self._least
@@ -291,7 +291,7 @@ class _ProfilePath:
 
 # --- profiles as text ---------------------------------------------------------------------------------------
 
-# How a side of an interval ends, behind its number; of an open one there is none.
+# Suffix of a side's end by kind; none for an open one.
 _BEHIND = {"crossed": "", "bounded": ", its bound", "stopped": ", beyond which the model cannot be run"}
 _SIDES = ("below", "above")
 

@@ -37,12 +37,12 @@ Array = NDArray[np.float64]
 
 # --- text files ---------------------------------------------------------------------------------------------
 
-# Cells that say that there is no number, as spreadsheets and recorders write them.
+# Cells without a number, as spreadsheets and recorders write them.
 _NO_NUMBER = frozenset({"", "nan", "na", "n/a", "null", "none", "inf", "-inf", "+inf", "-", "#n/a"})
 _OF_TEXT = ("delimiter", "decimal", "comment", "skip", "names", "units_row")
 _SHOWN = 12  # names that a message offers
 _LOOKED_AT = 200  # lines in which column names are looked for, to say where they are
-# Seconds of a stamp and what is behind their decimal sign: Python's own reading ends at microseconds.
+# Seconds of a stamp and their decimals: Python's own parser stops at microseconds.
 _STAMP_SECONDS = re.compile(r"(:[0-9]{2})[.,]([0-9]+)")
 
 
@@ -149,7 +149,7 @@ def _seconds_after(
     return (stamp[0] - first[0]).total_seconds() + (stamp[1] - first[1])
 
 
-# --- columns of a universal file, by which programs for vibration tests exchange measurements ---
+# --- universal files, an exchange format of vibration tests -------------------------------------------------
 #
 # Its sets of number 58 are functions at degrees of freedom of nodes. Those of time are columns, each called
 # by its node and direction, as ``12X+`` and ``12RZ-``; 0 is a scalar, ``12``.
@@ -246,7 +246,7 @@ def _unit(function: Any, axis: str) -> str:
     return "" if label.upper() in ("NONE", "") else label
 
 
-# --- MAT files up to version 7, read in a process of their own: a damaged one can crash SciPy's reader ---
+# --- MAT files up to version 7, read in their own process: SciPy's reader may crash -------------------------
 
 _SHARE = 0.4  # of the free memory: what is read is there twice while it is sent
 _SECONDS = 600  # of processor time that a damaged file is read for at most
@@ -330,7 +330,7 @@ def _loaded(path: Path) -> dict[str, Any]:
         raise BadMatFileError(" ".join(str(error).split())) from None
 
 
-#: What the names of records may end in: of texts, of others.
+#: Suffixes of record files: of texts, of others.
 _TEXTS, _UNIVERSAL = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm"), (".uff", ".unv", ".uf", ".bunv")
 _SUFFIXES = (*_TEXTS, ".nc", ".mat", *_UNIVERSAL)
 _OF_TEXTS = ("delimiter", "decimal", "encoding", "comment", "skip", "names", "units_row", "time_format")

@@ -59,12 +59,12 @@ Array = NDArray[np.float64]
 
 # --- derivatives by the variational equation ----------------------------------------------------------------
 
-# Step of differences of first states, in a number's size or in an error scale; and of what is read of states,
-# in error scales of the perturbation: a thousandth of the depth of a light contact, about.
+# Difference step of first states, in sizes or error scales; and of readings, in error scales of the
+# perturbation: about a thousandth of the depth of a light contact.
 _START, _READ = 1e-3, 1e-6
-# Weights of differences of fourth order, of values at one and two steps ahead less those behind.
+# Weights of fourth-order differences at one and two steps.
 _FOURTH = np.array([8.0, -1.0]) / 12.0
-# Step in time of what a clock's shift does, beside what is between two rows.
+# Time step for a clock's shift, over that between rows.
 _TICK = 1e-4
 
 
@@ -155,7 +155,7 @@ class _ForwardSensitivity:
             return self._apart(first, there(s))
 
         columns = [_slope(functools.partial(apart, one)) for one in neighbours]
-        # A start without anything that is fitted has no columns.
+        # A start without unknowns has no columns.
         ways = np.column_stack(columns) if columns else np.zeros((self._next.parts[-1].stop, 0))
         ways[self._next.parts[-3], : self._count] = np.eye(self._count)
 
@@ -441,9 +441,7 @@ def _identity(plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> dict[str, 
     return {"form": _FORM, "records": records, "versions": library_versions()}
 
 
-# --- runs made and remembered -------------------------------------------------------------------------------
-
-# --- what an executor calls to have the runs of a fit made ---
+# --- runs on demand -----------------------------------------------------------------------------------------
 
 
 def _make_all(record_tests: tuple[RecordTest, ...], batch: list[RunRequest]) -> list[tuple[Readings, ...]]:
@@ -477,9 +475,9 @@ class RunService:
         """Begin without tests."""
         self.executor, self.store, self.progress = executor or Here(), store, progress
         self.made = 0
-        #: How the energy or momentum of runs does not balance, in words, one entry a run.
+        #: Reports on unbalanced energy or momentum, one entry a run.
         self.unbalanced: list[str] = []
-        #: Why runs could not be made, one entry a run; those that derivatives were requested of do not count.
+        #: Reasons of failed runs, one entry a run, without those for derivatives.
         self.failed: list[str] = []
         self._record_tests: tuple[RecordTest, ...] = ()
         self._known: dict[RunRequest, tuple[Readings, ...]] = {}

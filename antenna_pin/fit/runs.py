@@ -296,7 +296,7 @@ class RecordTest:
     begun: str = ""
 
 
-#: The one start of a run that is in no pieces.
+#: Start of a whole run.
 _WHOLE: tuple[tuple[int, tuple[float, ...]], ...] = ((-1, ()),)
 
 

@@ -57,8 +57,8 @@ Array = NDArray[np.float64]
 
 # --- search by response surfaces ----------------------------------------------------------------------------
 
-# How many standard errors a half width of the last box is, to a factor; its least share of the one before;
-# and where in a box the least is taken to be inside.
+# Half width of the last box in standard errors, to a factor; least ratio of consecutive boxes; share of a box
+# that counts as inside.
 _ERRORS, _NEAR, _SHRINKS, _INSIDE = 3.0, 1.5, 0.4, 0.95
 
 
@@ -182,7 +182,7 @@ def fit_by_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
             if done:
                 half = np.clip(_ERRORS * error, _SHRINKS * half, half)
     whole = unknowns.from_search(x)
-    # Statistics are no curves: none goes on from another.
+    # Statistics are no curves: none continues another.
     bands = parameter_bands(plan, unknowns, whole, residuals, slopes, np.arange(m))
     cost = 0.5 * float(residuals @ residuals)
     words = "the least of its surface is within its box" if done else "given up: the least is at a box's edge"
@@ -226,18 +226,17 @@ def _chance_note(chi2: float, freedoms: int) -> Sequence[str]:
 
 # --- search by least squares --------------------------------------------------------------------------------
 
-# By what joints of pieces count more in the next search, and at most in the first: one that is open by a
-# hundredth of an error scale is as a row that is off by its noise; and the relative change of the sum below
-# which those before the last have ended.
+# Ratio of joint weights of consecutive searches, and most of the first: a gap of a hundredth of an error
+# scale counts as a row off by its noise; and relative change of the sum at the end of all but the last.
 _TIGHTER, _ROUGHLY = 100.0, 1e-2
 
-# How many steps of differences a start may be off by where the end is a bad one.
+# Difference steps that a start may be off by where the search ended badly.
 _REACH = 100.0
 
-# By what bands are too narrow from which on that is said.
+# Ratio of widths from which narrow bands are reported.
 _NARROW = 1.5
 
-# How SciPy's search has ended, by its status.
+# Ends of SciPy's search, by its status.
 _ENDS = {
     0: "given up: more evaluations than most allows; start nearer, or allow more",
     1: "the gradient is next to none",
@@ -329,7 +328,7 @@ def _search(problem: Problem) -> Fit:
         searches.append(Search(start[:p], values, math.nan if end is None else float(end.cost)))
     bands = parameter_bands(problem.plan, unknowns, whole, residuals, slopes, problem.rows.curve_numbers())
     bad = best.status <= 0 or bands.chi2 > WITHHELD * bands.freedoms
-    # Where a search from many starts comes first, what is not straight from afar may be a valley's side.
+    # Before a search from many starts, nonlinearity far away may be another valley.
     grown = _growth_notes(problem, first, whole, bad and not recommends_starts(problem, bands))
     return Fit(
         problem=problem,

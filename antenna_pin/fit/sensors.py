@@ -188,8 +188,8 @@ def _dot(one: Array, other: Array) -> Array:
 
 # --- readings -----------------------------------------------------------------------------------------------
 
-# Samples of a filter's input in one period of its corner: of an acceleration, whose moments between samples
-# are known, and of values that are straight between samples, to (2 pi / 64)^2 / 12 = 8e-4 at the corner.
+# Samples of a filter's input per period of its corner: of an acceleration with known moments, and of values
+# linear between samples, to (2 pi / 64)^2 / 12 = 8e-4 at the corner.
 _PER_PERIOD, _PER_PERIOD_OF_VALUES = 24, 64
 
 
@@ -364,12 +364,12 @@ def _gravity(data: xr.Dataset, column: ColumnSpec) -> Array:
 
 # --- statistics of readings ---------------------------------------------------------------------------------
 
-# Of a count n the root of n + 3/8 has a variance of 1/4 (Anscombe 1948, Biometrika 35, 246).
+# The root of n + 3/8 of a count n has a variance of 1/4 (Anscombe 1948, Biometrika 35, 246).
 _ANSCOMBE = 0.375
-# Of segments that overlap by half under Hann's window, the share that counts as independent: the variance of
-# a mean over K of them is 1/K (1 + 2/36) of one alone (Welch 1967, IEEE Trans. Audio 15, 70-73).
+# Independent share of half-overlapping segments under Hann's window: the variance of a mean over K of them is
+# 1/K (1 + 2/36) of one alone (Welch 1967, IEEE Trans. Audio 15, 70-73).
 _OVERLAP = 1.0 / (1.0 + 2.0 / 36.0)
-# Neighbouring lines of Hann's window are no two numbers: its noise bandwidth.
+# Noise bandwidth of Hann's window in lines.
 _BANDWIDTH = 1.5
 
 
@@ -431,7 +431,7 @@ def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array,
         raise ScenarioError(
             f"{place} must have blows above its level in the record, got none between the edges"
         )
-    # The model's own counts scatter as those of the record do, where the motion is chaotic.
+    # The model's counts scatter as the record's, where the motion is chaotic.
     return Target(
         np.sqrt(edges[:-1] * edges[1:]),
         counted,
@@ -472,7 +472,7 @@ def compared_slopes(column: ColumnSpec, time: Array, values: Array, slopes: Arra
         return slopes
     here, columns = np.exp(_band_powers(column.spectrum, time, values)), []
     for way in slopes.T:
-        # Powers are of second degree in a curve: central differences of any step are exact but for round-off.
+        # Powers are quadratic in a curve: central differences are exact but for round-off.
         largest = float(np.abs(way).max(initial=0.0))
         step = float(np.abs(values).max()) / largest if largest > 0.0 else 1.0
         ahead, behind = (
@@ -508,7 +508,7 @@ def _band_powers(spec: SpectrumSpec, time: Array, values: Array) -> Array:
     pace = _row_rate(time)
     rows = min(len(values), max(2, round(spec.segment * pace)))
     frequency, density = welch(values, pace, nperseg=rows, detrend="constant")
-    # Up to each edge, straight between the lines: a band's power follows its edges without jumps.
+    # Linear between the lines up to each edge: a band's power follows its edges without jumps.
     total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(frequency))])
     power = np.diff(np.interp(spec.edges, frequency, total))
     with np.errstate(divide="ignore"):

@@ -37,7 +37,7 @@ def _quantity(value: object) -> object:
     return value
 
 
-#: A number or text with a unit; which unit fits is known once the model's column is.
+#: A number or text with a unit, checked once the model's column is known.
 _AnyQuantity = Annotated[Any, BeforeValidator(_quantity)]
 
 _PositiveFrequency = Annotated[float, Quantity("Hz", "positive")]
@@ -103,7 +103,7 @@ class BlowsSpec(Spec):
         return self
 
 
-#: Keys that each sensor must have, and those that it may have, beside those of all.
+#: Required and optional keys of each sensor, beside the common ones.
 _OF_SENSOR: Mapping[str, tuple[frozenset[str], frozenset[str]]] = {
     "variable": (frozenset({"of"}), frozenset()),
     "accelerometer": (frozenset({"link", "direction"}), frozenset({"point", "gravity"})),

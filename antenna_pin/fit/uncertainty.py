@@ -173,7 +173,7 @@ def rank_of(jacobian: Array, scale: Array, doubt: float = DOUBT) -> Rank:
     told, null = np.zeros((kept, count)), np.zeros((count - kept, count))
     told[:, places] = right[:kept] / lengths[places]  # scaled @ told.T has orthogonal columns
     determined = felt.copy()
-    # Singular vectors are as far off as the columns are, over the gap between their singular values.
+    # The error of singular vectors is that of the columns over the gap of singular values.
     determined[places] = np.linalg.norm(right[kept:], axis=0) <= 100.0 * doubt * np.sqrt(len(places))
     null[: len(places) - kept, places] = right[kept:] / lengths[places]
     null[len(places) - kept :, ~felt] = np.eye(count - len(places))
@@ -205,7 +205,7 @@ Noise = Literal["given", "estimated", "correlated"]
 
 _NOISES: tuple[Noise, ...] = get_args(Noise)
 
-# How near to its bound a value is held to be there, as a share of the way between bounds, or of its scale.
+# Relative distance of a value at its bound, over the bounds' distance or its scale.
 _AT_BOUND = 1e-9
 
 

@@ -47,12 +47,12 @@ Complex = NDArray[np.complex128]
 # --- orbits within a step, and points located among them ----------------------------------------------------
 
 _ROUNDS = 60  # of halving between two orbits, or of the secants of a fold
-# Orbits about a crossing are made at this share of where it may be, then at this share of that, so often; a
-# polynomial goes through so many of them.
+# Share of the bracket at which orbits about a crossing are computed, stages of refinement, and orbits through
+# which the polynomial passes.
 _SHARE, _STAGES, _THROUGH = 0.125, 5, 6
 
 
-# How far an orbit between others may be from the cubic through them, over how far they are from one another.
+# Largest distance of an orbit from the cubic through its neighbours on the branch, over their distance.
 _ASIDE = 0.1
 
 
@@ -190,7 +190,7 @@ def locate_zero(step: BranchStep, test: Test, low: float, high: float, precision
     else:
         one, other = step.point(before).value, step.point(behind).value
         value, along, left = 0.5 * (one + other), 0.5 * (before + behind), 0.5 * abs(other - one)
-    # The nearest orbit at which the number is more than what it may be off by says how steep it is.
+    # The slope is that of the nearest orbit whose test function exceeds its error.
     off = _test_error(test, step.point(behind).orbit)
     rest = [one for one, found in known.items() if abs(found) > 4.0 * off]
     aside = min(rest, key=lambda one: abs(one - along)) if rest else low
@@ -230,7 +230,7 @@ def locate_fold(step: BranchStep, begin: float, end: float, precision: float) ->
         except AntennaPinError:
             break  # what the two ends say is all there is
         low, high = (along, high) if on else (low, along)
-        # An end that stays once more counts half: or else it would stay for ever.
+        # An end that is retained twice counts half (Illinois), or it would never move.
         replaced, stays = (0, 1) if on else (1, 0)
         weights[replaced] = 1.0
         weights[stays] *= 0.5 if before is on else 1.0
@@ -286,8 +286,8 @@ def _zero(step: BranchStep, places: Sequence[float], about: float) -> Located:
     along = root_between(
         lambda s: float(crossing(s)), low, high, absolute=1e-15 * step.arc, relative=1e-14, ends=ends
     )
-    # The least singular value is wrong by what the matrix is, in itself and as the orbit is beside the true
-    # one, the determinant by as large a part of itself.
+    # The error of the least singular value is that of the matrix, in itself and by the orbit's residual; the
+    # relative error of the determinant is the same.
     off = max(
         abs(one.crossing) / one.margin * (one.point.orbit.doubt + one.point.orbit.residual / one.margin)
         for one in nodes[:2]
@@ -298,8 +298,8 @@ def _zero(step: BranchStep, places: Sequence[float], about: float) -> Located:
 
 # --- test functions, and hidden changes of sign -------------------------------------------------------------
 
-# Places of a step at which its cubic is looked at; and how near to zero, over its values at the ends, a
-# parabola may come without a look.
+# Places at which a step's cubic is evaluated; value of a parabola, over those at the ends, that needs no
+# further orbit.
 _PLACES = np.linspace(0.0, 1.0, 33)
 _NEAR = 0.3
 _ON = 1e-6  # how near to the unit circle a multiplier is on no side of it
@@ -403,11 +403,10 @@ def _counts_agree(one: Node, other: Node) -> bool:
 
 # --- grazing ------------------------------------------------------------------------------------------------
 
-# Of looking ahead: each place over the one before it, how many there are at least, and at most as long as
-# all is different there; and halvings of what is left then.
+# Search ahead: ratio of successive places, their least and largest number, and bisections of the interval.
 _DENSER, _LOOKS, _FARTHEST, _CLOSER = 0.7, 16, 100, 5
-# Distance of the orbits on both sides of where a branch passes a graze, over that of those it began with; and
-# by how much the interval between them must have shrunk to say so.
+# Largest distance of the orbits on both sides of a graze, over the first one; and shrinkage of the interval
+# required.
 _JUMP, _SHRUNK = 0.1, 1e-2
 
 
@@ -433,7 +432,7 @@ def curved_predictor(stepper: BranchStepper, node: Node, arc: float, passed: Bra
     if passed is None or passed.last is not node or len(passed.first.tangent) != len(way):
         return arc * way
     bend = (way - stepper.transported(passed.first.tangent, passed.first.point, point)) / passed.arc
-    # What is along the way is so far ahead, as orbits are looked for.
+    # The component along the direction is the arc, as orbits are sought.
     return np.asarray(arc * way + 0.5 * arc**2 * (bend - (bend @ way) * way))
 
 
@@ -467,7 +466,7 @@ def graze_ahead(
     if fading is not None and fading <= arc and _changes_with_parameter(stepper, node, fading):
         to = curved_predictor(stepper, node, fading, passed)
         return GrazeAhead(fading, point.value + float(to[-1]) * stepper.unit)
-    # What is farther may be as it was by accident: the first place at which it is not counts.
+    # Farther places may agree by accident: the nearest place that differs counts.
     far, near, s, looks = 0.0, 0.0, arc, 0
     while looks < _LOOKS or (near == 0.0 and looks < _FARTHEST):
         found = other(s)

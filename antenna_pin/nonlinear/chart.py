@@ -35,7 +35,7 @@ __all__ = ["Chart", "StatePerturbation", "NotAlikeError", "OutOfReachError", "ca
 
 Array = NDArray[np.float64]
 
-# --- the modes of elements in a state: which they are, and whether those of two states are the same ---
+# --- modes of elements in a state ---------------------------------------------------------------------------
 
 
 class NotAlikeError(InvalidParameterError):
@@ -97,10 +97,10 @@ def _check_same_modes(origin: Mapping[str, _ElementMode], other: Mapping[str, _E
             raise NotAlikeError("chart", one.label, rule, other[place].word)
 
 
-# Newton's steps onto closures; residuals over the length of their plan at which it is there, and with which a
-# state counts as closed: those of a run's own corrections.
+# Newton's iterations onto closures; residuals over the plan's length of convergence, and of closed states:
+# those of a run's corrections.
 _ROUNDS, _CLOSED, _OPEN = 25, 1e-14, 1e-11
-# Of what rows of constraints do, over the most: what does less is what round-off has left of redundant ones.
+# Relative singular values of constraint rows below which they are redundant but for round-off.
 _FAINT = 1e-10
 
 
@@ -264,8 +264,8 @@ class Chart:
             workspace.prepare_motions(time, y)
             found = constraints.residuals(time, y, workspace.program)
             now = max(found.gap, found.turn * length)
-            # At round-off it comes no nearer. If that is before, the next step may lead anywhere, such as to
-            # where the loop is closed in another way.
+            # Converged to round-off. Without convergence the next step may lead anywhere, such as to another
+            # closure of the loop.
             if now <= _CLOSED * length or not now < last:
                 break
             last = now
@@ -367,14 +367,14 @@ def carried(state: State, system: System, *, scale: float = 1.0) -> State:
         sizes=(),
         error=0.0,
         changed=tuple(0 for _ in state.changed),
-        # Events of its own count from their own beginning; which side they are on is looked at anew.
+        # Events of the other system start anew; their sides are evaluated there.
         events=(),
         adjusted=adjusted,
         contacts=tuple(_shifted(one, shift) for one in state.contacts),
     )
     if not len(state.memory):
         return moved
-    # As if for the first time: which contacts touch there, by the rule of every start.
+    # Contacts touch by the rule of every start.
     begun = Run(system, y, max(1.0, time), RunSettings()).present()
     old = state.memory[:, 0] != 0.0
     new = begun.memory[:, 0] != 0.0

@@ -41,7 +41,7 @@ __all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "check
 
 Array = NDArray[np.float64]
 
-# --- what happens to a branch of periodic solutions between two of its points ---
+# --- bifurcations between two orbits of a branch ------------------------------------------------------------
 
 BifurcationKind = Literal["fold", "branch-point", "flip", "neimark-sacker", "grazing"]
 """It turns back; another branch crosses it; its period doubles; a torus is born of it; a contact or an event
@@ -71,7 +71,7 @@ class _Found(NamedTuple):
 
 _TESTS: dict[BifurcationKind, Test] = {"flip": flip_test, "neimark-sacker": torus_test}
 
-# How often a step is halved where more may happen in it than its ends tell of.
+# Bisections of a step that may hold hidden bifurcations.
 _DEEP = 5
 
 
@@ -105,7 +105,7 @@ def _between(step: BranchStep, low: float, high: float, precision: float, halvin
     sides, crossed = [(low, high)], False
     if len(one.tangent) == len(other.tangent) and one.tangent[-1] * other.tangent[-1] < 0.0:
         crossing = locate_crossing(step, low, high, precision) if _crosses(one, other) else None
-        # The branch without a symmetry turns back where it meets that which has it: that is no fold.
+        # An asymmetric branch turns back where it meets the symmetric one: that is no fold.
         crossed = crossing is not None and step.turns_at(crossing.along)
         if crossing is not None and crossed:
             found.append(_Found("branch-point", crossing))
@@ -138,20 +138,21 @@ def _on_one_side(step: BranchStep, begin: float, end: float, crossed: bool, prec
         signs = {test(node.point.orbit.multipliers) > 0.0 for node in (one, other)}
         if len(signs) == 2:
             where = locate_zero(step, test, begin, end, precision)
-            # Two real multipliers whose product is 1: nothing happens.
+            # Two real multipliers with the product 1: no bifurcation.
             if kind == "flip" or is_torus(step.nearest(where.along).orbit.multipliers):
                 found.append(_Found(kind, where))
     return found
 
 
-# Of an arc, over the first: there the branch is given up; there it is if contacts or events change ahead.
+# Least arcs over the first: at which the branch ends, and at which it does near a change of contacts or
+# events.
 _SHORTEST, _NEAREST = 2.0**-10, 2.0**-40
-# Upon a crossing: where it is as good as singular; and by how much a step is shortened not to end there.
+# At a crossing: margin of a singular matrix, and factor of the step to avoid an orbit there.
 _ON, _BESIDE = 1e-6, 0.7
 _PRECISE = 1e2  # of the tolerance of orbits: how well what happens to them is located, over the range
 _SHORT = 2.0**-4  # likewise: shorter steps may turn a branch by nearly a right angle
-# Of the way to where contacts or events come or go ahead: how far the next orbit is at most, as where that is
-# is known to second order only.
+# Share of the arc to a change of contacts or events that a step may cover, as its place is known to second
+# order only.
 _TOWARDS = 0.9
 _UPON = 1e-2  # and how far it may be, over the first arc, if orbits agree on it
 _FARTHER = 4.0  # and how far it is looked for there, over what should be left
@@ -302,7 +303,7 @@ def _follow(
             happened = _bifurcations_in(here, number, near_by)
         except AntennaPinError as error:
             if moved < len(nodes):
-                # What seems to come or go may only pass the time that orbits are told by.
+                # An apparent change may only pass the start time of the orbits.
                 moved = len(nodes)
                 with contextlib.suppress(AntennaPinError):
                     nodes[-1] = stepper.away_from_events(last) or last

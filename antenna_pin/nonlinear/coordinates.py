@@ -37,7 +37,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# --- numbers that elements with modes remember --------------------------------------------------------------
+# --- memory of elements with modes --------------------------------------------------------------------------
 
 
 class _MemoryNumber(NamedTuple):
@@ -153,9 +153,9 @@ def _word_of(element: Modal, name: str) -> int | None:
 
 # --- axes of coordinates in a state -------------------------------------------------------------------------
 
-#: What contact memory holds besides whether a contact touches, by its column.
+#: Columns of contact memory besides touching.
 CONTACT_MEMORY = {1: "approach speed", 2: "effective mass"}
-#: What counts as one of time where it is a coordinate [s].
+#: Unit of time as a coordinate [s].
 TIME_UNIT = 1e-2
 
 
@@ -306,7 +306,7 @@ def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept
         return Frame(np.eye(nv), np.zeros((nv, 0)), memories, numbers)
     left = directions(constraints, y, workspace.program, motions=True, holds=True)
     free = left.shape[1]
-    # Where elements hold nothing at present the axes are the joints' own.
+    # Without holding elements the axes are those of the joints.
     ways = np.eye(nv) if free == nv else np.linalg.svd(left / units.position[:, None])[0]
     return Frame(
         np.ascontiguousarray(ways[:, :free]), np.ascontiguousarray(ways[:, free:]), memories, numbers
@@ -467,7 +467,7 @@ class Lifts:
         self._workspace.prepare_motions(time, y)
         constraints.residuals(time, y, program)
         rows = constraints.every_row.copy()
-        # Over time alone places that are wanted go with the rates that are.
+        # At fixed state gaps change at the prescribed rates.
         over_time = constraints.every_speed - rows @ y[nq : nq + nv]
         over = self._over_numbers(time, y)
         found = _ConstraintsAt(key, time, y.copy(), rows, over_time, over, [])
@@ -482,7 +482,7 @@ class Lifts:
         across = self._units.position[:, None] * frame.bound
         first = frame.first_bristle + len(self._units.bristle)
         last = first + numbers.stop - numbers.start
-        # What constraints know of besides the configuration: time, numbers of the system and of elements.
+        # Constraints depend on the configuration, on time, and on numbers of the system and its elements.
         places = [*range(n), *clock, *range(first, last + len(frame.element_memory))]
         gaps = [np.outer(held.over_time, up[-1, clock]), over[0], self._gaps_over_kept(frame, held)]
         off = np.hstack([rows @ up[way, :n], *gaps])

@@ -47,7 +47,7 @@ __all__ = ["Branch", "Made", "bifurcation", "open_diagram", "interrupting"]
 Branch = Literal["fresh", "forward", "backward"]
 """How a value is come to: from the scenario's start, or from the end of the value before or after it."""
 
-#: All of them.
+#: All branches.
 _BRANCHES: tuple[Branch, ...] = ("fresh", "forward", "backward")
 
 _Entry = dict[str, Any]
@@ -221,7 +221,7 @@ def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
     return table
 
 
-# --- what a diagram has come to so far, on the disk: a journal with a line for each value that was made ---
+# --- entries on the disk, a line of a journal for each value ------------------------------------------------
 
 _SUFFIX = ".parts"
 

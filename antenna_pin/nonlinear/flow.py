@@ -33,10 +33,10 @@ __all__ = ["Flow", "FlowError", "Tangent", "flow_of"]
 
 Array = NDArray[np.float64]
 
-# Steps of differences in coordinates, in which an error scale is 1: the noise of a run is some 1e-12 of that.
+# Difference steps in error scales: the noise of a run is some 1e-12 of a scale.
 _STEPS = (1e-1, 2e-2, 4e-3, 8e-4)
-# Tolerance of runs that are differentiated, where none is asked for; and how many of a run's tolerances its
-# tangent is uncertain by at least; so the coarsest that is taken leaves four digits.
+# Default tolerance of runs that are differentiated; least error of a tangent in tolerances of its run;
+# coarsest tolerance, which leaves four digits.
 _RTOL, _TOLERANCES, _COARSEST = 1e-12, 100.0, 1e-6
 
 
@@ -203,7 +203,7 @@ class Flow:
         there.coordinates(end)
         carrier.turn(there.frame)
         matrix = carrier.tangents.matrix
-        # The run's own error is in neither: it is no less than its tolerance makes it.
+        # The run's own error adds at least its tolerance.
         least = _TOLERANCES * self._settings.rtol * np.linalg.norm(matrix, axis=0)
         lost = here.size - carrier.rank
         return Tangent(matrix, np.maximum(carrier.doubt, least), end, lost)

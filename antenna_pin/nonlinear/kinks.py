@@ -40,10 +40,9 @@ Array = NDArray[np.float64]
 
 # --- parts of a step ----------------------------------------------------------------------------------------
 
-# How often a step is halved; and the power of what is integrated over that time goes with next to where a
-# contact begins or ends.
+# Bisections of a step; exponent of the time transformation near onsets and releases.
 _HALVINGS, _GRADE = 30, 4
-# In parts of a step, and in units of the last place of its time, what counts as the same time.
+# Coincidence as a fraction of a step, and in ulp of its time.
 _AT_ONCE, _ULPS = 1e-12, 4.0
 
 
@@ -102,19 +101,19 @@ def coincidence(time: float, size: float) -> float:
 
 # --- jumps of a derivative within a step --------------------------------------------------------------------
 
-# How near an end of a step it is looked at, as a part of the step: a jump beyond adds that much of itself.
+# Distance of the end samples from the ends of a step, as a fraction: a jump beyond adds as much of itself.
 _EDGE = 1.0 - float(NODES[-1])
-#: Where a step is looked at besides at its nodes: the largest gap is a sixth of the step.
+#: Samples of a step besides its nodes: the largest gap is a sixth of the step.
 _BETWEEN = np.array([_EDGE, 0.02, 0.2, 0.5, 0.8, 0.98])
-#: Where it is looked at in all, the nodes first.
+#: All samples, the nodes first.
 _SAMPLES = np.concatenate([NODES, _BETWEEN])
-#: Which of these are the step's ends: first and last.
+#: Indices of the samples at the step's ends: first and last.
 _ENDS = len(NODES), len(NODES) - 1
 # Degree of the polynomial.
 _DEGREE = 6
-# Part of a jump, and how the ramp of differences of sixth order rises in its middle, per step.
+# Share of a jump, and slope of the ramp of sixth-order differences in its middle, per step.
 _QUARTER, _RISE = 0.25, float(WEIGHTS[0].sum())
-# Of a bracket, half the part in which more than this part of the change happens if it is a jump.
+# Half width of the part of a bracket, and share of the change within it, of a jump.
 _NARROW, _CHANGE_OF_JUMP = 0.05, 0.5
 
 
@@ -189,7 +188,7 @@ def _locate_jump(
     beside = max(place - near, low), min(place + near, high)
     if not past(jumps, beside[1]) - past(jumps, beside[0]) > _CHANGE_OF_JUMP:
         return None
-    # How the ramp rises tells how much later a perturbed state comes to the kink.
+    # The slope of the ramp is the delay of a perturbed state at the kink.
     there, rise = high, past(ramps, high)
     if rise > _QUARTER > past(ramps, place):
         there = float(brentq(lambda at: past(ramps, at) - _QUARTER, place, high, xtol=1e-15, rtol=1e-6))
@@ -199,9 +198,9 @@ def _locate_jump(
 
 # --- errors of a run at kinks -------------------------------------------------------------------------------
 
-# What a run is off by in units, over its tolerance, where nothing more is known.
+# Default error of a run in units, over its tolerance.
 _OFF = 10.0
-# How many columns are kept of what was missed; then the two that are oldest are one.
+# Most columns of defects; beyond, the two oldest are merged.
 _MOST_DEFECTS = 16
 
 
@@ -458,11 +457,11 @@ def _locate_kink(
 
 # --- tangents with the full Jacobian ------------------------------------------------------------------------
 
-# How often a step is halved to find where it breaks: what is wrong then is in the error estimate.
+# Bisections in search of a kink: beyond, the remainder enters the error estimate.
 _SEARCHES = 8
-# In how many steps the round-off of rates is looked at once, where nothing changes.
+# Steps between two estimates of the round-off of rates, where nothing changes.
 _LOOKS = 8
-# How often round-off may be what a piece's derivatives are off by.
+# Multiple of round-off that a part's derivatives may deviate by.
 _NOISY = 30.0
 
 
@@ -538,7 +537,7 @@ class JacobianPropagation:
         if self._propagator.size != sixth.shape[1]:
             self._propagator = Propagator(sixth.shape[1])
         step = self._propagator.step(length, sixth)
-        # What breaks at a place between the nodes, or behind the last, neither method sees.
+        # Neither method detects a jump between the nodes, or behind the last.
         seen = [(f.along * s, f.noise * s) for f, s in zip(found, slopes.tolist(), strict=True)]
         for s, slope in zip(*(one.tolist() for one in part.at(_BETWEEN)), strict=True):
             value, noise = field.directional(start + s * whole, at(s), way)

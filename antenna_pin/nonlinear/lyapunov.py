@@ -35,8 +35,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# --- which directions of perturbed states are their own over the intervals of a motion, and which are left
-# ---
+# --- independent directions of perturbed states -------------------------------------------------------------
 
 
 class _ReferenceMotion:
@@ -60,7 +59,7 @@ class _ReferenceMotion:
     ) -> None:
         self._flow, self._interval, self._states = flow, interval, [start]
         self._kept = [(k, one.key) for k, one in enumerate(ElementMemory(flow.system).numbers) if one.of_rate]
-        #: Contacts that touch at the end, and since when [s].
+        #: Contacts that touch at the end, with their onsets [s].
         self.onsets: dict[int, float] = {}
         known = flow.system.contact_names or self._kept
         for k in range(count if known else 0):
@@ -70,7 +69,7 @@ class _ReferenceMotion:
         if len(self._states) > count:
             self.onsets = {one.contact: one.onset for one in self._states[-1].contacts}
 
-        #: Numbers that elements keep to the end, of rates, and since when at the latest [s].
+        #: Rates in element memory that last to the end, with the earliest time [s].
         self.kept: dict[int, float] = {}
         for k, key in self._kept if len(self._states) > count else ():
             values = [dict(one.adjusted).get(key) for one in self._states]
@@ -110,11 +109,11 @@ def _independent(matrix: Array, rank: int, time: float) -> NDArray[Any]:
 Verdict = Literal["chaotic", "neutral", "contracting", "too short to say"]
 """What a largest exponent says: perturbed states part, keep their distance, come together; or nothing yet."""
 
-# Distance of a perturbed state, in error scales; the largest from which it is brought back, beyond which its
-# growth is no longer that of a tangent; and the nearest that is told from round-off.
+# Distance of a perturbed state in error scales; largest, beyond which growth is no longer that of a tangent;
+# least above round-off.
 _DISTANCE, _FARTHEST, _NEAREST = 1e-6, 1e-3, 1e-10
-# Intervals, and blocks of them, below which nothing is said; standard errors that decide; and how large an
-# exponent may be over an interval that counts as none, if it is known so well.
+# Fewest intervals, and blocks of them, for a verdict; standard errors that decide; exponent over an interval
+# that counts as none.
 _FEWEST, _BLOCKS, _SIGMAS, _NEUTRAL = 32, 8, 3.0, 0.01
 
 
@@ -162,8 +161,8 @@ class Exponents:
 def _exponents(growth: Array, lengths: Array, interval: float, start: State, end: State) -> Exponents:
     total = float(lengths.sum())
     values = growth.sum(axis=0) / total
-    # Growths next to one another are not independent: a distance that swings comes back, and chaos has
-    # bursts. Of blocks as long as leave enough of them, the spread tells.
+    # Consecutive growths are not independent: distances oscillate, and chaos has bursts. The error is the
+    # spread of long blocks.
     errors = np.full(growth.shape[1], math.inf)
     width = len(growth) // _BLOCKS
     if width:
@@ -309,7 +308,7 @@ def lyapunov_spectrum(
     return _exponents(table[:, order], np.full(count, interval), interval, first, here)
 
 
-# --- as a dataset, and its file ---
+# --- dataset and file ---------------------------------------------------------------------------------------
 
 
 @takes()

@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 
 # --- families of flows over a key of a scenario -------------------------------------------------------------
 
-# Samples of an orbit, besides those at changes and peaks of contact.
+# Even samples of an orbit.
 _SAMPLES = 400
 
 
@@ -291,7 +291,7 @@ def open_branch(path: str | os.PathLike[str]) -> xr.Dataset:
 
 # --- branches in a Poincaré section -------------------------------------------------------------------------
 
-# Share of a period within which an time is the start of the orbit itself [-].
+# Share of a period within which a time counts as the orbit's start [-].
 _SAME = 1e-9
 
 

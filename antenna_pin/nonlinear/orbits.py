@@ -32,14 +32,13 @@ __all__ = [
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# Singular values of (M - 1) over the largest, and over 1, below which a direction is neutral: an orbit has
-# perturbed states that are orbits too, and Newton's method does not ask for a step along it.
+# Relative singular values of (M - 1) below which a direction is neutral, with adjacent orbits: Newton's
+# method takes no step along it.
 _NEUTRAL = 1e-7
 _HALVINGS = 6
-# Size of a row of derivatives that nothing acts on; distance of the ends of a period that is none, over the
-# tolerance of runs, and at least.
+# Size of a row of derivatives of a constant; default tolerance of orbits, over that of runs, and its least.
 _HELD, _NEAR, _NEAREST = 1e-6, 10.0, 1e-9
-# How often that distance a motion goes in a period of which anything can be told.
+# Least length of an orbit in tolerances.
 _TELLS = 10.0
 
 
@@ -152,7 +151,7 @@ def _multipliers(tangent: Tangent, moves: NDArray[np.bool_], held: int) -> tuple
     values = values[np.argsort(-np.abs(values), kind="stable")].astype(complex)
     values[len(values) - min(tangent.lost, len(values)) :] = 0.0  # what is there is round-off
     values = np.append(values, np.zeros(held))
-    # To first order an eigenvalue moves by the size of what the matrix is wrong by, in a basis of its own.
+    # To first order an eigenvalue changes by the matrix's error, times the condition of the eigenvectors.
     condition = float(np.linalg.cond(basis)) if len(basis) else 1.0
     return values, float(np.linalg.norm(tangent.doubt[moves])) * min(condition, 1e3)
 

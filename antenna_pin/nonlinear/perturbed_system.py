@@ -41,10 +41,10 @@ Array = NDArray[np.float64]
 
 # --- numbers of a system that parameters change -------------------------------------------------------------
 
-# Whole numbers among the words of a system read as floats below this; what changes them changes its kind.
+# Integers among the words of a system read as floats below this; their change changes kinds.
 _WHOLE = 1e-290
-# Step of differences of builds, in a parameter's scale; and differences of their orders, over the derivative,
-# from which on they are no function that can be differentiated.
+# Difference step of builds, in a parameter's scale; relative difference of two orders of a function without
+# derivative.
 _STEP, _ROUGH = 1e-3, 1e-6
 
 
@@ -71,7 +71,7 @@ class ParameterSlopes:
         ends = np.cumsum([one.size for one in here.values()])
         parts = np.split(np.array(slopes).reshape(self.count, ends[-1]), ends[:-1], axis=1)
         self.slopes: dict[str, Array] = dict(zip(here, parts, strict=True))
-        #: Of each parameter, by the place of an element, its own numbers' derivatives.
+        #: Derivatives of elements' numbers, by parameter and place.
         self.element_slopes: list[dict[str, dict[str, float]]] = [{} for _ in range(self.count)]
         for own, changes in zip(self.element_slopes, self.slopes.pop("elements").tolist(), strict=True):
             for (place, name), change in zip(elements, changes, strict=True):
@@ -108,7 +108,7 @@ class ParameterShift:
             "plan": [own.plan],
             "gravity": [own.gravity],
         }
-        #: Of the program, by parameter: what an event sets does not go with it any more.
+        #: Derivatives of the program, by parameter, without words set by events.
         self.program = numbers.slopes["program"].copy()
         self._parts: list[tuple[Array, NDArray[np.int_], Array]] = []
         for key, flats in arrays.items():
@@ -123,11 +123,11 @@ class ParameterShift:
         self._armature = numbers.slopes["armature"]
         self._heavier = [i for i in joints if self._inertias[:, i].any()]
         self._moved = [i for i in joints if self._places[:, i].any()]
-        #: Of the bodies' numbers, flat, of constraints', and of gravity, likewise.
+        #: Derivatives of bodies, constraints and gravity, flat, by parameter.
         self.tree, self.plan = numbers.slopes["tree"], numbers.slopes["plan"]
         self.gravity = numbers.slopes["gravity"]
         self._of_model = bool(self._heavier or self._moved or self._armature.any() or self.gravity.any())
-        #: How far each is perturbed at present, (count,).
+        #: Present shift of each parameter, (count,).
         self.present = np.zeros(self.count)
 
     @contextmanager
@@ -248,9 +248,9 @@ def _slopes(
 
 StateFunction = Callable[[float, Array], Array]
 
-#: Steps of differences, in error scales. At joints with play, where scales are a clearance and 0.01 m/s, they
-#: are finer, to be small beside the kinks of laws, but large beside the round-off of places: where a kink is
-#: nearer, or a contact is shallow, they are made finer yet.
+#: Difference steps in error scales. At joints with play, whose scales are a clearance and 0.01 m/s, they are
+#: finer, small beside the kinks of laws and large beside the round-off of poses; near kinks and in shallow
+#: contacts they are refined.
 STEP = 1e-4
 _IN_PLAY = 1e-5
 
@@ -454,10 +454,10 @@ class PerturbedParameters:
         self._near = near = PerturbedSystem(system, settings, numbers, whole=True)
         bodies = numbers.slopes["tree"].view(BODY)
         asked = bool(near.workspace.paths or near.system.callables)
-        #: Of each parameter, whether its perturbed states are built.
+        #: Whether perturbed systems of each parameter are built.
         self.builds = (bodies["axis"] != 0.0).any(axis=(1, 2)) | asked
         others = [one.any(axis=1) for key, one in numbers.slopes.items() if key != "program"]
-        #: Of each, whether its perturbed states differ in their programs alone, which go with their states.
+        #: Whether they differ in their programs alone, which belong to states.
         self.by_program = ~(np.any(others, axis=0) | self.builds)
 
     @contextmanager

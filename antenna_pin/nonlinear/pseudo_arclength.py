@@ -27,13 +27,13 @@ __all__ = ["Family", "BranchStepper", "Node", "Point", "in_first_period"]
 
 Array = NDArray[np.float64]
 
-# Of differences over a parameter, over its unit: the small ones are for next to a graze.
+# Difference steps over a parameter, in its unit: the small ones serve near a graze.
 _STEPS = (1e-3, 2e-4, 4e-5, 8e-6, 1.6e-6)
 _NEWTON_STEP = 1e-6  # of those that Newton's method steps by: what counts is where it ends
 _LEADS = 0.05  # of a direction's length, the parameter's part with which differences are made along it
 _SINGULAR = 1e-6  # least singular values over the largest that are none
-# Cosines: by how much the branch may turn in a step, and the chord lie beside the directions at its ends; and
-# beside the first at a corner.
+# Cosines of the largest turn in a step, of the chord to the directions at its ends, and of the chord at a
+# corner.
 _TURN, _ASIDE, _CORNER = 0.9, 0.99, 0.1
 _NEAR = 2e-2  # of an arc: how near to an end of the range Newton's method begins there
 
@@ -150,14 +150,14 @@ class BranchStepper:
             here = self.transported(last.tangent, last.point, point)
         over = self.parameter_derivative(chart, point.value, tangent, here)
         rows = np.column_stack([tangent - np.eye(chart.size), over])
-        # While a contact lasts nothing changes what it remembers: orbits are found with one each.
+        # The memory of a lasting contact is constant: orbits come in families of it.
         free = np.append(changing_coordinates(chart, tangent), True)
         matrix = rows[np.ix_(free[:-1], free)]
         sizes, basis = np.linalg.svd(matrix)[1:]
         before = None if here is None else here[free]
         way = basis[-1]
         if before is not None and len(sizes) and sizes[-1] < _SINGULAR * sizes[0]:
-            # On a crossing all of a plane is tangent: the branch that one has come on goes on as it did.
+            # At a crossing a plane is tangent: the branch continues in its own direction.
             left = basis[np.append(sizes < _SINGULAR * sizes[0], True)]
             ahead = left.T @ (left @ before)
             way = ahead / np.linalg.norm(ahead) if np.linalg.norm(ahead) > 0.5 else way
@@ -324,7 +324,7 @@ class BranchStepper:
                 known[s] = self._solve(point, way, s).value if s else point.value
             return known[s] - value
 
-        # A step may begin at the value and come back to it.
+        # A step may begin at the value and return to it.
         first = 0.0 if point.value != value else _NEAR * arc
         if off(first) * off(arc) > 0.0:
             raise NoOrbitError("branch: Newton's method does not come back onto it")

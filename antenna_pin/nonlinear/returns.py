@@ -30,15 +30,15 @@ __all__ = ["SectionRun", "check_counts", "open_section", "poincare", "settled_po
 
 Array = NDArray[np.float64]
 
-# Samples at a rate are not wanted: one this long [1/s] away is never come to.
+# Rate of even samples so low that none occurs [1/s].
 _NO_RATE = 1e-12
-# Stretches of a run that cross a surface are made longer and shorter as points come, by at most so much.
+# Largest factor by which the spans of a run between crossings grow.
 _LONGER = 8.0
-# Part of the scenario's duration that is run to see whether it has the quantities.
+# Share of the scenario's duration run to check the names of quantities.
 _GLANCE = 1e-9
-# Points of one stretch: what bounds the memory that its record takes.
+# Most points of one span, which bounds memory.
 _AT_ONCE = 64
-# What the datasets of sections and diagrams call something else.
+# Names used otherwise in datasets of sections and diagrams.
 _TAKEN = {"time", "point", "points", "branch", "value", "settled", "transient", "drift", "period", "message"}
 
 
@@ -99,7 +99,7 @@ class SectionRun:
         self.titles: tuple[str, ...] = ()
         self.sizes: Array = np.zeros(len(self.quantities))
         self._progress = progress
-        # What the last stretch came to beyond what was asked for.
+        # Points of the last span beyond the requested ones.
         self._over = _Points(np.zeros(0), np.zeros((0, len(self.quantities))))
         settings = settings_of(scenario)
         self._settings = dataclasses.replace(
@@ -120,7 +120,7 @@ class SectionRun:
         self._patience = self._span = scenario.duration
         q, v = initial_state(scenario, self.system)
         self._first: dict[str, Any] = {"q": q, "v": v, "angles": initial_angles(scenario, self.system)}
-        # A run that is next to none tells what is wrong with names before a long one is made.
+        # A very short run checks names before a long one.
         glance = dataclasses.replace(self._settings, max_wall_time=None, output_form="full")
         shown = simulate(
             self.system,
@@ -172,7 +172,7 @@ class SectionRun:
     def _strobed(self, count: int) -> _Points:
         assert isinstance(self.section, Stroboscope)
         phase, period = self.section.phase, self.period
-        # The first time behind the present time; the run ends half a period behind the last one.
+        # First time behind the present one; the run ends half a period behind the last.
         k = math.floor(self.time / period - phase + 0.25) + 1
         if self.state is None:
             k = math.floor(-phase) + 1
@@ -197,7 +197,7 @@ class SectionRun:
             self._patience = max(self._patience, _LONGER * spacing)
             self._span = min(max(1.1 * spacing * wanted, _LONGER * spacing), _AT_ONCE * spacing)
         elif self._span < self._patience:
-            # Fewer than hoped for: look for as long as patience is before giving up.
+            # Too few: one full patience before giving up.
             self._span = self._patience
             return points if self.ended else self._crossed(count)
         return points

@@ -131,8 +131,7 @@ class ElementReplay:
         """Collect the elements."""
         self._workspace, self._kept, self._numbers = workspace, kept, numbers
         self._holds = [one.name for one in workspace.system.holds]
-        #: Of each element that met its joint in the last call, in order: what :class:`ElementTransition`
-        #: tells.
+        #: Element transitions of the last call, in order.
         self.met: list[ElementTransition] = []
         self._blocks = {one.place: one.block for one in acting_in(workspace.system)}
         self._own: Mapping[str, list[int]] = {
@@ -225,7 +224,7 @@ class ElementReplay:
 
 # --- tangents across events ---------------------------------------------------------------------------------
 
-# Of the largest tangent behind a passage: what round-off leaves of one that is lost there.
+# Relative size below which a tangent is lost but for round-off.
 _LOST = 1e-13
 
 
@@ -278,9 +277,9 @@ class Saltation:
         self._replay = ElementReplay(field.workspace, field.memory, field.numbers)
         self._passages: list[EventEffect] = []
         run.actions.effects = self._passages
-        #: What has happened so far.
+        #: Events so far.
         self.event_shifts: list[EventShift] = []
-        #: How many tangents there are, and how many directions changes of mode have left of them.
+        #: Number of tangents, and of their directions left by mode changes.
         self.count = self.rank = count
 
     def event_times(self) -> set[float]:

@@ -18,7 +18,7 @@ from antenna_pin.simulation import Angle, Force, Gap, Moment, Rate
 __all__ = ["Crossing", "Section", "Stroboscope", "drive_period", "section_of"]
 
 
-# Periods of drives that differ by less are one: they were written in different units.
+# Relative difference of equal periods written in different units.
 _SAME = 1e-12
 
 _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"rising": 1, "falling": -1, "both": 0}
@@ -105,7 +105,7 @@ def _words_of(when: Callable[[Moment], float]) -> str:
     return str(getattr(when, "__name__", type(when).__name__))
 
 
-# --- the period of what drives --------------------------------------------------------------------------
+# --- period of drives ---------------------------------------------------------------------------------------
 
 
 @takes()
@@ -168,7 +168,7 @@ def _period(table: object) -> float | None:
     return None
 
 
-# --- as text --------------------------------------------------------------------------------------------
+# --- sections as text ---------------------------------------------------------------------------------------
 
 _CROSSING = re.compile(r"(angle|rate|gap|force)[.: ]\s*(.+?)\s*=\s*([^=]+)")
 

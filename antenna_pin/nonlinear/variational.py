@@ -55,11 +55,9 @@ Array = NDArray[np.float64]
 
 # --- tangents by the stages of the integrator ---------------------------------------------------------------
 
-# How often at most pieces of a step are tried, those next to a kink as short as it matters, until whole
-# matrices are looked at for what breaks there.
+# Most parts of a step tried by stages before the full Jacobian is used.
 _TRIES = 48
-# What a step over a kink may be off by, over its estimate, which is made for what is smooth: of order 8(5,3)
-# it is no more in nine of ten, wherever between its stages the kink is.
+# Factor from the estimate to the error of a step over a kink: of order 8(5,3) enough in nine of ten cases.
 _OVER_KINKS = 13.0
 
 
@@ -128,7 +126,7 @@ class _StagePropagation:
         matrix, off = tangents.matrix, tangents.other - tangents.matrix
         there, behind = (np.flatnonzero(one.any(axis=0)) for one in (matrix, off))
         begin, size = time + part.a * whole, (part.b - part.a) * whole
-        # A break that is known at both ends has no piece.
+        # A part has no known kink at both ends.
         falling = (part.falling or part.known[1]) and not part.known[0]
         found = self._carrying.along(
             (begin, size, y),
@@ -190,7 +188,7 @@ class _StagePropagation:
             np.array([until]),
             np.array([one.y for one in steps]),
         )
-        # Each part of a tangent is one coordinate, or none.
+        # Each part of a perturbation is one coordinate, or none.
         scales = np.abs(lift.down).sum(axis=0)
         before = lift.up @ matrix[:, there], lift.up @ off[:, there]
         done, ways, rest, booked = self._carrying.along_all(every, *before, scales, good)
@@ -203,15 +201,14 @@ class _StagePropagation:
         return done, Tangents(ends, ends + rests, tangents.frame, books)
 
 
-# What gross works and works differ by in a step that no work turns back in, over their sizes; in how many
-# parts of a step the sign of a power is looked at.
+# Relative difference of work and gross work without reversal; samples of a step for the sign of a power.
 _ROUND_OFF, _PARTS = 16.0 * float(np.finfo(float).eps), 16
 
 
-# --- steps cut where works turn back: there the rate of a gross work, the size of a power, has a kink ---
+# --- steps cut at reversals of work, where the rate of gross work has a kink --------------------------------
 #
-# What it integrates to has none, so that its derivative is the integral of ``sgn(P) dP``, with no jump: it is
-# enough that no part of a step has both signs of the power in it.
+# The integral of that rate has none: its derivative is that of ``sgn(P) dP``, without a jump. It suffices
+# that no part of a step has both signs of the power in it.
 
 
 def _cut_at_reversals(step: _TangentStep, states: StepStates, field: VectorField) -> list[_TangentStep]:
@@ -255,13 +252,13 @@ def _reversals(
     return found
 
 
-# What a piece of a step may be wrong by, over the tangents and over the run's tolerance; what stages may
-# be, over that: their estimate is that of a lower order.
+# Relative error of a part of a step over the run's tolerance; factor for stages, whose estimate is of a lower
+# order.
 _GOOD, _BY_STAGES = 1e2, 10.0
-# From which depth on a contact is deep, over what its onset is located to: derivatives over a clearance are
-# off by 3e-5 (Tsuji's law) if it is at once, by 7e-12 from 1 on, by 1e-13 from 1e4 on; a hundred times that.
+# Depth of a contact that is no longer young, over the tolerance of its onset: derivatives over a clearance
+# are off by 3e-5 (Tsuji's law) at once, by 7e-12 from 1 on, by 1e-13 from 1e4 on; a hundred times that.
 _DEEP = 1e6
-# How many steps wait at most to be carried along together.
+# Most steps that wait to be propagated together.
 _TOGETHER = 64
 
 
@@ -298,7 +295,7 @@ class TangentPropagation:
         self._cut_step = CutStep(self.field, settings, run.stepper.scales, states.workspace)
         self._good = _GOOD * settings.rtol
         carrying, moving = self.field.stage_propagation(), slice(self.field.parts[2].stop)
-        #: What carries tangents by the run's own stages; None where nothing does.
+        #: Propagation by the run's own stages, or None.
         self.stages = None if carrying is None else _StagePropagation(carrying, moving)
         self._deep = _DEEP * np.array(run.search.tolerances)
         self._young: set[int] = set()
@@ -306,7 +303,7 @@ class TangentPropagation:
         self._begins = False, False
         self._waiting: list[_TangentStep] = []
         self._looks = list(looks)
-        #: Told of looks and before changes: ``(time, y, tangents)``, the last (perturbation, k).
+        #: Callbacks at looks and before changes: ``(time, y, perturbations)``, the last (perturbation, k).
         self.on_look: Callable[[float, Array, Array], None] | None = None
         self.on_change: Callable[[float, Array, Array], None] | None = None
         lift = self.field.lift(first, self._time, self._y)

@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 
 # --- gaps along perturbations -------------------------------------------------------------------------------
 
-# Steps of differences of what is smooth on the scale of a play, over it, and over a parameter's; and how much
-# finer they are tried, as often at most, where the scale is another, as that of a tilt that is next to none.
+# Difference steps over the scale of a play, and over a parameter's; refinement factor, most refinements, and
+# relative difference of orders, where the scale is finer, as of a tilt near zero.
 _GAP_STEP, _OF_NUMBERS = 1e-3, 1e-2
 _GAP_FINER, _GAP_TRIES, _PART = (
     10.0,
@@ -31,7 +31,7 @@ _GAP_FINER, _GAP_TRIES, _PART = (
     1e-8,
 )  # the last: what parts two orders then, over the largest derivative
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
-# Part of a row's largest number that must be left of it beside those before: else it says nothing new.
+# Share of a row's largest number that must remain beside those before, for new information.
 _NEW = 1e-3
 
 
@@ -75,7 +75,7 @@ class _GapSlopes:
         off, rough = np.abs(found[0] - found[1]), np.arange(len(steps))
         good = _PART * np.abs(found[0]).max(axis=1, keepdims=True, initial=0.0)
         for _ in range(_GAP_TRIES):
-            # Finer ones serve where what parts two orders is more than round-off is by these.
+            # Finer steps help where the orders differ by more than round-off.
             rough = rough[(off > np.maximum(good, noise * _GAP_FINER / steps))[:, rough].any(axis=0)]
             if not len(rough):
                 break
@@ -142,7 +142,7 @@ class _GapSlopes:
             return np.array([faster, faster]), np.array([heavier, heavier])
         workspace, (_, rate, *_) = self._near.workspace, self._near.parts
         own = slice(rate.start, self._near.parts[4].stop)
-        # Masses do not go with velocities, rates do by the normal: neither need be differentiated over them.
+        # Masses do not depend on velocities, and rates do by the normal: no differences are needed.
         placed = ways.copy()
         placed[own] = 0.0
 
@@ -188,13 +188,13 @@ def _gap_basis(rows: Sequence[Array], ways: int) -> Array:
 
 # --- rates along perturbations ------------------------------------------------------------------------------
 
-# Steps of differences of forces are at most this share of a contact's depth, down to a millionth of what they
-# are else: a force that begins like depth^1.5 is smooth on no other scale.
+# Largest difference step of forces over a contact's depth, and least over the default: a force like depth^1.5
+# is smooth on no other scale.
 _SHARE, _FINEST = 0.02, 1e-6
-# Difference of the two orders over the largest derivative from which on a kink is straddled: then with steps
-# that are so much finer, as often at most. And round-off of rates, over these.
+# Relative difference of two orders across a kink; refinement factor and most refinements; multiple of
+# round-off.
 _STRADDLES, _FINER, _OFTEN, _NOISY = 1e-8, 8.0, 8, 10.0
-# Where rates are looked at for their round-off, in parts of a step.
+# Samples for the round-off of rates, in steps.
 _MINUTE, _BESIDE = 1e-3, range(-6, 7)
 _SHALLOW = 0.1  # part of their size to which a depth cuts steps where kinks are looked for no more
 _OFF = 0.3  # tangent of an angle, in units, by which axes may be off
@@ -343,12 +343,12 @@ class VectorField:
             finer[rough] /= _FINER
             again = self._differences(time, y, ways[:, rough], finer[rough])
             rest = self._sizes(again[0] - again[1])
-            # Next to a kink the two orders part the more before steps are so short that they do not at all.
+            # Near a kink the orders differ more before steps are so short that they agree.
             enough = np.maximum(least[rough], noise / finer[rough])
             better = (rest < off[rough]) | (rest <= enough)
             taken = rough[better]
             found[:, :, taken], steps[taken], off[taken] = again[:, :, better], finer[taken], rest[better]
-            # Right at a kink they agree by chance, on the middle of two derivatives.
+            # At a kink they may agree by chance on the mean of two derivatives.
             off[rough] = np.maximum(off[rough], rest)
             rough = rough[rest > enough]
         return found[0], found[1], steps
@@ -371,7 +371,7 @@ class VectorField:
         found = np.array((by or self._slopes).rates(time, y, np.ascontiguousarray(ways), steps))
         if by is self._tangents and self._by_parts:
             return found
-        # Compiled differences leave element memory as it is; what rows hold by rates do not go by.
+        # Compiled differences omit element memory and parameters; what rows hold does not affect rates.
         displaced = ways[self.parts[-3]]
         alone = np.count_nonzero(ways, axis=0) == np.count_nonzero(displaced, axis=0)
         for k in np.flatnonzero(self._goes_by_more(ways)).tolist():

@@ -36,7 +36,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# --- when two runs part: the first contact, event or change of mode that only one of them has ---
+# --- first difference of two runs in contacts, events or mode changes ---------------------------------------
 
 _INSTANTS = ("onset_time", "change_time", "event_time")
 
@@ -68,11 +68,9 @@ def _first_mismatch(
     return rest[0][0] if rest else math.inf
 
 
-# --- whether the contacts and events of a perturbed run are those of a run, and in which order it has them
-# ---
+# --- contacts and events of a perturbed run compared with the nominal run's ---------------------------------
 
-# Onsets of several contacts that are one time, as where both rims of a bore are met at once: which of them
-# is noted first is a matter of round-off [s].
+# Time within which onsets are simultaneous, as at both rims of a bore, their order being round-off [s].
 _AT_ONCE = 1e-9
 
 
@@ -116,21 +114,21 @@ def _check_same_events(ours: Mapping[str, Column], theirs: Mapping[str, Column],
             )
 
 
-# Steps of differences of each order, over a parameter's scale, the largest first; the first with which two
-# orders agree so well counts, else the one with which they agree best. Where contacts come to rest by ever
-# smaller impacts only the finest leave their number as it is.
+# Difference steps of each order over a parameter's scale, the largest first; the first at which two orders
+# agree so well is used, else the best. Where contacts come to rest by ever smaller impacts only the finest
+# leave their number unchanged.
 _STEPS = {6: (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8), 2: (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)}
 _GOOD = {6: 1e-7, 2: 1e-3}
-# How much finer each of them is than the one before.
+# Ratio of consecutive steps.
 _FINER = 10.0
-# Numbers of how a run is computed, none of the motion.
+# Variables of the computation, not of the motion.
 _OF_THE_RUN = ("energy_error",)
-# How many of its tolerances a run is off by, about.
+# Approximate error of a run in its tolerances.
 _TOLERANCES = 10.0
-# A force's largest value is located by its values alone: to the root of round-off, over how long it lasts.
-# Weights of differences come to twice that.
+# A force's maximum is located by values alone: to the root of round-off over its duration, times the sum of
+# difference weights.
 _LOCATED = 3e-8
-# Where a run has samples that are asked for: how near [ulp of the last].
+# Tolerance of requested sample times [ulp of the last].
 _ULPS = 4.0
 
 
@@ -233,9 +231,9 @@ class FiniteDifferences:
         self._columns = columns_of(self.run)
         self.here = _numbers_at(self.run, times)
         self._here = {str(name): one.values for name, one in self.here.data_vars.items()}
-        #: How large numbers of a variable are, or of others of its unit: it may be next to zero itself.
+        #: Size of each variable, or of others of its unit: it may be near zero itself.
         self.sizes = _sizes(self.here)
-        #: How long the longest contact lasts that has a largest force [s].
+        #: Duration of the longest contact with a force maximum [s].
         self._longest = _longest(self.run.data)
 
     def _made(self, scenario: Scenario, what: str, start: State | None) -> Trajectory:
@@ -342,13 +340,13 @@ class FiniteDifferences:
                 best, other = np.tensordot(WEIGHTS, ahead - behind, 1) / h
             else:  # on one side it is of first order
                 best, other = 0.5 * (ahead - behind)[0] / h, (ahead[0] - here) / h
-            # What a run is off by grows on the way as what a parameter changes does.
+            # A run's error grows along it as a parameter's perturbation does.
             grown = float(np.nanmax(np.abs(best), initial=0.0)) * parameter.scale
             noise = _TOLERANCES * self._settings.rtol * max(self.sizes[name], grown) / h
             if name == "peak_time":
                 noise += _LOCATED * self._longest / h
             doubt = np.abs(best - other) + noise
-            # What changes a number by less than its own size over the scale is faint beside it.
+            # Changes smaller than the number's own size over the scale are negligible.
             own = self.sizes[name] / parameter.scale
             size = max(float(np.nanmax(np.abs(best), initial=0.0)), own)
             worst = float(np.nanmax(doubt, initial=0.0)) / size if size > 0.0 else 0.0

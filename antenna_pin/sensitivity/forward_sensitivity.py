@@ -55,7 +55,7 @@ Array = NDArray[np.float64]
 
 # --- tangents of a scenario over its parameters -------------------------------------------------------------
 
-# Step of differences of first states, in a parameter's scale.
+# Difference step of first states, in a parameter's scale.
 _START = 1e-3
 
 
@@ -108,7 +108,7 @@ class ForwardSensitivity:
         self._numbers.slopes["program"][:, self._next.memory.words] = 0.0
         beside = PerturbedParameters(system, settings, self._numbers, self._system)
         scales = np.array([one.scale for one in self.parameters])
-        #: What a result says of its states, and of perturbed ones.
+        #: Series of the result at its states, and at perturbed ones.
         self.state_series = StateSeries(beside, self._next, settings, self._here.first, scales)
 
     def _neighbour(self, k: int, s: float) -> _PerturbedScenario:
@@ -191,9 +191,9 @@ class ForwardSensitivity:
 
 _Series = dict[str, tuple[Array, Array]]
 
-# Two times of one event [s]; two that are one but for round-off, over the later.
+# Tolerance of the time of one event [s]; relative round-off of equal times.
 _SAME, _ONE = 1e-9, 1e-14
-# How far off a force's largest value may be found, over the time that it takes to bend: there it is smooth.
+# Largest time error of a force's maximum, over the time scale of its curvature: there it is smooth.
 _FOUND = 1e-3
 
 
@@ -366,7 +366,7 @@ def _sample_delay(
 
 # --- derivatives by name ------------------------------------------------------------------------------------
 
-# What is told of how elements meet their joints, in the order of what ``Change`` has of it.
+# Variables of element transitions, in the order of their derivatives.
 _OF_CHANGES = (
     "change_angle",
     "change_rate",
@@ -457,7 +457,7 @@ def _events(along: TangentRecord, run: xr.Dataset, scales: Array) -> dict[str, A
             continue
         k = (same or [k for k in near if k not in used] or near)[0]
         times[i] = along.events[k].late / scales
-        # Of several changes by one passage the first has all that it brings in.
+        # The first of simultaneous changes has all of their energy.
         energies[i] = 0.0 if k in used else along.events[k].energy / scales
         used.add(k)
     return {"event_time": times, "event_energy": energies}

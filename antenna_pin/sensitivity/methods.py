@@ -35,15 +35,15 @@ __all__ = ["Method", "sensitivities"]
 
 Array = NDArray[np.float64]
 
-# Shortest piece, over the whole; and two times that are one but for round-off, over either.
+# Shortest piece over the whole; relative round-off of equal times.
 _SHORTEST, _ONE = 1e-6, 1e-12
 
 
-# --- derivatives over pieces of a run, each from the run's own state at its start ---
+# --- derivatives over pieces of a run, each from the run's own state ----------------------------------------
 #
-# Over a long run derivatives grow with what perturbed runs part by, until they say nothing. Over a piece they
-# do not: at the end of each it is told what its own start and the numbers make of it from there on, with the
-# start held. A fit by multiple shooting wants just that.
+# Over a long run derivatives grow with the divergence of perturbed runs, until they are useless. Over a piece
+# they do not: its end depends on its own start, held fixed, and on the parameters. Multiple shooting needs
+# just that.
 
 
 def _piece_borders(length: float, begin: float, span: float) -> Array:
@@ -88,12 +88,12 @@ def _series(parts: list[tuple[float, Sensitivities]]) -> Iterator[xr.Dataset]:
         yield part.assign_coords(piece_begin=("time", np.full(part.sizes["time"], begin)))
 
 
-# Of runs that are differentiated, where no settings are given.
+# Default tolerance of runs that are differentiated.
 _RTOL = 1e-12
-# By how much the equation may differ from differences of second order of runs, over the larger of a number's
-# own size and its change over a scale.
+# Largest deviation of the equation from second-order differences, over the larger of a number's size and its
+# change per scale.
 _APART = 1e-4
-# What says that the motion is not right, if runs contradict it.
+# Variables of the motion, whose contradiction refuses the equation.
 _MOTION = ("q", "v", "onset_time", "release_time", "event_time")
 
 Method = Literal["runs", "quick-runs", "equation"]
@@ -206,8 +206,7 @@ def _by_equation(
     """Return the derivatives over each parameter by the variational equation."""
     data = runs.run.data
     along = equation.run(at, span, maximum_times(data))
-    # Where something is perturbed by next to infinitely much, perturbed runs are no states, and it is not
-    # told.
+    # Near-infinite tangents belong to no states: overflow is expected.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         return named_derivatives(equation, along, runs.here, data, parameters)
 

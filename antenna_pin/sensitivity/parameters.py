@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 
-# Tables of which no motion is a differentiable function: how it is computed, and what of it is kept.
+# Tables of computation and output, of which no motion is a differentiable function.
 _NOT_OF_THE_MOTION = ("duration", "integrator", "output", "format")
 
 

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 
 # --- growth of derivatives ----------------------------------------------------------------------------------
 
-# Samples with a derivative below which nothing is said of how fast it grows.
+# Fewest samples for a growth rate.
 _FEWEST = 5
 
 
@@ -78,7 +78,7 @@ def _growth(
         exponent = math.nan
         if np.count_nonzero(told) >= _FEWEST:
             exponent = float(np.polyfit(times[told], np.log(sizes[told]), 1)[0])
-        # A derivative that goes back to zero is known if its doubt is small beside what it has been.
+        # A derivative that returns to zero is known if its error is small beside its past values.
         been = np.maximum.accumulate(np.where(known, sizes, 0.0))
         sure = np.flatnonzero(known & (rest <= share * been))
         last = int(sure[-1]) if len(sure) else 0
@@ -89,7 +89,7 @@ def _growth(
 
 # --- sensitivities ------------------------------------------------------------------------------------------
 
-# Step along derivatives of what is made of samples, in a parameter's scale.
+# Step along derivatives of functions of samples, in a parameter's scale.
 _STEP = 1e-4
 
 
@@ -220,7 +220,7 @@ def dataset_of(
 
 # --- rows, dataset and file ---------------------------------------------------------------------------------
 
-# What is told of contacts: of all of them together.
+# Combination of each variable over all contacts.
 _OF_CONTACTS = {
     "peak_force": "max",
     "peak_depth": "max",
@@ -228,8 +228,8 @@ _OF_CONTACTS = {
     "dissipated": "sum",
     "onset_time": "last",
 }
-# What is told of events and of elements that meet their joints: of all of one name together. Instants of both
-# are the same, and angles and rates are those of the elements.
+# Combination of each variable over events and transitions of one name, whose times are the same, and whose
+# angles and rates belong to the elements.
 _OF_EVENTS = {
     "event_time": "last",
     "event_energy": "sum",
@@ -237,9 +237,9 @@ _OF_EVENTS = {
     "change_impulse": "max",
     "change_energy": "last",
 }
-# Series that are kept as curves, each component one.
+# Series in the dataset's curves, one for each component.
 _CURVES = ("v", "normal_force", "motion_angle", "slide_position", "drive_torque")
-# The unit of velocities, whose components turn or slide.
+# Unit of velocities, whose components turn or slide.
 _OF_VELOCITIES = "m/s or rad/s"
 
 

@@ -36,14 +36,14 @@ Array = NDArray[np.float64]
 
 # --- series over parameters ---------------------------------------------------------------------------------
 
-#: At how many steps perturbed runs are, ahead and then behind.
+#: Shifts of perturbed states in steps, ahead and then behind.
 _SIDES = np.array([1, 2, 3, -1, -2, -3])
-# Steps of differences over parameters, in their scales, the largest first; how well their two orders agree at
-# least, over the derivative; round-off of a series, over its size.
+# Difference steps over parameters in their scales, the largest first; relative agreement of two orders that
+# suffices; relative round-off of a series.
 _STEPS, _GOOD, _ROUND_OFF = (1e-3, 1e-4, 1e-5, 1e-6), 1e-9, 1e-14
-# How many states are told of at once, about.
+# Approximate number of states evaluated at once.
 _AT_ONCE = 4096
-# Series that are zero but for round-off where they must be; they are small beside others of their unit.
+# Series that vanish but for round-off, judged beside others of their unit.
 _CONSERVED = ("linear_momentum", "angular_momentum", "energy_error")
 
 
@@ -66,16 +66,16 @@ class _SeriesTable:
         self.shapes = {name: one.shape[1:] for name, one in taken.items()}
         widths = [int(np.prod(shape)) for shape in self.shapes.values()]
         ends = np.cumsum([0, *widths])
-        #: Columns of each, by name.
+        #: Columns of each series, by name.
         self.columns = {
             name: slice(first, last)
             for name, first, last in zip(taken, ends[:-1].tolist(), ends[1:].tolist(), strict=True)
         }
         self._filled = [name for name, width in zip(taken, widths, strict=True) if width]
         self._starts = np.array([self.columns[name].start for name in self._filled], dtype=int)
-        #: Of each column, which of those that are not empty it is of.
+        #: Index of the nonempty series of each column.
         self.owner = np.repeat(np.arange(len(self._filled)), [width for width in widths if width])
-        #: Whether it counts from the first sample on.
+        #: Whether each column counts from the first sample.
         counts = [VARIABLES[name].source == "ledger" or name in MOTORS_SINCE_BEGIN for name in taken]
         self.since = np.repeat(counts, widths)
 
@@ -232,10 +232,9 @@ def _interleaved(chunks: Sequence[Chunk]) -> Chunk:
 
 # --- series and forces over time ----------------------------------------------------------------------------
 
-# Steps of differences in time, over how long what is looked at takes, the largest first; those along a
-# parameter, in its scale.
+# Difference steps in time over the duration, the largest first; those along a parameter, in its scale.
 _TIME_STEPS, _ALONG = (3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5), (1e-3, 1e-4, 1e-5)
-# Round-off of what is differentiated, over its size.
+# Relative round-off of differentiated values.
 _TIME_ROUND_OFF = 1e-15
 
 

@@ -58,7 +58,7 @@ class _ElementIntegrals:
             one.place: int(system.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]["x"])
             for one in acting_in(system)
         }
-        #: Of each element how its integrals were perturbed when it last kept them, (integrals, parameters).
+        #: Perturbed integrals at the last change of each element, (integrals, parameters).
         self._kept: dict[str, Array] = {}
 
     def of(self, one: ModeEffect, met: ElementTransition, time: float, x: Array, books: Array) -> Array:
@@ -85,10 +85,7 @@ class _ElementIntegrals:
         return out
 
 
-# --- what events of a run come to in perturbed runs: when they happen, and the energy that they bring in ---
-#
-# An event at which g passes zero comes later by ``-(dg w) / g'``. The energy that it brings in is what is
-# stored behind it, at the perturbed time, less what was stored before, and what impacts have taken.
+# --- times and energies of events ---------------------------------------------------------------------------
 
 
 class _EventSensitivity(NamedTuple):
@@ -174,7 +171,7 @@ def _stored_energy(workspace: Workspace, y: Array) -> float:
     return found.kinetic + found.springs
 
 
-# --- when contacts are deepest in a run: where the rate of a depth passes zero within its steps ---
+# --- maxima of contact depths -------------------------------------------------------------------------------
 
 
 class _DepthMaxima:
@@ -318,7 +315,7 @@ class TangentRecord:
         workspace = self._field.workspace
         self._replay = ElementReplay(workspace, ElementMemory(system), self._field.numbers)
         self._losses = _losses(system)
-        # Of samples what :class:`PerturbedSamples` has, in its order.
+        # Data of :class:`PerturbedSamples`, sample by sample.
         self._seen: list[tuple[Any, ...]] = []
         self._table, self._gaps = np.zeros(len(workspace.table), CONTACT), list[Array]()
         self._marks: dict[float, _BeforeChange] = {}
@@ -368,7 +365,7 @@ class TangentRecord:
     def _take_over(self, run: Run) -> None:
         self._memory, self._program = run.workspace.memory.copy(), run.workspace.program.copy()
 
-    # --- what a run shows itself to -------------------------------------------------------------------------
+    # --- observer -------------------------------------------------------------------------------------------
 
     def observe(self, run: Run) -> None:
         """Propagate tangents over the last steps, and record changes."""
@@ -457,7 +454,7 @@ class TangentRecord:
                 pair = ways[speeds][c].copy(), ways[masses][c].copy()
                 self.contacts[k] = self.contacts[k]._replace(memory=pair)
 
-    # --- where something changes ----------------------------------------------------------------------------
+    # --- at changes -----------------------------------------------------------------------------------------
 
     def _meet_all(
         self, mark: _BeforeChange, passages: list[EventEffect], new: list[EventShift], words: Array | None
@@ -492,7 +489,7 @@ class TangentRecord:
         turned = [step for step in one.done if isinstance(step, ModeEffect)]
         own = books + np.outer(field.integrands(time, y), late)
         slopes = field.along(met, time, y, there).reshape(len(elements), 6, -1)
-        # A passage of rigid parts takes no time: rates before it do not jump at a perturbed time.
+        # An impact of rigid parts takes no time: rates before it are continuous at perturbed times.
         struck = sum(isinstance(step, ImpulseEffect) for step in one.done)
         for found, step, slope in zip(elements, turned, slopes, strict=True):
             self.transitions.append(_TransitionShift(found.place, time, found.angle, late.copy(), slope))
