@@ -14,17 +14,14 @@ from numpy.typing import NDArray
 from antenna_pin.base.answers import check_takes
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now
-from antenna_pin.control.limits import limited
-from antenna_pin.control.measure import Measure
+from antenna_pin.control.controller import Controller, Now, limited
+from antenna_pin.control.measurement import Measure
 from antenna_pin.control.pid import Course
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["AttitudeFeedback"]
 
-
 Array = NDArray[np.float64]
-
 
 # --- quaternions xyzw of attitudes: products, turns from one to another ---
 

@@ -1,4 +1,4 @@
-"""A sampled PID controller."""
+"""Sampled PID controller."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ from typing import Literal
 from antenna_pin.base.answers import check_takes
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now
-from antenna_pin.control.limits import limited
-from antenna_pin.control.measure import Measure
-from antenna_pin.control.sensor import Sensor
+from antenna_pin.control.controller import Controller, Now, limited
+from antenna_pin.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Course", "Pid", "PidState"]
+
 
 Course = Callable[[float], tuple[float, float, float]]
 """A reference over time [s]: value, rate and acceleration."""

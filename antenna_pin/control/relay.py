@@ -1,4 +1,4 @@
-"""A sampled controller that is on, off or on the other way: for thrusters."""
+"""Sampled three-state relay, for thrusters."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from functools import cached_property
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.control.controller import Controller, Now
-from antenna_pin.control.measure import Measure
-from antenna_pin.control.sensor import Sensor
+from antenna_pin.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["BangBang", "BangBangState"]

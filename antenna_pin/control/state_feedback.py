@@ -1,4 +1,4 @@
-"""A sampled controller that feeds back what it measures by matrices."""
+"""Sampled linear feedback of measurements by matrices."""
 
 from __future__ import annotations
 
@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now
-from antenna_pin.control.limits import limited
-from antenna_pin.control.measure import Measure
-from antenna_pin.control.sensor import Sensor
+from antenna_pin.control.controller import Controller, Now, limited
+from antenna_pin.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Matrix", "StateFeedback"]
 
 Array = NDArray[np.float64]
+
 Matrix = tuple[tuple[float, ...], ...]
 """Rows of numbers."""
 

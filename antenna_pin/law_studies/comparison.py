@@ -1,4 +1,4 @@
-"""The elastic laws side by side for one joint: by how much they differ at the same depth."""
+"""Elastic laws compared for one joint: ratios of their forces at the same depth."""
 
 from __future__ import annotations
 

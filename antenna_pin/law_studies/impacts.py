@@ -1,23 +1,60 @@
-"""One impact, integrated in SciPy's DOP853 with the compiled law: a mass on a wall, or two free bodies.
+r"""Impacts of normal laws: closed forms, and integration by SciPy's DOP853 with the compiled law.
 
-A law that leaves its effective mass to the contact takes that of the impact.
+A law with hysteresis damping, :math:`f = f_e(\delta)(1 + \chi \dot\delta / v_0)`, separates with the
+restitution c that solves :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]` and goes as deep as
+
+.. math:: U(\delta_{max}) = m v_0^2 \left[\frac1\chi - \frac{\ln(1 + \chi)}{\chi^2}\right]
+
+with the energy U of its elastic part, whatever that is; a law that damps in the approach only goes as deep
+and gives all of U back. A damper :math:`\alpha \sqrt{m f_e / \delta}` beside a power law is a linear
+oscillator in disguise (:mod:`antenna_pin.contact.damping`): with :math:`g = \zeta \arccos\zeta / \sqrt{1 -
+\zeta^2}` it separates with :math:`e^{-2g}` where it is cut off at zero, with :math:`e^{-g}` where it acts in
+the approach only. A law that leaves its effective mass to the contact takes that of the impact.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.contact import CompiledNormalLaw, NormalLaw
+from antenna_pin.compiled.decorators import record
+from antenna_pin.contact import (
+    DISSIPATIONS,
+    CompiledNormalLaw,
+    DampedContact,
+    Hertz,
+    NormalLaw,
+    delivered_restitution,
+    law_parameters,
+)
+from antenna_pin.contact import damping_kernels as _damping
 from antenna_pin.contact.kernels import normal_force
+from antenna_pin.contact.power_kernels import POWER_LAW
+from antenna_pin.contact.records import NORMAL_LAW, POWER
+from antenna_pin.contact.restitution import stored_share
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Impact", "check_impact", "depth_of_energy", "impact_of_pair", "impact_on_wall"]
+__all__ = [
+    "Impact",
+    "RestitutionRow",
+    "check_impact",
+    "closed_form_peak_depth",
+    "closed_form_restitution",
+    "depth_of_energy",
+    "impact_of_pair",
+    "impact_on_wall",
+    "largest_errors",
+    "restitution_table",
+]
+
+
+# --- integrated impacts -------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,3 +217,199 @@ def _largest(function: Callable[[float], float], low: float, high: float) -> flo
         else:
             a = c
     return max(max(values), function(0.5 * (a + b)))
+
+
+# --- closed forms, and restitution tables -------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class RestitutionRow:
+    """What a dissipation delivers for what it is asked for.
+
+    Attributes:
+        dissipation: Its name.
+        asked: Coefficient of restitution asked for [-].
+        closed_form: What it delivers by its closed form [-].
+        on_wall: What an integrated impact on a wall delivers [-]; NaN if none was made.
+        of_pair: What an integrated impact of two free bodies delivers [-]; NaN if none was made.
+        closed_form_depth: Largest depth by its closed form [m].
+        depth_on_wall: Largest depth of the impact on the wall [m]; NaN if none was made.
+    """
+
+    dissipation: str
+    asked: float
+    closed_form: float
+    on_wall: float
+    of_pair: float
+    closed_form_depth: float
+    depth_on_wall: float
+
+
+def _hysteresis(code: NDArray[np.float64], speed: float) -> float | None:
+    """Return chi of a law with hysteresis damping, 0 of one without damping, else None."""
+    kind = record(code, NORMAL_LAW).dissipation
+    if kind == _damping.CONSERVATIVE:
+        return 0.0
+    if kind in (_damping.HYSTERETIC, _damping.HYSTERETIC_LOADING):
+        return float(record(code, _damping.HYSTERETIC_LAW).hysteresis)
+    if kind == _damping.PROPORTIONAL:
+        return float(record(code, _damping.PROPORTIONAL_LAW).hysteresis_over_speed) * speed
+    return None
+
+
+def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
+    """Return zeta of a law that is a linear oscillator in disguise, else None."""
+    kinds = record(code, NORMAL_LAW)
+    if kinds.elastic != POWER:
+        return None
+    spring = record(code, POWER_LAW)
+    if kinds.dissipation in (_damping.SECANT, _damping.SECANT_LOADING):
+        secant = record(code, _damping.SECANT_LAW)
+        # Without a mass of its own it takes that of the impact.
+        share = secant.mass / mass if secant.mass > 0.0 else 1.0
+        return float(secant.damping * math.sqrt(share) / math.sqrt(2.0 * (spring.exponent + 1.0)))
+    if kinds.dissipation == _damping.VISCOUS and spring.exponent == 1.0:
+        damper = record(code, _damping.DAMPER_LAW)
+        return float(damper.damping / (2.0 * math.sqrt(spring.stiffness * mass)))
+    return None
+
+
+def _damping_of(
+    asked: str, law: CompiledNormalLaw, mass: float, speed: float
+) -> tuple[NDArray[np.float64], float | None, float | None]:
+    """Return a law's numbers, and chi or zeta if there is one."""
+    check_impact(asked, mass, speed)
+    code = law.code()
+    chi = _hysteresis(code, speed)
+    return code, chi, None if chi is not None else _damping_ratio(code, mass)
+
+
+def _decay(zeta: float) -> float:
+    """``zeta arccos(zeta) / sqrt(1 - zeta^2)``: what a damped oscillator loses to its peak, as exponent."""
+    if abs(zeta - 1.0) < 1e-8:
+        return 1.0
+    if zeta < 1.0:
+        return zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta)
+    return zeta * math.acosh(zeta) / math.sqrt(zeta * zeta - 1.0)
+
+
+@takes(mass="kg", speed="m/s")
+def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
+    """Return the restitution that a law delivers in a free impact [-], or None if there is no closed form.
+
+    Args:
+        law: The law.
+        mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
+        speed: Approach speed [m/s].
+    """
+    code, chi, zeta = _damping_of("closed_form_restitution", law, mass, speed)
+    kind = record(code, NORMAL_LAW).dissipation
+    if chi is not None:
+        return delivered_restitution(chi, approach_only=bool(kind == _damping.HYSTERETIC_LOADING))
+    if zeta is None:
+        return None
+    return math.exp(-_decay(zeta) if kind == _damping.SECANT_LOADING else -2.0 * _decay(zeta))
+
+
+@takes(mass="kg", speed="m/s")
+def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
+    """Return the largest depth of a free impact [m], or None if there is no closed form.
+
+    Args:
+        law: The law.
+        mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
+        speed: Approach speed [m/s].
+    """
+    code, chi, zeta = _damping_of("closed_form_peak_depth", law, mass, speed)
+    if chi is not None:
+        return depth_of_energy(law, mass * speed**2 * stored_share(chi))
+    if zeta is None:
+        return None
+    spring = record(code, POWER_LAW)
+    half = 0.5 * (spring.exponent + 1.0)
+    peak = half * speed / math.sqrt(half * spring.stiffness / mass) * math.exp(-_decay(zeta))
+    return float(peak ** (1.0 / half))
+
+
+@takes()
+def restitution_table(
+    dissipations: Iterable[str] | None = None,
+    asked: Iterable[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0),
+    *,
+    stiffness: float = 1e10,
+    exponent: float = 1.5,
+    mass: float = 1.0,
+    speed: float = 0.1,
+    simulate: bool = True,
+) -> tuple[RestitutionRow, ...]:
+    """Return what the dissipations that ask for a restitution deliver, in closed form and integrated.
+
+    Args:
+        dissipations: Names in ``DISSIPATIONS``; all that take a restitution if not given.
+        asked: Coefficients of restitution; those that a dissipation refuses are left out.
+        stiffness: K of the elastic law [N/m^n].
+        exponent: n of the elastic law [-].
+        mass: Effective mass [kg]; of the free pair one body has three times the mass of the other.
+        speed: Approach speed [m/s].
+        simulate: Whether to integrate impacts too.
+    """
+    taking = [name for name, cls in DISSIPATIONS.items() if "restitution" in law_parameters(cls)]
+    rows = []
+    for name in taking if dissipations is None else dissipations:
+        if name not in taking:
+            raise InvalidParameterError(
+                "restitution_table", "dissipations", f"of {', '.join(taking)}, which take a restitution", name
+            )
+        cls = DISSIPATIONS[name]
+        for value in asked:
+            try:
+                dissipation = cls(restitution=value)
+            except InvalidParameterError:
+                if value == 0.0:
+                    continue
+                raise
+            law = DampedContact(
+                elastic=Hertz(stiffness=stiffness, exponent=exponent), dissipation=dissipation
+            )
+            wall = pair = None
+            if simulate:
+                wall = impact_on_wall(law, mass=mass, speed=speed)
+                pair = impact_of_pair(
+                    law, masses=(4.0 * mass, 4.0 * mass / 3.0), speeds=(0.25 * speed, -0.75 * speed)
+                )
+            closed = closed_form_restitution(law, mass=mass, speed=speed)
+            depth = closed_form_peak_depth(law, mass=mass, speed=speed)
+            rows.append(
+                RestitutionRow(
+                    dissipation=name,
+                    asked=value,
+                    closed_form=math.nan if closed is None else closed,
+                    on_wall=math.nan if wall is None else wall.restitution,
+                    of_pair=math.nan if pair is None else pair.restitution,
+                    closed_form_depth=math.nan if depth is None else depth,
+                    depth_on_wall=math.nan if wall is None else wall.peak_depth,
+                )
+            )
+    return tuple(rows)
+
+
+@takes()
+def largest_errors(rows: Iterable[RestitutionRow]) -> tuple[float, float]:
+    """Return how far integrated impacts are from the closed forms at most.
+
+    Args:
+        rows: Of :func:`restitution_table`, with impacts integrated.
+
+    Returns:
+        In restitution, wall and free pair alike, and in peak depth relative to it [-]; NaN where no row has a
+        closed form.
+    """
+    restitution = depth = math.nan
+    for row in rows:
+        if math.isfinite(row.closed_form):
+            off = max(abs(row.on_wall - row.closed_form), abs(row.of_pair - row.closed_form))
+            restitution = off if math.isnan(restitution) else max(restitution, off)
+        if math.isfinite(row.closed_form_depth):
+            off = abs(row.depth_on_wall / row.closed_form_depth - 1.0)
+            depth = off if math.isnan(depth) else max(depth, off)
+    return restitution, depth

@@ -1,4 +1,4 @@
-"""Frequency responses: from a torque, a force on the base or its shaking, to angles, links, the boresight."""
+"""Frequency responses: from torques, base forces or shaking to angles, links, the boresight."""
 
 from __future__ import annotations
 
@@ -17,14 +17,12 @@ from antenna_pin.dynamics import JointMotion, System, Workspace
 from antenna_pin.elements import ConstantDrive, Motion, Shake
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.linear.linearisation import Linearisation
-from antenna_pin.linear.play import At
-from antenna_pin.linear.result import COMPONENTS, Modes
+from antenna_pin.linear.modal_analysis import COMPONENTS, Modes
+from antenna_pin.linear.operating_point import At
 
 __all__ = ["BORESIGHT", "first_source", "frequency_response", "sources_of", "targets_of"]
 
-
 Array = NDArray[np.float64]
-
 
 # --- what a shaken base does to small motions: it enters as an acceleration ---
 #

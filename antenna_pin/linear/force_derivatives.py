@@ -1,4 +1,4 @@
-"""The generalized force of a system's elements near a state, and its derivatives."""
+"""Generalized force of a system's elements near a state, and its derivatives."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ from antenna_pin.dynamics.mounted import bearings_in
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.pose_kernels import place_journal
 
-__all__ = ["Forces", "ForceDerivatives", "Loads"]
+__all__ = ["ForceDerivatives", "Forces", "Loads"]
 
 Array = NDArray[np.float64]
+
 Loads = Mapping[str, Array]
 
 # Steps in a contact's depth, as shares of it: a force that starts like depth^1.5 is smooth on no other scale.

@@ -1,32 +1,141 @@
-"""Modes as a result: a labelled table, what was linearised, and what can be asked of it."""
+"""Modes of scenarios, systems and runs, with energy shares of bodies, as labelled tables."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import wrap
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import pinocchio as pin
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
+from antenna_pin.base.state import State
 from antenna_pin.base.views import ModesRecorder, ResponsePlotter, View, as_html
-from antenna_pin.dynamics import BASE, System
-from antenna_pin.errors import InvalidParameterError
-from antenna_pin.linear.eigen import Eigen, solve
-from antenna_pin.linear.linearisation import Linearisation, linearise
-from antenna_pin.linear.play import At
-from antenna_pin.linear.shares import bodies_of, kinetic_shares, strain_shares
-from antenna_pin.linear.spinning import rotors
-from antenna_pin.scenario import Scenario
+from antenna_pin.dynamics import BASE, System, check_closed, first_modes
+from antenna_pin.errors import FileFormatError, InvalidParameterError
+from antenna_pin.linear.eigenmodes import Eigen, solve
+from antenna_pin.linear.linearisation import Linearisation, linearise, rotors
+from antenna_pin.linear.operating_point import At, Play, prepared
+from antenna_pin.scenario import Scenario, scenario_named
+from antenna_pin.simulation import simulate
+from antenna_pin.simulation.inputs import check_sizes
+from antenna_pin.trajectory import Trajectory, is_lean
 
-__all__ = ["COMPONENTS", "Modes", "modes_at"]
+__all__ = [
+    "Bodies",
+    "COMPONENTS",
+    "Modes",
+    "bodies_of",
+    "kinetic_shares",
+    "modes",
+    "modes_at",
+    "strain_shares",
+]
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+# --- energy shares of bodies --------------------------------------------------------------------------------
+
+
+class Bodies(NamedTuple):
+    """The bodies of a mechanism in one configuration, by linear maps.
+
+    Attributes:
+        motion: Generalized velocity to each body's twist at its mass centre in world axes, (bodies, 6, nv).
+        inertia: Spatial inertia of each at its mass centre in world axes, (bodies, 6, 6).
+        coupling: Generalized force of inertia under an acceleration of the root with all else at rest
+            relative to it, (nv, 6); the root's origin and axes, those of the world with a fixed base.
+        rigid: Inertia of the whole as one rigid body about that origin, (6, 6).
+    """
+
+    motion: Array
+    inertia: Array
+    coupling: Array
+    rigid: Array
+
+
+def bodies_of(system: System, q: Array) -> Bodies:
+    """Return how bodies move with the coordinates of velocities in a configuration."""
+    model = system.model
+    data = model.createData()
+    pin.computeJointJacobians(model, data, q)
+    count = model.njoints - 1
+    motion, inertia = np.zeros((count, 6, model.nv)), np.zeros((count, 6, 6))
+    coupling, rigid = np.zeros((model.nv, 6)), np.zeros((6, 6))
+    root = data.oMi[1] if system.mechanism.base == "free" else pin.SE3.Identity()
+    for k in range(count):
+        own = model.inertias[k + 1]
+        at_centre = pin.SE3(np.eye(3), own.lever)
+        world = data.oMi[k + 1] * at_centre
+        turned = pin.SE3(world.rotation, np.zeros(3))
+        local = np.array(pin.getJointJacobian(model, data, k + 1, pin.ReferenceFrame.LOCAL))
+        local = local.reshape(6, model.nv)  # of one column Pinocchio makes a vector
+        motion[k] = turned.toActionMatrix() @ at_centre.inverse().toActionMatrix() @ local
+        about = pin.Inertia(own.mass, np.zeros(3), own.inertia)
+        inertia[k] = turned.act(about).matrix()
+        carried = turned.toActionMatrix() @ (world.inverse() * root).toActionMatrix()
+        coupling += motion[k].T @ inertia[k] @ carried
+        rigid += carried.T @ inertia[k] @ carried
+    return Bodies(motion, inertia, coupling, rigid)
+
+
+def kinetic_shares(bodies: Bodies, shapes: Complex) -> Array:
+    """Return each body's share of a mode's kinetic energy, (modes, bodies) [-].
+
+    Args:
+        bodies: In the configuration of the modes.
+        shapes: In the coordinates of velocities, (nv, modes).
+    """
+    moved = np.einsum("bik,km->bim", bodies.motion, shapes)
+    energy = np.einsum("bim,bij,bjm->mb", moved.conj(), bodies.inertia, moved).real
+    total = energy.sum(axis=1, keepdims=True)
+    return np.asarray(energy / np.where(total > 0.0, total, 1.0))
+
+
+def strain_shares(linear: Linearisation, shapes: Complex) -> tuple[list[str], Array]:
+    """Return what stores a mode's potential energy, (modes, parts) [-], and the parts' names.
+
+    Joints by name, for their drives, springs and contacts; ``springs between points``, or with forces
+    ``elements on links``; and ``loops, gravity and loads``, for what constraint forces and accelerations
+    store as what carries them turns. NaN where none is stored.
+    """
+    system = linear.system
+    parts = linear.forces.parts
+    names, energy = [], []
+    of_joints = parts["joints"] @ shapes
+    whole = linear.directions @ linear.stiffness
+    reduced = np.linalg.lstsq(linear.directions, shapes, rcond=None)[0]
+    total = np.einsum("km,km->m", shapes.conj(), whole @ reduced).real
+    for name, slot in system.mechanism.joints.items():
+        own = -np.einsum("km,km->m", shapes[slot.v].conj(), of_joints[slot.v]).real
+        if np.any(parts["joints"][slot.v]):
+            names.append(name)
+            energy.append(own)
+    if system.point_springs or system.forces:
+        names.append("elements on links" if system.forces else "springs between points")
+        energy.append(-np.einsum("km,km->m", shapes.conj(), parts["points"] @ shapes).real)
+    rest = total - np.sum(energy, axis=0) if energy else total
+    largest = np.abs(total).max(initial=0.0)
+    if np.abs(rest).max(initial=0.0) > 1e-9 * largest:
+        names.append("loops, gravity and loads")
+        energy.append(rest)
+    table = np.array(energy).reshape(len(names), len(total)).T
+    shares = np.full_like(table, np.nan)
+    stored = np.abs(total) > 1e-12 * largest
+    shares[stored] = table[stored] / total[stored, None]
+    return names, shares
+
+
+# --- modes --------------------------------------------------------------------------------------------------
 
 #: Components of a motion of a body, or of a force on one.
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
@@ -274,3 +383,126 @@ def _largest(system: System, acceleration: Array) -> tuple[str, float, str]:
         slot.kind == "prismatic" and slot.v.start == k for slot in system.mechanism.joints.values()
     )
     return name, float(abs(acceleration[k])), "m/s^2" if slides else "rad/s^2"
+
+
+# --- modes of scenarios, systems and runs -------------------------------------------------------------------
+
+
+@takes(at="s", approach_speed="m/s")
+def modes(
+    model: Scenario | System | Trajectory | str | os.PathLike[str],
+    *,
+    at: float | State | Trajectory | None = None,
+    q: ArrayLike | None = None,
+    v: ArrayLike | None = None,
+    play: Play | Mapping[str, Play] | None = None,
+    load: ArrayLike | Mapping[str, ArrayLike] | None = None,
+    approach_speed: float | None = None,
+    hold: Sequence[str] = (),
+    moving: bool = False,
+) -> Modes:
+    """Return natural frequencies, damping ratios and shapes of small motions about a state.
+
+    Args:
+        model: A scenario, or its name or path, or a system; or a run, which means the state that it ended in.
+        at: A time to which a scenario is run first [s], a run for the state that it ended in, or a state; the
+            start if not given.
+        q: Configuration instead, (nq,).
+        v: Velocity beside q, (nv,); zero if not given.
+        play: What joints with play are taken as: ``ideal``, ``free`` in their play, or in ``contact`` as they
+            touch in the state; one for all or by name. Those that are not named are ideal, but in contact if
+            they have a load.
+        load: Force that presses the journal into the bearing, in bearing axes, (3,) [N]; by joint if several
+            have play. The journal rests where its contacts balance it; it is held up by nothing else.
+        approach_speed: That contacts under a load remember [m/s], on which the damping of many laws depends;
+            their joint's floor if not given.
+        hold: Names of joints that do not move; ``base`` is a free base.
+        moving: Whether the state's velocities and accelerations count. If not, it is taken at rest, and what
+            would set it moving is held in balance.
+
+    Raises:
+        AntennaPinError: What is asked makes no sense; one line that says why.
+    """
+    model = scenario_named(model)
+    if isinstance(model, Trajectory):
+        for name, given in (("at", at), ("q", q), ("v", v)):
+            if given is not None:
+                raise InvalidParameterError("modes", name, "left out for a run, which has its end", given)
+        if model.scenario is None:
+            raise FileFormatError(
+                "modes: a run must carry its scenario to be linearised, got one of a system built in Python; "
+                "give the system, and at = run"
+            )
+        at, model = model, model.scenario
+    if at is not None and (q is not None or v is not None):
+        raise InvalidParameterError("modes", "q" if q is not None else "v", "left out beside at", "both")
+    scenario = model if isinstance(model, Scenario) else None
+    if not isinstance(model, Scenario | System):
+        raise InvalidParameterError(
+            "modes", "model", "a Scenario, System or Trajectory", type(model).__name__
+        )
+    if isinstance(at, int | float):
+        at = _reached(model, float(at))
+    system = build_system(model) if isinstance(model, Scenario) else model
+    more: dict[str, Any] = {}
+    if isinstance(at, Trajectory):
+        end = _end(at)
+        y = _last(system, at, end)
+        touching = at.data["touching"].values[-1] if "touching" in at.data else end.memory[:, 0]
+        # What changed between the state that a run leaves and its end forgets how it came about.
+        known = np.array_equal(np.asarray(touching, dtype=float), end.memory[:, 0])
+        more = {"time": end.reached, "memory": end.memory if known else None, "adjusted": end.adjusted}
+    elif isinstance(at, State):
+        check_sizes(system, at, "modes", "at")
+        y = at.y
+        more = {"time": at.time, "memory": at.memory, "adjusted": at.adjusted}
+    else:
+        y = _start(model, system, q, v)
+        more = {"adjusted": first_modes(system, y)}
+    found = prepared(
+        system, y, play=play, load=load, approach_speed=approach_speed, hold=hold, moving=moving, **more
+    )
+    return modes_at(found, scenario)
+
+
+def _end(run: Trajectory) -> State:
+    if run.end is None:
+        raise FileFormatError("modes: a run must have its end to be linearised there, got none; run it again")
+    return run.end
+
+
+def _reached(model: Scenario | System, time: float) -> Trajectory | None:
+    """Return a run up to a time; None for the start."""
+    if not 0.0 <= time < np.inf:
+        raise InvalidParameterError("modes", "at", "a time of zero or more [s]", time)
+    if time == 0.0:
+        return None
+    run = simulate(model, duration=time)
+    if not run.completed:
+        raise InvalidParameterError(
+            "modes", "at", "a time that the run reaches", time, said=f"{time:g} s: {run.message}"
+        )
+    return run
+
+
+def _last(system: System, run: Trajectory, end: State) -> Array:
+    """Return the state at a run's last instant; the one that it left lies up to two steps before."""
+    check_sizes(system, end, "modes", "at")
+    y = end.y
+    if not is_lean(run.data):
+        nq, nv = system.model.nq, system.model.nv
+        y[:nq], y[nq : nq + nv] = run.data["q"].values[-1], run.data["v"].values[-1]
+        system.turn_on(y)
+    return y
+
+
+def _start(model: Scenario | System, system: System, q: ArrayLike | None, v: ArrayLike | None) -> Array:
+    if isinstance(model, Scenario):
+        first_q, first_v = initial_state(model, system)
+        angles = initial_angles(model, system) if q is None else None
+    else:
+        first_q, first_v, angles = system.neutral(), np.zeros(system.model.nv), None
+    given_v = np.zeros(system.model.nv) if q is not None and v is None else first_v if v is None else v
+    y = system.state(first_q if q is None else q, given_v, angles)
+    check_closed(system, y)
+    return y

@@ -1,4 +1,4 @@
-"""Mode shapes as motions: a mechanism that swings in one mode, as a result that recordings are made of."""
+"""Mode shapes as periodic motions: trajectories for recordings."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ from antenna_pin.base.readable import number
 from antenna_pin.dynamics import System, acting_in
 from antenna_pin.elements import Modal
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.linear.play import At
-from antenna_pin.linear.result import Modes
-from antenna_pin.linear.shares import bodies_of
+from antenna_pin.linear.modal_analysis import Modes, bodies_of
+from antenna_pin.linear.operating_point import At
 from antenna_pin.simulation.attributes import mechanism_attributes
 from antenna_pin.trajectory import Counts, Outcome, Trajectory
 
