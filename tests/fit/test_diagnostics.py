@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-import antenna_pin.fit.runs as bench
-import antenna_pin.fit.search as solve
+import antenna_pin.fit.runs as runs
+import antenna_pin.fit.search as search
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit import Problem, load_fit, open_fit, run_fit
 from antenna_pin.fit.diagnostics import DifferenceGrowth
@@ -79,7 +79,7 @@ def test_many_starts_come_before_pieces_where_a_valley_is_likely(write, monkeypa
     def grown(*curves):
         return DifferenceGrowth(0.5, 0.1) if curves[-1] > 1.0 else None
 
-    monkeypatch.setattr(solve, "growth_of", grown)
+    monkeypatch.setattr(search, "difference_growth", grown)
     fit, words = said(write, "5 N*m/rad", columns=record())
     assert "[starts]" in words and not any("pieces" in one for one in fit.notes)
     more = "starts = { count = 2, keep = 1 }"
@@ -121,7 +121,7 @@ def test_a_parameter_without_effect_is_said_not_to_be_told(write):
 def test_a_run_that_dies_is_a_trial_that_cannot_be_made(write, monkeypatch):
     """The search steps back, comes to where it would have come to, and says how many died."""
     plan = write(columns=record())
-    expected, made = run_fit(plan), bench.Bench.run
+    expected, made = run_fit(plan), runs.PreparedScenario.run
 
     died = []
 
@@ -132,7 +132,7 @@ def test_a_run_that_dies_is_a_trial_that_cannot_be_made(write, monkeypatch):
             raise ValueError("f(a) and f(b) must have different signs")
         return made(self, *asked)
 
-    monkeypatch.setattr(bench.Bench, "run", dying)
+    monkeypatch.setattr(runs.PreparedScenario, "run", dying)
     fit = run_fit(plan)
     assert abs(died[1] - 30.0) < 0.5 * abs(died[0] - 30.0)
     assert fit.values == pytest.approx(expected.values, rel=1e-4)
@@ -147,7 +147,7 @@ def test_a_first_run_that_dies_is_one_line(write, monkeypatch):
     def dying(self, *asked):
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr(bench.Bench, "run", dying)
+    monkeypatch.setattr(runs.PreparedScenario, "run", dying)
     with pytest.raises(AntennaPinError, match="records.swing: the run died of ZeroDivisionError"):
         problem.residuals(problem.start)
 

@@ -126,9 +126,9 @@ def cubic_step(turns, unit, low, high):
     """A step whose parameter is a cubic that turns back at two places; nothing else happens to its orbit."""
     value = np.polynomial.Polynomial.fromroots(turns).integ()
     orbit = SimpleNamespace(onsets=(), multipliers=np.array([0.5 + 0.0j, -0.3 + 0.0j]), doubt=0.0)
-    node = SimpleNamespace(way=np.ones(3), crossing=1.0, point=SimpleNamespace(orbit=orbit))
+    node = SimpleNamespace(tangent=np.ones(3), crossing=1.0, point=SimpleNamespace(orbit=orbit))
     return SimpleNamespace(
-        follower=SimpleNamespace(unit=unit),
+        stepper=SimpleNamespace(unit=unit),
         node=lambda along: node,
         nodes=lambda: {low: node, high: node, high + 1.0: node},
         point=lambda along: SimpleNamespace(value=value(along)),
@@ -156,14 +156,14 @@ def test_a_parameter_that_turns_twice_within_a_step_is_looked_at_between():
 def node(multipliers, way=(1.0, 1.0), crossing=1.0, doubt=1e-9):
     """Return of an orbit what is asked of it."""
     orbit = SimpleNamespace(multipliers=np.array(multipliers, dtype=complex), doubt=doubt, onsets=1)
-    return SimpleNamespace(point=SimpleNamespace(orbit=orbit), way=np.array(way), crossing=crossing)
+    return SimpleNamespace(point=SimpleNamespace(orbit=orbit), tangent=np.array(way), crossing=crossing)
 
 
 def between(low, high, beside):
     """Return a straight step from 0 to 1 between two orbits, behind a third."""
     nodes = {-1.0: beside, 0.0: low, 1.0: high}
     return SimpleNamespace(
-        follower=SimpleNamespace(unit=1.0),
+        stepper=SimpleNamespace(unit=1.0),
         node=nodes.__getitem__,
         nodes=lambda: nodes,
         slope=lambda along: 1.0,
@@ -197,7 +197,9 @@ def test_a_crossing_is_doubted_as_its_orbits_are():
     def at(along):
         orbit = SimpleNamespace(doubt=doubt, residual=residual)
         point = SimpleNamespace(orbit=orbit, value=2.0 + 3.0 * along)
-        return SimpleNamespace(point=point, crossing=5.0 * (along - off), margin=abs(along - off), told=True)
+        return SimpleNamespace(
+            point=point, crossing=5.0 * (along - off), margin=abs(along - off), regular=True
+        )
 
     step = SimpleNamespace(arc=2.0, node=at, point=lambda along: at(along).point)
     found = locate_crossing(step, -1.0, 1.0, 0.0)

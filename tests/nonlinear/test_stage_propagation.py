@@ -25,7 +25,7 @@ def carried(flow, start, span):
 def both_ways(monkeypatch, flow, start, span):
     """What carries all displacements over a span by the run's own stages, and by whole matrices."""
     by_stages = carried(flow, start, span)
-    monkeypatch.setattr(VectorField, "carrying", lambda _: None)
+    monkeypatch.setattr(VectorField, "stage_propagation", lambda _: None)
     return by_stages, carried(flow, start, span)
 
 
@@ -63,7 +63,7 @@ def test_a_spinning_body_by_stages(monkeypatch):
     start = flow.first(start.q, v)
     by_stages = carried(flow, start, 5e-4)
     assert by_stages.stages.made > 0
-    monkeypatch.setattr(VectorField, "carrying", lambda _: None)
+    monkeypatch.setattr(VectorField, "stage_propagation", lambda _: None)
     one, other = by_stages.tangents.matrix, carried(flow, start, 5e-4).tangents.matrix
     assert np.abs(one - other).max() < 1e-9 * np.abs(other).max()
 
@@ -100,7 +100,7 @@ def test_a_closed_loop_by_stages(monkeypatch):
     assert flow.traverse(start, 1.2e-3).onsets >= 1
     by_stages = carried(flow, start, 1.2e-3)
     assert by_stages.stages.made > 10 * by_stages.matrices
-    monkeypatch.setattr(VectorField, "carrying", lambda _: None)
+    monkeypatch.setattr(VectorField, "stage_propagation", lambda _: None)
     one, other = by_stages.tangents.matrix, carried(flow, start, 1.2e-3).tangents.matrix
     # Either says it is in doubt by some 1e-6, beside derivatives of up to 457.
     assert np.abs(one - other).max() < 1e-8 * np.abs(other).max()
