@@ -42,7 +42,7 @@ _ARRAY, _TUPLE, _FIELDS, _PAIRS, _GENERATOR = "array", "tuple", "fields", "pairs
 
 
 def kept(state: Any) -> str:
-    """Return a state as text.
+    """Return a state as text, exact to the last bit.
 
     Raises:
         TypeError: Something in it cannot be kept.
@@ -51,7 +51,7 @@ def kept(state: Any) -> str:
 
 
 def remembered(text: str, like: Any) -> Any:
-    """Return the state that :func:`kept` has made text of.
+    """Return a state from the text of :func:`kept`.
 
     Args:
         text: It.
@@ -60,12 +60,8 @@ def remembered(text: str, like: Any) -> Any:
     return _made(json.loads(text), like)
 
 
-def check_kept(place: str, state: Any) -> None:
-    """Refuse a state that cannot be kept.
-
-    Raises:
-        InvalidParameterError: It cannot.
-    """
+def _check_storable(place: str, state: Any) -> None:
+    """Refuse a state that cannot be stored as text."""
     try:
         remembered(kept(state), state)
     except (TypeError, ValueError, AttributeError) as error:
@@ -129,7 +125,7 @@ def _made(content: Any, like: Any = None) -> Any:
 def limited(
     wished: float, before: float, step: float | None, bounds: tuple[float | None, float | None]
 ) -> float:
-    """Return a command: what is wished, no further from the one before than a step, within bounds.
+    """Return a command limited in its step from the previous one, and within bounds.
 
     Args:
         wished: What would be commanded without limits.
@@ -150,7 +146,7 @@ def limited(
 
 
 class Now(Protocol):
-    """What a controller sees at one of its instants; valid in its ``update`` only. All of it is exact.
+    """View of a run at a sampling time, valid within ``update`` only, and exact.
 
     Attributes:
         time: [s].
@@ -161,7 +157,7 @@ class Now(Protocol):
     tick: int
 
     def angle(self, joint: str) -> float:
-        """Return the angle of a joint, whole turns included [rad]; of a sliding one its position [m]."""
+        """Return a joint's angle with whole turns [rad], or its position [m]."""
 
     def rate(self, joint: str) -> float:
         """Return its rate [rad/s], [m/s]."""
@@ -188,7 +184,7 @@ class Now(Protocol):
         """Return the normal force at a contact [N]."""
 
     def joint_load(self, joint: str) -> Any:
-        """Return force [N] and moment [N m] that a joint passes to its child, (6,), joint axes."""
+        """Return a joint's force [N] and moment [N m] on its child, (6,), joint axes."""
 
     def direction(self, link: str, axis: Any) -> Any:
         """Return an axis of a link, (3,), in the world."""
@@ -197,11 +193,11 @@ class Now(Protocol):
         """Return the angle between an axis of a link and a direction of the world [rad]."""
 
     def note(self, **signals: float) -> None:
-        """Put numbers, by names of ``signals``, into the result beside the commands of this instant."""
+        """Record numbers, by names of ``signals``, beside the present commands."""
 
 
 class Controller:
-    """Base of sampled controllers.
+    """Base class of sampled controllers.
 
     What it remembers from one instant to the next stands in ``state``: numbers, texts, arrays, generators of
     random numbers, a dataclass of such, or lists, tuples and tables of them. A run works on a copy, and keeps
@@ -230,12 +226,12 @@ class Controller:
         raise NotImplementedError
 
     def words(self) -> str:
-        """Return what it is in words."""
+        """Return a description."""
         return type(self).__name__
 
 
 def check_controller(name: str, controller: Any) -> None:
-    """Refuse a controller whose times, names or state cannot be.
+    """Refuse a controller with invalid times, names or state.
 
     Raises:
         InvalidParameterError: See there.
@@ -264,11 +260,11 @@ def check_controller(name: str, controller: Any) -> None:
     if not controller.commands:
         raise InvalidParameterError(place, "commands", "one name or more of what it commands", ())
     check_takes(place, "update", controller.update, "now")
-    check_kept(place, controller.state)
+    _check_storable(place, controller.state)
 
 
 class Instants:
-    """The instants of a controller: each the number that is nearest to phase + k period, as they are written.
+    """Sampling times of a controller: the numbers nearest to phase + k period, as written.
 
     Times are taken as the decimals that they are written as, so that the hundredth instant of a period of
     0.01 s is 1 s, as that of another controller's period of 0.1 s, and neither differs by round-off.
@@ -278,7 +274,7 @@ class Instants:
     """
 
     def __init__(self, controller: Controller) -> None:
-        """Bring all times to one denominator."""
+        """Convert all times to a common denominator."""
         period, phase, delay, periods = (
             Fraction(repr(float(number)))
             for number in (controller.period, controller.phase, controller.delay, controller.delay_periods)
@@ -288,14 +284,14 @@ class Instants:
         self._period, self._phase, self._late = (int(one * self._over) for one in (period, phase, late))
 
     def tick(self, number: int) -> float:
-        """Return when an instant is [s]."""
+        """Return a sampling time [s]."""
         return (self._phase + number * self._period) / self._over
 
     def write(self, number: int) -> float:
-        """Return when what is commanded at an instant is written [s]."""
+        """Return the time at which a command is applied [s]."""
         return (self._phase + number * self._period + self._late) / self._over
 
     def first_from(self, time: float) -> int:
-        """Return the number of the first instant at a time or after it [s]."""
+        """Return the number of the first sampling time from a time on."""
         number = max(0, math.floor((Fraction(time) * self._over - self._phase) / self._period))
         return number if self.tick(number) >= time else number + 1

@@ -23,7 +23,7 @@ __all__ = ["Measure", "Sensor"]
 @takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensor:
-    r"""A sensor: the number, a bias and noise, in whole steps.
+    r"""Sensor: a number with bias and noise, in whole steps.
 
     .. math:: y = d \, \mathrm{round}((x + b + \sigma n) / d)
 
@@ -70,7 +70,7 @@ class Sensor:
         return 2.0 * math.pi / 2**self.bits if self.bits is not None else self.resolution
 
     def read(self, number: float, tick: int, channel: int = 0) -> float:
-        """Return what it shows.
+        """Return the reading.
 
         Args:
             number: What is.
@@ -110,7 +110,7 @@ _KINDS: Mapping[str, tuple[str, Callable[[Now, str], float]]] = {
 @takes()
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """One number that is measured.
+    """One measured number.
 
     Attributes:
         kind: ``angle`` [rad] ([m]) or ``rate`` of a joint; ``base-rotation`` [rad] or ``base-rate`` [rad/s]
@@ -149,7 +149,7 @@ class Measure:
 
     @property
     def of(self) -> str:
-        """What its name is of: a joint, an axis, a contact, an actuator."""
+        """Kind of its name: a joint, an axis, a contact, an actuator."""
         return _KINDS[self.kind][0]
 
     def __call__(self, now: Now) -> float:
@@ -161,6 +161,6 @@ class Measure:
 
 
 def measures_of(controller: Any) -> tuple[Measure, ...]:
-    """Return what a controller says that it measures; none of one that does not say."""
+    """Return the declared measurements of a controller; none by default."""
     found = getattr(controller, "measured", ())
     return tuple(found)

@@ -28,7 +28,7 @@ _RATES = {"angle": "rate", "base-rotation": "base-rate"}
 
 @dataclass
 class PidState:
-    """What a PID controller remembers.
+    """State of a PID controller.
 
     Attributes:
         begun: Whether it has been asked before.
@@ -50,7 +50,7 @@ class PidState:
 @takes()
 @dataclass(frozen=True, kw_only=True)
 class Pid(Controller):
-    r"""A sampled PID controller, in parallel form.
+    r"""Sampled PID controller, in parallel form.
 
     .. math:: u_k = K_p e_k + I_k + D_k + f, \quad e_k = r_k - y_k
 
@@ -147,12 +147,12 @@ class Pid(Controller):
 
     @property
     def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """What it commands."""
+        """Names of commanded actuators."""
         return (self.acts_on,)
 
     @cached_property
     def measured(self) -> tuple[Measure, ...]:
-        """What it measures; nothing yet where that is left to the joint that it acts on."""
+        """Measured quantities; none where they default to the actuated joint."""
         if not self.measures:
             return ()
         found = Measure.read(self, "measures", self.measures)
@@ -161,7 +161,7 @@ class Pid(Controller):
         return found, Measure(_RATES[found.kind], found.name)
 
     def at(self, joints: Mapping[str, str | None]) -> Pid:
-        """Return it with what it measures, if it was not told that, by the joints of what it commands."""
+        """Return the controller with its default measurement, by the actuated joints."""
         if self.measures:
             return self
         joint = joints[self.acts_on]
@@ -195,7 +195,7 @@ class Pid(Controller):
         return {self.acts_on: command}
 
     def _integrated(self, error: float, rest: float) -> tuple[float, float]:
-        """Let the integral grow; return the command without limits, and with them."""
+        """Update the integral; return the command without and with limits."""
         state, h = self.state, self.period
         grows = self.ki * h * error
         if self.integrator == "trapezoid":
@@ -217,7 +217,7 @@ class Pid(Controller):
         return limited(wished, self.state.command, step, (self.lower, self.upper))
 
     def words(self) -> str:
-        """Return what it is in words."""
+        """Return a description."""
         gains = ", ".join(
             f"{name} {getattr(self, name):g}" for name in ("kp", "ki", "kd") if getattr(self, name)
         )

@@ -18,7 +18,7 @@ __all__ = ["BangBang", "BangBangState"]
 
 @dataclass
 class BangBangState:
-    """What it remembers.
+    """State of a relay.
 
     Attributes:
         way: Which way it is on: 1, -1, or 0 if it is off.
@@ -32,7 +32,7 @@ class BangBangState:
 @takes()
 @dataclass(frozen=True, kw_only=True)
 class BangBang(Controller):
-    r"""A sampled controller that is on, off or on the other way, by a line in the plane of angle and rate.
+    r"""Sampled three-state relay, by a line in the plane of angle and rate.
 
     .. math:: s_k = (r - y_k) - T \dot y_k
 
@@ -101,12 +101,12 @@ class BangBang(Controller):
 
     @property
     def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """What it commands."""
+        """Names of commanded actuators."""
         return (self.acts_on,) if self.acts_on else (*self.positive, *self.negative)
 
     @cached_property
     def measured(self) -> tuple[Measure, ...]:
-        """What it measures."""
+        """Measured quantities."""
         rate = [Measure.read(self, "measures_rate", self.measures_rate)] if self.measures_rate else []
         return (Measure.read(self, "measures", self.measures), *rate)
 
@@ -131,7 +131,7 @@ class BangBang(Controller):
         return on | {name: self.level * (way < 0) for name in self.negative}
 
     def _way(self, line: float) -> int:
-        """Return which way it is to be on."""
+        """Return the sign of the command."""
         before = self.state.way
         toward = (line > 0.0) - (line < 0.0)
         if self.dead_band == 0.0:
@@ -141,5 +141,5 @@ class BangBang(Controller):
         return toward if abs(line) > self.dead_band else 0
 
     def words(self) -> str:
-        """Return what it is in words."""
+        """Return a description."""
         return f"on and off by {self.measures}, dead band {self.dead_band:g}, hysteresis {self.hysteresis:g}"

@@ -26,7 +26,7 @@ Matrix = tuple[tuple[float, ...], ...]
 @takes()
 @dataclass(frozen=True, kw_only=True)
 class StateFeedback(Controller):
-    r"""A sampled controller that feeds back what it measures by matrices.
+    r"""Sampled linear feedback of measurements by matrices.
 
     .. math:: u_k = f - K (y_k - r) + C z_k, \quad z_{k+1} = A z_k + B (y_k - r) + G u_k
 
@@ -119,17 +119,17 @@ class StateFeedback(Controller):
 
     @property
     def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """What it commands."""
+        """Names of commanded actuators."""
         return self.acts_on
 
     @property
     def signals(self) -> tuple[str, ...]:  # type: ignore[override]
-        """What it notes: what it measures, and whether limits hold a command."""
+        """Recorded signals: measurements, and saturation of commands."""
         return (*self.measures, "saturated")
 
     @cached_property
     def measured(self) -> tuple[Measure, ...]:
-        """What it measures."""
+        """Measured quantities."""
         return tuple(Measure.read(self, "measures", text) for text in self.measures)
 
     def update(self, now: Now) -> Mapping[str, float]:
@@ -160,6 +160,6 @@ class StateFeedback(Controller):
         return dict(zip(self.acts_on, used, strict=True))
 
     def words(self) -> str:
-        """Return what it is in words."""
+        """Return a description."""
         states = f", {len(self.a)} states of its own" if self.a is not None else ""
         return f"state feedback of {', '.join(self.measures)}{states}"

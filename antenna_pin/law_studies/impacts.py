@@ -43,10 +43,8 @@ from antenna_pin.errors import InvalidParameterError
 __all__ = [
     "Impact",
     "RestitutionRow",
-    "check_impact",
     "closed_form_peak_depth",
     "closed_form_restitution",
-    "depth_of_energy",
     "impact_of_pair",
     "impact_on_wall",
     "largest_errors",
@@ -76,15 +74,15 @@ class Impact:
     dissipated: float
 
 
-def check_impact(place: str, mass: float, speed: float) -> None:
-    """Refuse a mass [kg] or a speed [m/s] that makes no impact; ``place`` is who asks."""
+def _check_impact(place: str, mass: float, speed: float) -> None:
+    """Refuse a mass [kg] or speed [m/s] without an impact; ``place`` names the caller."""
     if not 0.0 < mass < math.inf:
         raise InvalidParameterError(place, "mass", "positive and finite [kg]", mass)
     if not 0.0 < speed < math.inf:
         raise InvalidParameterError(place, "speed", "positive and finite [m/s]", speed)
 
 
-def depth_of_energy(law: NormalLaw, energy: float) -> float:
+def _depth_of_energy(law: NormalLaw, energy: float) -> float:
     """Return the depth at which a law stores an energy [m]; infinite beyond its range."""
     from scipy.optimize import brentq
 
@@ -111,7 +109,7 @@ def impact_on_wall(law: NormalLaw, *, mass: float, speed: float, rtol: float = 1
         speed: Approach speed [m/s].
         rtol: Relative tolerance of the integration [-].
     """
-    check_impact("impact_on_wall", mass, speed)
+    _check_impact("impact_on_wall", mass, speed)
     return _impact(law, (mass, math.inf), (speed, 0.0), rtol)
 
 
@@ -119,7 +117,7 @@ def impact_on_wall(law: NormalLaw, *, mass: float, speed: float, rtol: float = 1
 def impact_of_pair(
     law: NormalLaw, *, masses: tuple[float, float], speeds: tuple[float, float], rtol: float = 1e-12
 ) -> Impact:
-    """Integrate the impact of two free bodies on one line.
+    """Integrate the impact of two free bodies along one line.
 
     Args:
         law: The law.
@@ -128,7 +126,7 @@ def impact_of_pair(
         rtol: Relative tolerance of the integration [-].
     """
     for mass in masses:
-        check_impact("impact_of_pair", mass, 1.0)
+        _check_impact("impact_of_pair", mass, 1.0)
     if not speeds[0] > speeds[1]:
         raise InvalidParameterError("impact_of_pair", "speeds", "such that the bodies approach", speeds)
     return _impact(law, masses, speeds, rtol)
@@ -148,7 +146,7 @@ def _impact(law: NormalLaw, masses: tuple[float, float], speeds: tuple[float, fl
     mass = 1.0 / (1.0 / masses[0] + 1.0 / masses[1])
     energy = 0.5 * mass * approach**2
     limit = getattr(law, "depth_limit", math.inf)
-    length = min(depth_of_energy(law, energy), limit)
+    length = min(_depth_of_energy(law, energy), limit)
     scale = length / approach  # of time; the state is in units of length and approach speed
     shares = (mass / masses[0], mass / masses[1])
     force = _force(law, mass)
@@ -204,7 +202,7 @@ def _impact(law: NormalLaw, masses: tuple[float, float], speeds: tuple[float, fl
 
 
 def _largest(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return the largest value of a function with one maximum, to a relative 1e-12 of its square."""
+    """Return the maximum of a unimodal function, to a relative 1e-12 of its square."""
     times = np.linspace(low, high, 65)
     values = [function(t) for t in times]
     best = int(np.argmax(values))
@@ -224,7 +222,7 @@ def _largest(function: Callable[[float], float], low: float, high: float) -> flo
 
 @dataclass(frozen=True, slots=True)
 class RestitutionRow:
-    """What a dissipation delivers for what it is asked for.
+    """Restitution of a dissipation, beside its parameter.
 
     Attributes:
         dissipation: Its name.
@@ -246,7 +244,7 @@ class RestitutionRow:
 
 
 def _hysteresis(code: NDArray[np.float64], speed: float) -> float | None:
-    """Return chi of a law with hysteresis damping, 0 of one without damping, else None."""
+    """Return chi of a law with hysteresis damping, 0 without damping, or None."""
     kind = record(code, NORMAL_LAW).dissipation
     if kind == _damping.CONSERVATIVE:
         return 0.0
@@ -258,7 +256,7 @@ def _hysteresis(code: NDArray[np.float64], speed: float) -> float | None:
 
 
 def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
-    """Return zeta of a law that is a linear oscillator in disguise, else None."""
+    """Return zeta of a law equivalent to a linear oscillator, or None."""
     kinds = record(code, NORMAL_LAW)
     if kinds.elastic != POWER:
         return None
@@ -277,15 +275,15 @@ def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
 def _damping_of(
     asked: str, law: CompiledNormalLaw, mass: float, speed: float
 ) -> tuple[NDArray[np.float64], float | None, float | None]:
-    """Return a law's numbers, and chi or zeta if there is one."""
-    check_impact(asked, mass, speed)
+    """Return a law's numbers with chi or zeta, if any."""
+    _check_impact(asked, mass, speed)
     code = law.code()
     chi = _hysteresis(code, speed)
     return code, chi, None if chi is not None else _damping_ratio(code, mass)
 
 
 def _decay(zeta: float) -> float:
-    """``zeta arccos(zeta) / sqrt(1 - zeta^2)``: what a damped oscillator loses to its peak, as exponent."""
+    """Return ``zeta arccos(zeta) / sqrt(1 - zeta^2)``, the decay exponent to the peak."""
     if abs(zeta - 1.0) < 1e-8:
         return 1.0
     if zeta < 1.0:
@@ -295,7 +293,7 @@ def _decay(zeta: float) -> float:
 
 @takes(mass="kg", speed="m/s")
 def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
-    """Return the restitution that a law delivers in a free impact [-], or None if there is no closed form.
+    """Return the restitution of a law in a free impact [-], or None.
 
     Args:
         law: The law.
@@ -313,7 +311,7 @@ def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float
 
 @takes(mass="kg", speed="m/s")
 def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
-    """Return the largest depth of a free impact [m], or None if there is no closed form.
+    """Return the largest depth of a free impact [m], or None without closed form.
 
     Args:
         law: The law.
@@ -322,7 +320,7 @@ def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float)
     """
     code, chi, zeta = _damping_of("closed_form_peak_depth", law, mass, speed)
     if chi is not None:
-        return depth_of_energy(law, mass * speed**2 * stored_share(chi))
+        return _depth_of_energy(law, mass * speed**2 * stored_share(chi))
     if zeta is None:
         return None
     spring = record(code, POWER_LAW)
@@ -342,7 +340,7 @@ def restitution_table(
     speed: float = 0.1,
     simulate: bool = True,
 ) -> tuple[RestitutionRow, ...]:
-    """Return what the dissipations that ask for a restitution deliver, in closed form and integrated.
+    """Return the restitutions of dissipations, in closed form and integrated.
 
     Args:
         dissipations: Names in ``DISSIPATIONS``; all that take a restitution if not given.
@@ -395,7 +393,7 @@ def restitution_table(
 
 @takes()
 def largest_errors(rows: Iterable[RestitutionRow]) -> tuple[float, float]:
-    """Return how far integrated impacts are from the closed forms at most.
+    """Return the largest deviations of integrated impacts from closed forms.
 
     Args:
         rows: Of :func:`restitution_table`, with impacts integrated.

@@ -116,7 +116,7 @@ class ExperimentFit:
 
     @property
     def in_range(self) -> int:
-        """Number of points at which the law says something."""
+        """Number of points within the law's range."""
         return int(np.isfinite(self.loads).sum())
 
     @property
@@ -130,7 +130,7 @@ class ExperimentFit:
         return float(np.max(np.abs(self.errors)))
 
     def mean_of(self, clearance: float) -> float:
-        """Return the mean of the errors' sizes in the group of one play [-], or NaN as ``mean``."""
+        """Return the mean error size of one play [-], or NaN as ``mean``."""
         group = [
             abs(error)
             for error, point in zip(self.errors, LIU_2013, strict=True)
@@ -189,7 +189,7 @@ def _fit(law: str, contacts: int | None, loads: tuple[float, ...]) -> Experiment
 
 @takes()
 def ranked(fits: Iterable[ExperimentFit]) -> list[ExperimentFit]:
-    """Return fits sorted: those that reach every point first, then by the mean error where they do."""
+    """Return fits of full range first, sorted by mean error."""
 
     def rank(fit: ExperimentFit) -> tuple[int, float]:
         known = [abs(error) for error in fit.errors if math.isfinite(error)]
@@ -210,7 +210,7 @@ _Row = tuple[ExperimentPoint, float]  # a row, and the displacement that counts 
 
 @dataclass(frozen=True, slots=True)
 class ReproducedTable:
-    """The two printed columns by their formulas, with the parameters that most rows share.
+    """The two printed columns by their formulas, with the common parameters.
 
     Attributes:
         modulus: E*, common to the Hertz column [Pa].
@@ -228,19 +228,19 @@ class ReproducedTable:
 
     @property
     def misprinted(self) -> tuple[int, ...]:
-        """Rows whose displacement does not fit their load by (6), from 0."""
+        """Rows whose displacement contradicts their load by (6), from 0."""
         return tuple(row for row, fits in enumerate(self.hertz_fits) if not fits)
 
     @property
     def bore_radii(self) -> tuple[float, ...]:
-        """R_i that the radius of each play asks for [m]: R_i (R_i - play) / play is that radius."""
+        """R_i of the radius of each play [m]: R_i (R_i - play) / play."""
         return tuple(
             0.5 * play + math.sqrt(radius * play + 0.25 * play**2)
             for play, radius in zip(LIU_2013_PLAYS, self.radii, strict=True)
         )
 
     def radius_of(self, clearance: float) -> float:
-        """Return R_i R_j / play of the conformal column for one of the table's plays [m]."""
+        """Return R_i R_j / play of the conformal column for a play [m]."""
         return self.radii[LIU_2013_PLAYS.index(clearance)]
 
     def hertz(self, row: int) -> float:
@@ -252,7 +252,7 @@ class ReproducedTable:
         return self.conformal_load(LIU_2013[row].clearance, self.depths[row])
 
     def conformal_load(self, clearance: float, depth: float) -> float:
-        """Return the load by (14) for one of the table's plays [m] and a displacement [m], in N."""
+        """Return the load by (14) for a play and a displacement [m], in N."""
         return float(4.0 / 3.0 * self.modulus * math.sqrt(self.radius_of(clearance)) * depth**1.5)
 
 
@@ -292,7 +292,7 @@ def reproduce_table() -> ReproducedTable:
 def _interval(
     row: _Row, column: Callable[[ExperimentPoint], float], divisor: Callable[[float], float]
 ) -> tuple[float, float]:
-    """Return between what ``column / divisor``, a column's parameter, lies by the rounding of one row."""
+    """Return the bounds of ``column / divisor`` by the rounding of one row."""
     point, depth = row
     ends = []
     for sign in (-1.0, 1.0):
@@ -306,7 +306,7 @@ def _interval(
 
 
 def _common(intervals: Sequence[tuple[float, float]]) -> float:
-    """Return the middle of where most intervals overlap, the last of equals."""
+    """Return the middle of the interval of most overlaps."""
     best, found = 0, 0.0
     for low, _ in intervals:
         holding = [(a, b) for a, b in intervals if a <= low <= b]
@@ -320,7 +320,7 @@ def _common(intervals: Sequence[tuple[float, float]]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class LeastError:
-    """An error that no law of a kind can avoid in one of two rows.
+    """Least error of any law of a kind in one of two rows.
 
     Attributes:
         first: Row of the joint with the smaller play, from 0.
@@ -335,7 +335,7 @@ class LeastError:
 
 @dataclass(frozen=True, slots=True)
 class ExperimentFindings:
-    """The table reproduced, the laws against its measured loads, and what follows from both.
+    """Reproduced table, errors of the laws, and conclusions.
 
     Attributes:
         table: The paper's own columns by their formulas.
@@ -353,12 +353,12 @@ class ExperimentFindings:
 
     @property
     def best(self) -> ExperimentFit:
-        """Of the laws that reach every point, that of the smallest mean error."""
+        """Law of full range with the smallest mean error."""
         return min((fit for fit in self.fits if fit.in_range == len(LIU_2013)), key=lambda fit: fit.mean)
 
     @property
     def poisson(self) -> float:
-        """Poisson's ratio that the modulus of the Hertz column asks for, with the paper's 206 GPa [-]."""
+        """Poisson's ratio implied by the Hertz column and the paper's 206 GPa [-]."""
         return math.sqrt(1.0 - LIU_2013_STEEL.young / (2.0 * self.table.modulus))
 
     @property
@@ -391,7 +391,7 @@ class ExperimentFindings:
 
 @takes()
 def experiment_findings(*, journal_radius: float = 5e-3, length: float = 1e-3) -> ExperimentFindings:
-    """Return what the measured joint says.
+    """Return the findings of the measured joint.
 
     Args:
         journal_radius: Of the pin [m]; the paper gives none.
@@ -407,7 +407,7 @@ def experiment_findings(*, journal_radius: float = 5e-3, length: float = 1e-3) -
 
 
 def _least_error() -> LeastError:
-    """Return the largest error that a law which stiffens with depth and not with play must have somewhere.
+    """Return the least largest error of a law that stiffens with depth only.
 
     Of a joint a and one b with more play that is displaced less, such a law makes f_a / f_b at least
     d_a / d_b. If the measured loads fall short of that by a factor q, the law is too high in a or too low in

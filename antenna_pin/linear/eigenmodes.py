@@ -53,7 +53,7 @@ class Eigen:
 
     @property
     def damping_ratio(self) -> Array:
-        """Damping ratio, above 1 where the motion creeps and does not swing, (n,) [-]; NaN at frequency 0."""
+        """Damping ratio, above 1 without oscillation, (n,) [-]; NaN at frequency 0."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(-0.5 * self.roots.sum(axis=1).real / self.modulus)
 
@@ -99,7 +99,7 @@ def _at_rest(linear: Linearisation) -> Eigen:
 
 
 def _squares(stiffness: Array, mass: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return squares of frequencies in rising order, shapes to unit modal mass, and which are of flutter.
+    """Return squared frequencies in rising order, mass-normalized shapes, and flags of flutter.
 
     Forces that derive from no potential, such as that of a flange that lifts off one side, may make the
     stiffness unsymmetric; squares may be complex then, and the motion grows.
@@ -116,7 +116,7 @@ def _squares(stiffness: Array, mass: Array) -> tuple[Array, Array, NDArray[np.bo
 
 
 def _slack(stiffness: Array, damping: Array, rigid: Array) -> Array:
-    """Return directions other than rigid ones that neither stiffness nor damping resists, (k, n)."""
+    """Return directions without stiffness or damping, other than rigid ones, (k, n)."""
     k = len(stiffness)
     both = np.vstack([_scaled(stiffness), _scaled(damping)])
     if rigid.shape[1]:
@@ -128,14 +128,14 @@ def _slack(stiffness: Array, damping: Array, rigid: Array) -> Array:
 
 
 def _scaled(matrix: Array) -> Array:
-    """Return rows over their largest number: whether they say nothing does not depend on units."""
+    """Return rows over their largest number, free of units."""
     largest = np.abs(matrix).max(axis=1, initial=0.0)[:, None]
     noise = 1e-14 * float(largest.max(initial=0.0))
     return np.asarray(np.where(largest > noise, matrix / np.where(largest > noise, largest, 1.0), 0.0))
 
 
 def _paired(linear: Linearisation, rest: Array, shapes: Array) -> tuple[Complex, Complex]:
-    """Return the damped eigenvalues of each shape that is left, (n, 2), and those of no shape."""
+    """Return the damped eigenvalues of each shape, (n, 2), and the unpaired ones."""
     k, n = len(linear.mass), rest.shape[1]
     if n == 0:
         return np.zeros((0, 2), dtype=complex), np.zeros(0, dtype=complex)
@@ -151,7 +151,7 @@ def _paired(linear: Linearisation, rest: Array, shapes: Array) -> tuple[Complex,
 
 
 def _assigned(values: Complex, places: Complex, shapes: Complex, mass: Array) -> tuple[Complex, Complex]:
-    """Return for each shape the two eigenvalues whose shapes are most like it: a pair, or two of no pair."""
+    """Return the two eigenvalues of most similar shapes for each shape."""
     n = shapes.shape[1]
     roots = np.full((n, 2), np.nan, dtype=complex)
     size = np.sqrt(np.abs(np.einsum("ij,ik,kj->j", places.conj(), mass, places)))
@@ -217,7 +217,7 @@ def _in_motion(linear: Linearisation) -> Eigen:
 
 
 def _base_place(linear: Linearisation, value: complex, speed: Complex) -> Complex:
-    """Return where a free base is in a motion of which its velocity is known: (lambda + D) s = w."""
+    """Return a free base's displacement by its velocity: (lambda + D) s = w."""
     first = len(speed)
     rows = value * np.eye(first) + linear.drift[:first, :first]
     # Singular where the motion is one of axes that turn alone; then any place will do.

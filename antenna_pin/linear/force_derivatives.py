@@ -18,11 +18,14 @@ from antenna_pin.dynamics.mounted import bearings_in
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.pose_kernels import place_journal
 
-__all__ = ["ForceDerivatives", "Forces", "Loads"]
+__all__ = [
+    "ForceDerivatives",
+    "Forces",
+]
 
 Array = NDArray[np.float64]
 
-Loads = Mapping[str, Array]
+_Loads = Mapping[str, Array]
 
 # Steps in a contact's depth, as shares of it: a force that starts like depth^1.5 is smooth on no other scale.
 _SHARES = (0.02, 0.005)
@@ -34,7 +37,7 @@ _BRISTLE = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceDerivatives:
-    """Derivatives of the generalized force of all elements, in the coordinates of velocities.
+    """Derivatives of the generalized force of all elements, in velocity coordinates.
 
     Attributes:
         position: Over the configuration, of joints and of contacts, (nv, nv).
@@ -56,7 +59,7 @@ class ForceDerivatives:
 
 
 class Forces:
-    """The force of a system's elements near a state: contacts, and all else, each by itself.
+    """Force of a system's elements near a state: contacts, and all others separately.
 
     Contacts have scales of micrometres where all else has scales of the mechanism: they are told apart, so
     that each is differentiated with steps of its own.
@@ -76,10 +79,10 @@ class Forces:
         time: float,
         y: Array,
         memory: NDArray[Any],
-        loads: Loads,
+        loads: _Loads,
         adjusted: Sequence[tuple[str, float]] = (),
     ) -> None:
-        """Make a place to evaluate contacts, and one for all else."""
+        """Allocate workspaces for contacts and for all others."""
         self.system, self.time, self.loads = system, time, dict(loads)
         self._y = y.copy()
         self._rates = np.zeros(system.model.nv + system.manifold.nx)
@@ -134,7 +137,7 @@ class Forces:
         return tau, np.array(self._rates[self.system.model.nv + self.system.bristle_x])
 
     def load_force(self, y: Array, joint: str, load: Array) -> Array:
-        """Return the generalized force of a force on the journal at its centre, in bearing axes, (nv,)."""
+        """Return the generalized force of a load on a journal, in bearing axes, (nv,)."""
         block = self.system.clearance_blocks[joint]
         pose, row = np.zeros(1, POSE), np.zeros(1, CONTACT)
         place_journal(self.system.program, block, y, self.system.model.nq, pose)
@@ -242,7 +245,7 @@ class Forces:
         return place, speed
 
     def _fine(self) -> list[tuple[str, float, float]]:
-        """Return joints on bearings whose stiffness changes over small ways: that way, and a lever [m]."""
+        """Return joints on bearings with stiffness variable over small distances, and levers [m]."""
         found = []
         for _, _, one in bearings_in(self.system.families):
             if one.scale is not None:
@@ -262,7 +265,7 @@ class Forces:
         return names
 
     def _contact_scale(self, joint: str) -> tuple[float, float] | None:
-        """Return the least depth of a joint's contacts and the lever of their forces [m], if any touches."""
+        """Return least depth and lever of a joint's contacts [m], if any touches."""
         table = np.zeros(self.system.rows, CONTACT)
         self._contacts.locate(self._y, table)
         rows = [

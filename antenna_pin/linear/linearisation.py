@@ -20,7 +20,11 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.linear.force_derivatives import ForceDerivatives, Forces
 from antenna_pin.linear.operating_point import At
 
-__all__ = ["Linearisation", "linearise", "rotors", "turning"]
+__all__ = [
+    "Linearisation",
+    "linearise",
+    "rotors",
+]
 
 Array = NDArray[np.float64]
 
@@ -31,7 +35,7 @@ _EVEN = 1e-9
 
 
 def rotors(system: System, v: Array) -> dict[str, float]:
-    """Return joints on bearings whose child spins and looks the same however far it has turned: their spin.
+    """Return the spin of axisymmetric rotors on bearings, by joint.
 
     Such a child is a body on which nothing else moves, with one moment of inertia in all directions across
     the axis. In its own axes the rest of the mechanism turns round; in axes that do not spin its equations
@@ -56,8 +60,8 @@ def rotors(system: System, v: Array) -> dict[str, float]:
     return found
 
 
-def turning(system: System, v: Array) -> Array:
-    """Return how fast the axes of rotors' motions turn in the rotors' own, as a matrix, (nv, nv).
+def _axis_rates(system: System, v: Array) -> Array:
+    """Return the rates of the rotors' motion axes in their own frames, (nv, nv).
 
     With u = R(spin t) xi, u' = R xi' + turning u.
     """
@@ -69,7 +73,7 @@ def turning(system: System, v: Array) -> Array:
 
 
 def _about(axis: Array) -> Array:
-    """Return how both parts of a twist turn about an axis, (6, 6)."""
+    """Return the rotation of both parts of a twist about an axis, (6, 6)."""
     across = np.array(pin.skew(np.asarray(axis, dtype=float)))
     return np.kron(np.eye(2), across)
 
@@ -82,8 +86,8 @@ def _about(axis: Array) -> Array:
 _STEPS = (1e-2, 1e-3)
 
 
-class Held(NamedTuple):
-    """What constraints do in a state, (rows,) equations of them, with J and its derivatives.
+class _ConstraintTerms(NamedTuple):
+    """Constraints in a state, (rows,) equations, with J and its derivatives.
 
     Attributes:
         jacobian: J, (rows, nv); no rows where nothing is held.
@@ -100,16 +104,10 @@ class Held(NamedTuple):
     acceleration: Array
 
 
-def held_by_constraints(system: System, time: float, y: Array, forces: Forces, *, rest: bool) -> Held:
-    """Return what the constraints of a system do in a state, and its acceleration.
-
-    Args:
-        system: The system.
-        time: Of the state [s].
-        y: The state [q, v, x].
-        forces: Of its elements, in that state.
-        rest: Whether what would set it moving is taken to be held in balance.
-    """
+def _constraint_terms(
+    system: System, time: float, y: Array, forces: Forces, *, rest: bool
+) -> _ConstraintTerms:
+    """Return the constraint terms of a system in a state, and its acceleration."""
     nq, nv = system.model.nq, system.model.nv
     tau = forces.whole()
     workspace = Workspace(system)
@@ -118,7 +116,7 @@ def held_by_constraints(system: System, time: float, y: Array, forces: Forces, *
     if constraints is None:
         none = np.zeros((0, nv))
         acceleration = pin.aba(system.model, workspace.data, y[:nq], y[nq : nq + nv], tau)
-        return Held(none, np.zeros((nv, nv)), none, (none, none), np.array(acceleration))
+        return _ConstraintTerms(none, np.zeros((nv, nv)), none, (none, none), np.array(acceleration))
     acceleration = workspace.acceleration(time, y, tau)
     multipliers = constraints.force.copy()
     v = y[nq : nq + nv]
@@ -137,7 +135,7 @@ def held_by_constraints(system: System, time: float, y: Array, forces: Forces, *
         every, zero = np.eye(nv), np.zeros(nv)
         by_place, _ = gradient(lambda step: look(forces.displaced(step)), every, _STEPS)
         by_speed, _ = gradient(lambda change: look(forces.displaced(zero, change)), every, _STEPS)
-    return Held(
+    return _ConstraintTerms(
         jacobian,
         by_place[:nv],
         by_place[nv : nv + rows],
@@ -152,7 +150,7 @@ _PARALLEL = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Linearisation:
-    r"""The equations of small motions about a state.
+    r"""Equations of small motions about a state.
 
     A configuration near that of the state is :math:`q \circ \exp(N s)`, its velocity :math:`v + N w + Y s`
     in the coordinates of velocities, with the k directions N that closures, motions and what is held leave:
@@ -205,17 +203,17 @@ class Linearisation:
 
     @property
     def still(self) -> bool:
-        """Whether nothing moves in the state."""
+        """Whether the state is at rest."""
         return not self.at.v.any()
 
     @property
     def state_matrix(self) -> Array:
-        """A of the whole linear system, x' = A x + B f with x = [s, w, z], (2 k + bristles, same)."""
+        """State matrix A of x' = A x + B f, x = [s, w, z], (2 k + bristles, same)."""
         return self._matrix(self.damping, damped=True)
 
     @property
     def undamped_matrix(self) -> Array:
-        """The same without dampers and friction; stuck bristles are springs, (2 k, 2 k)."""
+        """State matrix without dampers and friction, stuck bristles as springs, (2 k, 2 k)."""
         return self._matrix(self.gyroscopic, damped=False)
 
     @property
@@ -267,9 +265,9 @@ def linearise(at: At) -> Linearisation:
     _check_loads(system, at.rest)
     forces = Forces(system, at.time, y, at.memory, at.loads, at.adjusted)
     derived = forces.derivatives()
-    held = held_by_constraints(system, at.time, y, forces, rest=at.rest)
+    held = _constraint_terms(system, at.time, y, forces, rest=at.rest)
     acceleration = held.acceleration.copy()
-    weightless = floats(system)
+    weightless = _is_free_floating(system)
     if weightless:
         # What falls freely does not feel it: gravity moves all alike.
         base = pin.XYZQUATToSE3(y[:7])
@@ -283,7 +281,7 @@ def linearise(at: At) -> Linearisation:
     by_place, by_speed = (np.array(one).reshape(nv, nv) for one in (data.dtau_dq, data.dtau_dv))
     mass = np.triu(np.array(pin.crba(model, data, y[:nq])).reshape(nv, nv))
     mass += np.triu(mass, 1).T
-    n, rigid = free_directions(at, weightless)
+    n, rigid = _free_directions(at, weightless)
     if n.shape[1] == 0:
         names = ", ".join(at.hold) or "none"
         raise MechanismError(
@@ -301,8 +299,8 @@ def linearise(at: At) -> Linearisation:
         shift_place = rest @ back @ (lack_place @ n + lack_speed @ shift)
         shift_speed = rest @ back @ lack_speed @ n
     # Rotors in axes that do not spin: one and the same turning of places and of velocities.
-    turned = n.T @ turning(system, v) @ n
-    brackets = n.T @ twist_brackets(system, v) @ n - turned
+    turned = n.T @ _axis_rates(system, v) @ n
+    brackets = n.T @ _twist_brackets(system, v) @ n - turned
     stiff = by_place - derived.position - held.force
     gyroscopic = n.T @ (by_speed @ n + mass @ shift_speed) - n.T @ mass @ n @ turned
     stiffness = n.T @ (stiff @ n + (by_speed - derived.rate) @ shift + mass @ shift_place)
@@ -330,7 +328,7 @@ def linearise(at: At) -> Linearisation:
 
 
 def _check_loads(system: System, rest: bool) -> None:
-    """Refuse a joint with friction by its load that moves, or has bristles: no derivatives are known."""
+    """Refuse load-dependent friction that slips or has bristles: its derivatives are unknown."""
     for one in acting_in(system):
         if not one.element.under_load:
             continue
@@ -346,20 +344,16 @@ def _check_loads(system: System, rest: bool) -> None:
             )
 
 
-def floats(system: System) -> bool:
-    """Whether nothing but gravity acts on a system from outside: its base is free, nothing ties it down."""
+def _is_free_floating(system: System) -> bool:
+    """Return whether only gravity acts on a system from outside."""
     tied = system.closed_to_world or system.sprung_to_world
     return (
         system.mechanism.base == "free" and not tied and all(one.internal for one in system.forces.values())
     )
 
 
-def free_directions(at: At, floating: bool) -> tuple[Array, Array]:
-    """Return the directions that are left, orthonormal, and the rigid motions of all among them.
-
-    Args:
-        at: The state, with what of it is held.
-        floating: Whether the base may move freely.
+def _free_directions(at: At, floating: bool) -> tuple[Array, Array]:
+    """Return orthonormal free directions, and the rigid motions among them.
 
     Returns:
         N, (nv, k), and (k, 6) or (k, 0). A base that floats has its own six directions first.
@@ -382,8 +376,8 @@ def free_directions(at: At, floating: bool) -> tuple[Array, Array]:
     return n, np.eye(n.shape[1])[:, :6]
 
 
-def twist_brackets(system: System, v: Array) -> Array:
-    """Return the matrix of xi -> [v, xi], joint by joint: of a deviation that turns with its joint, (nv, nv).
+def _twist_brackets(system: System, v: Array) -> Array:
+    """Return the matrix of xi -> [v, xi], joint by joint, (nv, nv).
 
     With q(t) o exp(xi) near q(t), the velocity is v + xi' + [v, xi].
     """

@@ -30,14 +30,11 @@ from antenna_pin.simulation.inputs import check_sizes
 from antenna_pin.trajectory import Trajectory, is_lean
 
 __all__ = [
-    "Bodies",
     "COMPONENTS",
     "Modes",
     "bodies_of",
-    "kinetic_shares",
     "modes",
     "modes_at",
-    "strain_shares",
 ]
 
 Array = NDArray[np.float64]
@@ -46,8 +43,8 @@ Complex = NDArray[np.complex128]
 # --- energy shares of bodies --------------------------------------------------------------------------------
 
 
-class Bodies(NamedTuple):
-    """The bodies of a mechanism in one configuration, by linear maps.
+class _Bodies(NamedTuple):
+    """Bodies of a mechanism in one configuration, as linear maps.
 
     Attributes:
         motion: Generalized velocity to each body's twist at its mass centre in world axes, (bodies, 6, nv).
@@ -63,8 +60,8 @@ class Bodies(NamedTuple):
     rigid: Array
 
 
-def bodies_of(system: System, q: Array) -> Bodies:
-    """Return how bodies move with the coordinates of velocities in a configuration."""
+def bodies_of(system: System, q: Array) -> _Bodies:
+    """Return the maps from velocity coordinates to bodies in a configuration."""
     model = system.model
     data = model.createData()
     pin.computeJointJacobians(model, data, q)
@@ -85,24 +82,19 @@ def bodies_of(system: System, q: Array) -> Bodies:
         carried = turned.toActionMatrix() @ (world.inverse() * root).toActionMatrix()
         coupling += motion[k].T @ inertia[k] @ carried
         rigid += carried.T @ inertia[k] @ carried
-    return Bodies(motion, inertia, coupling, rigid)
+    return _Bodies(motion, inertia, coupling, rigid)
 
 
-def kinetic_shares(bodies: Bodies, shapes: Complex) -> Array:
-    """Return each body's share of a mode's kinetic energy, (modes, bodies) [-].
-
-    Args:
-        bodies: In the configuration of the modes.
-        shapes: In the coordinates of velocities, (nv, modes).
-    """
+def _kinetic_shares(bodies: _Bodies, shapes: Complex) -> Array:
+    """Return each body's share of a mode's kinetic energy, (modes, bodies) [-]."""
     moved = np.einsum("bik,km->bim", bodies.motion, shapes)
     energy = np.einsum("bim,bij,bjm->mb", moved.conj(), bodies.inertia, moved).real
     total = energy.sum(axis=1, keepdims=True)
     return np.asarray(energy / np.where(total > 0.0, total, 1.0))
 
 
-def strain_shares(linear: Linearisation, shapes: Complex) -> tuple[list[str], Array]:
-    """Return what stores a mode's potential energy, (modes, parts) [-], and the parts' names.
+def _strain_shares(linear: Linearisation, shapes: Complex) -> tuple[list[str], Array]:
+    """Return the shares of a mode's potential energy, (modes, parts) [-], and names.
 
     Joints by name, for their drives, springs and contacts; ``springs between points``, or with forces
     ``elements on links``; and ``loops, gravity and loads``, for what constraint forces and accelerations
@@ -149,7 +141,7 @@ _COLUMNS, _LINES = 80, 24
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Modes:
-    """The modes of a mechanism about a state.
+    """Modes of a mechanism about a state.
 
     They show themselves: ``plot(source, targets)``, a frequency response, and ``record("modes.html")``.
 
@@ -246,7 +238,7 @@ class Modes:
 
 
 def _plain(values: ArrayLike) -> Any:
-    """Return numbers as JSON has them: None for what is none, two lists of parts for complex ones."""
+    """Return numbers as JSON types: null for NaN, two lists for complex ones."""
     array = np.asarray(values)
     if np.iscomplexobj(array):
         return {"real": _plain(array.real), "imag": _plain(array.imag)}
@@ -276,7 +268,7 @@ def _table(linear: Linearisation, eigen: Eigen, scenario: Scenario | None) -> xr
         shapes = shapes.real
     bodies = bodies_of(system, at.q)
     moved = np.einsum("bik,km->mbi", bodies.motion, shapes)
-    names, strain = strain_shares(linear, shapes.astype(complex))
+    names, strain = _strain_shares(linear, shapes.astype(complex))
     # Of what does not vibrate neither has a meaning.
     vibrates = np.array([kind == "elastic" for kind in eigen.kind], dtype=bool)
     modulus, ratio = (np.where(vibrates, one, np.nan) for one in (eigen.modulus, eigen.damping_ratio))
@@ -299,7 +291,7 @@ def _table(linear: Linearisation, eigen: Eigen, scenario: Scenario | None) -> xr
         ),
         "kinetic_share": (
             ("mode", "body"),
-            kinetic_shares(bodies, shapes.astype(complex)),
+            _kinetic_shares(bodies, shapes.astype(complex)),
             {"units": "1", "long_name": "share of the kinetic energy"},
         ),
     }
@@ -376,7 +368,7 @@ def _notes(linear: Linearisation, eigen: Eigen) -> Sequence[str]:
 
 
 def _largest(system: System, acceleration: Array) -> tuple[str, float, str]:
-    """Return which coordinate is accelerated most, by how much, and in which unit."""
+    """Return index, size and unit of the largest acceleration."""
     k = int(np.argmax(np.abs(acceleration)))
     name = system.names_v[k]
     slides = name.endswith((".vx", ".vy", ".vz")) or any(
@@ -472,7 +464,7 @@ def _end(run: Trajectory) -> State:
 
 
 def _reached(model: Scenario | System, time: float) -> Trajectory | None:
-    """Return a run up to a time; None for the start."""
+    """Return a run up to a time; None at the start."""
     if not 0.0 <= time < np.inf:
         raise InvalidParameterError("modes", "at", "a time of zero or more [s]", time)
     if time == 0.0:
@@ -486,7 +478,7 @@ def _reached(model: Scenario | System, time: float) -> Trajectory | None:
 
 
 def _last(system: System, run: Trajectory, end: State) -> Array:
-    """Return the state at a run's last instant; the one that it left lies up to two steps before."""
+    """Return the state at a run's last time, beyond the stored one."""
     check_sizes(system, end, "modes", "at")
     y = end.y
     if not is_lean(run.data):

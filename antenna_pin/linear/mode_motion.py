@@ -29,7 +29,7 @@ _SWINGS, _PICTURES = 3, 48
 
 @takes()
 def swing(modes: Modes, mode: int, amplitude: float = 1.0) -> Trajectory:
-    """Return a mechanism that swings in one mode, undamped, drawn as large as it can well be seen.
+    """Return an undamped motion in one mode, scaled for visibility.
 
     The time is that of the swing; a motion of no frequency takes a second.
 
@@ -91,14 +91,14 @@ def swing(modes: Modes, mode: int, amplitude: float = 1.0) -> Trajectory:
 
 
 def _element_modes(system: System, at: At) -> dict[str, int]:
-    """Return the mode of each element that has modes in the state, by place."""
+    """Return the modes of elements in the state, by place."""
     numbers = {one.place: one.element.mode for one in acting_in(system) if isinstance(one.element, Modal)}
     changed = {place: int(number) for place, number in at.adjusted if place.endswith(".mode")}
     return {place: changed.get(f"{place}.mode", number) for place, number in numbers.items()}
 
 
 def _largest(modes: Modes, shape: NDArray[np.complex128]) -> float:
-    """Return the factor that makes a shape as large as it is to be drawn."""
+    """Return the scale factor of a shape for visibility."""
     linear = modes.linearisation
     bodies = bodies_of(linear.system, linear.at.q)
     model = linear.system.model

@@ -22,7 +22,11 @@ from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.linear.force_derivatives import Forces
 from antenna_pin.mechanism import JointSlot
 
-__all__ = ["At", "Play", "prepared", "press"]
+__all__ = [
+    "At",
+    "Play",
+    "prepared",
+]
 
 Array = NDArray[np.float64]
 
@@ -33,7 +37,7 @@ _BALANCED = 1e-12
 _ROUNDS = 60
 
 
-def press(
+def _press(
     system: System,
     joint: ClearanceJoint,
     y: Array,
@@ -41,23 +45,12 @@ def press(
     approach_speed: float | None,
     memory: NDArray[Any],
 ) -> None:
-    """Move a journal to where its contacts balance a force on it, in place; at rest, without friction.
+    """Move a journal to contact equilibrium under a force, in place, without friction.
 
     Of the places where it could rest it is the one next to that straight along the load from the middle of
     the play, with the angle that it has. What the load does not press, an axial position or a tilt, stays.
-
-    Args:
-        system: The system.
-        joint: The joint with play.
-        y: State [q, v, x]; the joint's part of q is written.
-        load: Force on the journal at its centre in bearing axes, (3,) [N].
-        approach_speed: What the contacts remember of how they came about [m/s]; the joint's floor if None.
-        memory: Contact memory; the joint's part is written.
-
-    Raises:
-        MechanismError: No contact carries it.
     """
-    place = _Place(system, joint, y, load, memory)
+    place = _JournalPose(system, joint, y, load, memory)
     if joint.planar and load[2] != 0.0:
         raise MechanismError(
             f"modes: load of {joint.name}: must lie in the joint's plane, got {number(float(load[2]))} N "
@@ -81,8 +74,8 @@ def press(
         memory[row] = touches, (max(speed, joint.approach_speed_floor) if touches else 0.0), mass
 
 
-class _Place:
-    """Poses of one journal, and what its contacts and its load do there."""
+class _JournalPose:
+    """Poses of one journal with contact forces and load."""
 
     def __init__(
         self, system: System, joint: ClearanceJoint, y: Array, load: Array, memory: NDArray[Any]
@@ -108,7 +101,7 @@ class _Place:
     # A pose: displacement of the journal's centre in bearing axes [m], and turns in the child's axes [rad].
 
     def state(self, pose: Array) -> Array:
-        """Return the state with the journal displaced: its centre at pose[:3], turned by pose[3:]."""
+        """Return the state with the journal's centre at pose[:3], turned by pose[3:]."""
         y = self.at_rest.copy()
         step = np.zeros(self.system.model.nv)
         v = self.slot.v
@@ -125,7 +118,7 @@ class _Place:
         return y
 
     def _ways(self, y: Array, missing: Array) -> Array:
-        """Return the child's displacement in its own axes that moves the journal's centre by a vector."""
+        """Return the child's displacement in its own axes for one of the journal's centre."""
         nq, v = self.system.model.nq, self.slot.v
         count = v.stop - v.start - (1 if self.joint.planar else 3)
         columns = np.zeros((3, count))
@@ -138,14 +131,14 @@ class _Place:
         return np.asarray(np.linalg.lstsq(columns, missing, rcond=None)[0])
 
     def write_memory(self, y: Array) -> None:
-        """Let touch what is not apart."""
+        """Let closed gaps touch."""
         self.workspace.locate(y, self.table)
         for row in self.rows:
             self.memory["touching"][row] = float(self.table["gap"][row] <= 0.0)
         self.forces.memory[:] = self.memory
 
     def lacks(self, pose: Array) -> Array:
-        """Return what is left of load and contacts: force, and moment over the lever [N], joint's axes."""
+        """Return residual force and moment over the lever [N], in the joint's axes."""
         y = self.state(pose)
         self.write_memory(y)
         tau, _ = self.forces.contacts(y)
@@ -155,7 +148,7 @@ class _Place:
         return own
 
     def into_contact(self) -> Array:
-        """Return a pose straight along the load in which the contacts carry it all but its direction."""
+        """Return a pose along the load whose contacts carry its size."""
         size = float(np.linalg.norm(self.load))
         seen = np.zeros(1, POSE)
         place_journal(self.system.program, self.block, self.at_rest, self.system.model.nq, seen)
@@ -249,7 +242,7 @@ class _Place:
         return pose
 
     def _slopes(self, pose: Array, ways: Array, depth: float) -> Array:
-        """Return the derivatives of :meth:`lacks` along ways."""
+        """Return the derivatives of :meth:`lacks` over displacements."""
         return gradient(lambda step: self.lacks(pose + step), ways, [0.02 * depth, 0.005 * depth])[0]
 
     def _depth(self, pose: Array) -> float:
@@ -266,7 +259,7 @@ Play = Literal["ideal", "free", "contact"]
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class At:
-    """A state, and what of it is linearised.
+    """Operating point: a state, and the treatment of its joints.
 
     Attributes:
         system: The system.
@@ -320,7 +313,7 @@ class At:
 
 
 def ideal_directions(slot: JointSlot, joint: ClearanceJoint, q: Array) -> Array:
-    """Return how a joint with play would move as an ideal one, where its journal is, (nv of it, k).
+    """Return the motions of a joint with play as ideal, (nv, k).
 
     The child turns about its own axis, slides along it, or turns about its ball's centre: with the velocity
     of these directions it stays on the ideal joint's way however far it goes.
@@ -352,7 +345,7 @@ def prepared(
     moving: bool = False,
     adjusted: tuple[tuple[str, float], ...] = (),
 ) -> At:
-    """Return a state with what is taken of it, checked; journals that have a load are pressed into contact.
+    """Return a checked operating point, with loaded journals pressed into contact.
 
     Args:
         system: The system.
@@ -373,7 +366,7 @@ def prepared(
     y = y.copy()
     names = [joint.name for joint in system.clearances]
     loads = _loads(names, load)
-    taken = _taken(names, play, loads)
+    taken = _play_of_joints(names, play, loads)
     _check_hold(system, hold)
     nq, nv = system.model.nq, system.model.nv
     if not moving:
@@ -383,7 +376,7 @@ def prepared(
     for joint in system.clearances:
         rows = _rows_of(system, joint)
         if joint.name in loads:
-            press(system, joint, y, loads[joint.name], approach_speed, records)
+            _press(system, joint, y, loads[joint.name], approach_speed, records)
         elif taken[joint.name] != "contact":
             records["touching"][rows] = 0.0
         else:
@@ -432,7 +425,7 @@ def _loads(names: Sequence[str], load: ArrayLike | Mapping[str, ArrayLike] | Non
     return found
 
 
-def _taken(
+def _play_of_joints(
     names: Sequence[str], play: Play | Mapping[str, Play] | None, loads: Mapping[str, Array]
 ) -> dict[str, Play]:
     given: dict[str, Play] = {}
