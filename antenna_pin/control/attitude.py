@@ -72,9 +72,9 @@ class AttitudeFeedback(Controller):
 
     Attributes:
         acts_on: Drives of the wheels.
-        period: From one instant to the next [s].
-        phase: The first instant [s].
-        delay: From an instant until its commands are written [s].
+        period: From one sampling time to the next [s].
+        phase: The first sampling time [s].
+        delay: From an sampling time until its commands are written [s].
         delay_periods: The same in periods [-].
         kp: K_p, about the base's axes [N*m/rad].
         kd: K_d, likewise [N*m*s/rad].

@@ -150,7 +150,7 @@ class Now(Protocol):
 
     Attributes:
         time: [s].
-        tick: Number of the instant, the controller's own, from 0 [-].
+        tick: Number of the sampling time, the controller's own, from 0 [-].
     """
 
     time: float
@@ -199,14 +199,14 @@ class Now(Protocol):
 class Controller:
     """Base class of sampled controllers.
 
-    What it remembers from one instant to the next stands in ``state``: numbers, texts, arrays, generators of
-    random numbers, a dataclass of such, or lists, tuples and tables of them. A run works on a copy, and keeps
-    it in its own state: so a run in parts is the run in one.
+    What it remembers from one sampling time to the next stands in ``state``: numbers, texts, arrays,
+    generators of random numbers, a dataclass of such, or lists, tuples and tables of them. A run works on a
+    copy, and keeps it in its own state: so a run in parts is the run in one.
 
     Attributes:
-        period: From one instant to the next [s].
+        period: From one sampling time to the next [s].
         phase: The first [s].
-        delay: From an instant until what it commands is written [s]; may exceed the period.
+        delay: From an sampling time until what it commands is written [s]; may exceed the period.
         delay_periods: The same in periods [-]; one of the two.
         commands: What it commands, by name: drives and others that take a command.
         signals: Names of further numbers that it may ``note``.
@@ -266,8 +266,8 @@ def check_controller(name: str, controller: Any) -> None:
 class Instants:
     """Sampling times of a controller: the numbers nearest to phase + k period, as written.
 
-    Times are taken as the decimals that they are written as, so that the hundredth instant of a period of
-    0.01 s is 1 s, as that of another controller's period of 0.1 s, and neither differs by round-off.
+    Times are taken as the decimals that they are written as, so that the hundredth sampling time of a period
+    of 0.01 s is 1 s, as that of another controller's period of 0.1 s, and neither differs by round-off.
 
     Args:
         controller: Whose.

@@ -27,8 +27,8 @@ class Sensor:
 
     .. math:: y = d \, \mathrm{round}((x + b + \sigma n) / d)
 
-    Noise is white from one instant to the next: n is drawn from a normal distribution by the seed and the
-    number of the instant alone, so that it does not depend on what was asked before.
+    Noise is white from one sampling time to the next: n is drawn from a normal distribution by the seed and
+    the number of the sampling time alone, so that it does not depend on what was asked before.
 
     Attributes:
         bias: b, in the number's unit.
@@ -74,7 +74,7 @@ class Sensor:
 
         Args:
             number: What is.
-            tick: Number of the instant, of which the noise is.
+            tick: Number of the sampling time, of which the noise is.
             channel: Number of the sensor among those of one controller, likewise.
         """
         seen = number + self.bias
@@ -94,7 +94,7 @@ class Sensor:
 
 _AXES = "xyz"
 
-# What may be measured: what it is of, and how it is asked for.
+# What may be measured: what it is of, and how it is called for.
 _KINDS: Mapping[str, tuple[str, Callable[[Now, str], float]]] = {
     "angle": ("joint", lambda now, name: now.angle(name)),
     "rate": ("joint", lambda now, name: now.rate(name)),

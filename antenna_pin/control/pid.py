@@ -34,7 +34,7 @@ class PidState:
         begun: Whether it has been asked before.
         integral: Of the integrator, in the unit of its command.
         derivative: Its part of the command, filtered.
-        error: At the instant before.
+        error: At the sampling time before.
         measured: Likewise.
         command: Likewise, within its limits.
     """
@@ -56,10 +56,10 @@ class Pid(Controller):
 
     The gains of the ideal form are :math:`K_i = K_p / T_i` and :math:`K_d = K_p T_d`. With the period h the
     integral grows by :math:`K_i h e_k` before it is used (``backward``), after it (``forward``), or by
-    :math:`K_i h (e_k + e_{k-1}) / 2` before (``trapezoid``; at the first instant by nothing). The derivative,
-    :math:`D_k = (T_f D_{k-1} + K_d \Delta_k) / (T_f + h)`, is of the error
-    (:math:`\Delta_k = e_k - e_{k-1}`), of the measurement (:math:`y_{k-1} - y_k`), or that of the reference
-    less the measured rate; of differences it is zero at the first instant.
+    :math:`K_i h (e_k + e_{k-1}) / 2` before (``trapezoid``; at the first sampling time by nothing). The
+    derivative, :math:`D_k = (T_f D_{k-1} + K_d \Delta_k) / (T_f + h)`, is of the error (:math:`\Delta_k = e_k
+    - e_{k-1}`), of the measurement (:math:`y_{k-1} - y_k`), or that of the reference less the measured rate;
+    of differences it is zero at the first sampling time.
 
     The sum is limited, first in its rate, then in size. While limits hold it, ``clamping`` leaves out what
     would make the integral push further; ``back-calculation`` adds :math:`(h / T_t)` times what the limits
@@ -67,9 +67,9 @@ class Pid(Controller):
 
     Attributes:
         acts_on: What it commands: a drive's name.
-        period: From one instant to the next, h [s].
-        phase: The first instant [s].
-        delay: From an instant until its commands are written [s].
+        period: From one sampling time to the next, h [s].
+        phase: The first sampling time [s].
+        delay: From an sampling time until its commands are written [s].
         delay_periods: The same in periods [-].
         measures: What it measures, as ``angle hinge``; if not given, the angle of the joint that it acts on.
         kp: K_p, command per measured unit, in SI units.

@@ -44,9 +44,9 @@ class BangBang(Controller):
         acts_on: What is commanded, with ``level`` one way and its opposite the other way; a drive.
         positive: Or what pushes one way, commanded with ``level`` or 0: thrusters.
         negative: And what pushes the other way.
-        period: From one instant to the next [s].
-        phase: The first instant [s].
-        delay: From an instant until its commands are written [s].
+        period: From one sampling time to the next [s].
+        phase: The first sampling time [s].
+        delay: From an sampling time until its commands are written [s].
         delay_periods: The same in periods [-].
         measures: y, as ``base-rotation x``.
         measures_rate: Its rate, as ``base-rate x``; none if not given.

@@ -36,16 +36,16 @@ class StateFeedback(Controller):
     Attributes:
         acts_on: What it commands, by name: m of them.
         measures: What it measures, as ``angle hinge`` and ``rate hinge``: p of them.
-        period: From one instant to the next [s].
-        phase: The first instant [s].
-        delay: From an instant until its commands are written [s].
+        period: From one sampling time to the next [s].
+        phase: The first sampling time [s].
+        delay: From an sampling time until its commands are written [s].
         delay_periods: The same in periods [-].
         gain: K, (m, p), in SI units.
         a: A, (n, n).
         b: B, (n, p).
         c: C, (m, n).
         g: G, (n, m); zero if not given.
-        start: z at the first instant, (n,); zero if not given.
+        start: z at the first sampling time, (n,); zero if not given.
         reference: r, (p,), in SI units; zero if not given.
         feedforward: f, (m,), in SI units; zero if not given.
         lower: Least commands, (m,); none if not given.

@@ -413,7 +413,7 @@ def modes(
             would set it moving is held in balance.
 
     Raises:
-        AntennaPinError: What is asked makes no sense; one line that says why.
+        AntennaPinError: What is called makes no sense; one line that says why.
     """
     model = scenario_named(model)
     if isinstance(model, Trajectory):
