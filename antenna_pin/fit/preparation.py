@@ -29,7 +29,7 @@ from antenna_pin.fit.sensors import (
     sensor_unit,
     si_amount,
 )
-from antenna_pin.fit.specs import ColumnSpec, FitParameterSpec, evaluate
+from antenna_pin.fit.specs import ColumnSpec, evaluate
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.sweep.design import put_value
@@ -215,14 +215,6 @@ class Prepared:
     first: np.ndarray
     notes: tuple[str, ...]
 
-    def sizes_of_states(self) -> list[int]:
-        """Return how many coordinates each record's pieces start from."""
-        return [sum(one) for one in self.ways]
-
-    def sizes_of_joints(self) -> tuple[int, ...]:
-        """Return how many residuals each record's joints of pieces have."""
-        return self.joints
-
     def check_span(self, record: str, least: float, most: float, span: float, windowed: bool) -> None:
         """Refuse rows before a run's start or behind its end.
 
@@ -301,7 +293,7 @@ def prepare_records(plan: FitPlan) -> Prepared:
         test = RecordTest(
             name=name,
             scenario=base.model_dump_json(),
-            keys=tuple(one.keys_set if _applies_to(one, name) else () for one in fitted),
+            keys=tuple(one.keys_set if one.records is None or name in one.records else () for one in fitted),
             names=tuple(names),
             derived=tuple((one.keys_set, one.value) for one in plan.derived_of(name).values()),
             units=tuple(one.numbers()[3] for one in fitted),
@@ -365,11 +357,6 @@ def _number(plan: FitPlan, key: str) -> int:
     """Return the parameter of a record's number, or -1."""
     every = list(plan.parameters.values())
     return next((k for k, one in enumerate(every) if key in one.keys_set), -1)
-
-
-def _applies_to(parameter: FitParameterSpec, record: str) -> bool:
-    """Return whether a parameter sets keys of a record's scenario."""
-    return parameter.records is None or record in parameter.records
 
 
 def _cut_into_pieces(

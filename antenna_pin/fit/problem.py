@@ -21,7 +21,7 @@ from antenna_pin.fit.run_service import RunService
 from antenna_pin.fit.runs import NoRunError, Readings, RunRequest, scenario_with
 from antenna_pin.scenario import Scenario
 
-__all__ = ["NoRunError", "Problem"]
+__all__ = ["Problem"]
 
 Array = NDArray[np.float64]
 
@@ -179,7 +179,7 @@ class Problem:
         self.plan = plan
         self._prepared: Prepared = prepare_records(plan)
         self.service = service or RunService()
-        self.unknowns = Unknowns.of(plan, sum(self._prepared.sizes_of_states()))
+        self.unknowns = Unknowns.of(plan, sum(map(sum, self._prepared.ways)))
         self.states = np.zeros(self.unknowns.states)
         self._own_parameters = [plan.own_parameters(name) for name in plan.records]
         self.rows = ResidualRows(plan, self._prepared)

@@ -21,8 +21,9 @@ from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.fit.confidence_bands import BEYOND_CHANCE, ParameterBands
 from antenna_pin.fit.plan import FitPlan
-from antenna_pin.fit.problem import NoRunError, Problem
+from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.run_service import RunService
+from antenna_pin.fit.runs import NoRunError
 from antenna_pin.fit.specs import evaluate
 from antenna_pin.fit.uncertainty import student_quantile
 from antenna_pin.scenario import Scenario, found_from, scenario_toml

@@ -215,7 +215,10 @@ class _ForwardSensitivity:
         columns = sensor_readings(test, here, rows, [one.chunk for one, _ in made])
         fitted = [self._count + len(at) for _, at in request.starts]
         tables = [[np.zeros((len(part), n)) for part in own] for own, n in zip(columns, fitted, strict=True)]
-        ends = [np.zeros((len(self._end(k, one.chunk)), n)) for k, ((one, _), n) in self._each(made, fitted)]
+        ends = [
+            np.zeros((len(self._end(k, one.chunk)), n))
+            for k, ((one, _), n) in enumerate(zip(made, fitted, strict=True))
+        ]
         for column in range(max(fitted)):
             pieces = [k for k, n in enumerate(fitted) if column < n]
             steps = [self._step(made[k][0], column) for k in pieces]
@@ -242,9 +245,6 @@ class _ForwardSensitivity:
             )
             found.append(Readings(tuple(columns[k]), lead, self._end(k, made[k][0].chunk), slopes=slopes_of))
         return tuple(found)
-
-    def _each(self, made: Sequence[Any], fitted: Sequence[int]) -> Any:
-        return enumerate(zip(made, fitted, strict=True))
 
     def _read(
         self,

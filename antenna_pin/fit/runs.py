@@ -168,11 +168,6 @@ class PreparedScenario:
         return labelled_at(self._latest, chunk)
 
 
-def _sample_places(chunk: Chunk, times: Array) -> NDArray[np.intp]:
-    """Return the indices of samples at times; of two at one time, the later."""
-    return np.searchsorted(chunk.times, times, side="right") - 1
-
-
 # --- pieces of a record -------------------------------------------------------------------------------------
 
 
@@ -494,7 +489,7 @@ def sensor_readings(
         if column.filter is None:
             values = reading(data, column, test.read_in[name], data["time"].values)
             for own, first, one, chunk in zip(read, begins, rows, chunks, strict=False):
-                own.append(values[first + _sample_places(chunk, one)])
+                own.append(values[first + np.searchsorted(chunk.times, one, side="right") - 1])
             continue
         for own, first, last, one in zip(read, begins, begins[1:], rows, strict=False):
             part = data if len(rows) == 1 else data.isel(time=slice(first, last))

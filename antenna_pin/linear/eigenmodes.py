@@ -68,10 +68,6 @@ def solve(linear: Linearisation) -> Eigen:
     return _at_rest(linear) if linear.still else _in_motion(linear)
 
 
-def _symmetric(matrix: Array) -> bool:
-    return bool(np.abs(matrix - matrix.T).max() <= _SYMMETRIC * np.abs(matrix).max(initial=0.0))
-
-
 def _at_rest(linear: Linearisation) -> Eigen:
     mass, stiffness = linear.mass, linear.undamped_stiffness
     rigid = linear.rigid
@@ -104,7 +100,7 @@ def _squares(stiffness: Array, mass: Array) -> tuple[Array, Array, NDArray[np.bo
     Forces that derive from no potential, such as that of a flange that lifts off one side, may make the
     stiffness unsymmetric; squares may be complex then, and the motion grows.
     """
-    if _symmetric(stiffness):
+    if np.abs(stiffness - stiffness.T).max() <= _SYMMETRIC * np.abs(stiffness).max(initial=0.0):
         squares, shapes = eigh(0.5 * (stiffness + stiffness.T), mass)
         return squares, shapes, np.zeros(len(squares), dtype=bool)
     values, vectors = eig(stiffness, mass)

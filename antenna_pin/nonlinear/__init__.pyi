@@ -4,8 +4,6 @@ from antenna_pin.nonlinear.chart import OutOfReachError as OutOfReachError
 from antenna_pin.nonlinear.chart import carried as carried
 from antenna_pin.nonlinear.continuation import Bifurcation as Bifurcation
 from antenna_pin.nonlinear.continuation import Branch as Branch
-from antenna_pin.nonlinear.continuation import Family as Family
-from antenna_pin.nonlinear.continuation import Point as Point
 from antenna_pin.nonlinear.continuation import check_steps as check_steps
 from antenna_pin.nonlinear.continuation import continued as continued
 from antenna_pin.nonlinear.diagram_plan import DiagramPlan as DiagramPlan
@@ -35,6 +33,8 @@ from antenna_pin.nonlinear.orbit_tables import orbits_in_section as orbits_in_se
 from antenna_pin.nonlinear.orbits import NoOrbitError as NoOrbitError
 from antenna_pin.nonlinear.orbits import Orbit as Orbit
 from antenna_pin.nonlinear.orbits import periodic_orbit as periodic_orbit
+from antenna_pin.nonlinear.pseudo_arclength import Family as Family
+from antenna_pin.nonlinear.pseudo_arclength import Point as Point
 from antenna_pin.nonlinear.returns import open_section as open_section
 from antenna_pin.nonlinear.returns import poincare as poincare
 from antenna_pin.nonlinear.sections import Crossing as Crossing

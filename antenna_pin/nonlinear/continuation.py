@@ -37,7 +37,7 @@ from antenna_pin.nonlinear.chart import Chart
 from antenna_pin.nonlinear.orbits import NoOrbitError, default_tolerance
 from antenna_pin.nonlinear.pseudo_arclength import BranchStepper, Family, Node, Point, in_first_period
 
-__all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "check_steps", "continued"]
+__all__ = ["Bifurcation", "BifurcationKind", "Branch", "check_steps", "continued"]
 
 Array = NDArray[np.float64]
 
@@ -84,11 +84,6 @@ def _bifurcations_in(step: BranchStep, after: int, precision: float) -> list[Bif
     found = _between(step, 0.0, step.arc, precision, _DEEP)
     found.sort(key=lambda each: each.where.along)
     return [Bifurcation(kind, where.value, where.doubt, after) for kind, where in found]
-
-
-def _is_uncertain(step: BranchStep) -> bool:
-    """Return whether a step may hold more bifurcations than its ends imply."""
-    return hidden_change(step, 0.0, step.arc) is not None
 
 
 def _between(step: BranchStep, low: float, high: float, precision: float, halvings: int) -> list[_Found]:
@@ -380,7 +375,7 @@ def _next_orbit(
 
 def _revised(step: BranchStep, found: list[Bifurcation], after: int, near_by: float) -> list[Bifurcation]:
     """Return bifurcations with those of a step revised by the orbit behind it."""
-    if not _is_uncertain(step):
+    if hidden_change(step, 0.0, step.arc) is None:
         return found
     try:
         again = _bifurcations_in(step, after, near_by)

@@ -17,9 +17,10 @@ from antenna_pin.base.capacity import check_count
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear.continuation import Branch, Family
+from antenna_pin.nonlinear.continuation import Branch
 from antenna_pin.nonlinear.flow import Flow, flow_of
 from antenna_pin.nonlinear.orbits import Orbit
+from antenna_pin.nonlinear.pseudo_arclength import Family
 from antenna_pin.nonlinear.sections import Section, Stroboscope, drive_period
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import open_table, table_attributes

@@ -150,9 +150,8 @@ class SectionRun:
         found = [self._over]
         here = len(self._over.times)
         while here < count and not self.ended:
-            some = (
-                self._strobed(min(count - here, _AT_ONCE)) if self._strobes else self._crossed(count - here)
-            )
+            strobes, left = isinstance(self.section, Stroboscope), count - here
+            some = self._strobed(min(left, _AT_ONCE)) if strobes else self._crossed(left)
             if not len(some.times) and not self.ended:
                 self.outcome = Outcome.STOPPED
                 self.message = (
@@ -164,10 +163,6 @@ class SectionRun:
         times, values = (np.concatenate([part[k] for part in found]) for k in range(2))
         self._over = _Points(times[count:], values[count:])
         return _Points(times[:count], values[:count])
-
-    @property
-    def _strobes(self) -> bool:
-        return isinstance(self.section, Stroboscope)
 
     def _strobed(self, count: int) -> _Points:
         assert isinstance(self.section, Stroboscope)
