@@ -111,26 +111,25 @@ class OutOfReachError(InvalidParameterError):
 class Chart:
     """Coordinates of states near an origin, (size,).
 
-    They are the freedoms that closures and motions leave, each in units of the run's error scales: positions
-    first, then their rates; bristles; and of each contact that touches the logarithm of the approach speed
-    that it remembers, which is a state too: a perturbed state keeps its own, as it does of where a joint has
-    begun to stick, and of what else elements keep of a change that their motion goes by. What is integrated
-    and acts on nothing (works, impulses) is none of them, and neither are whole turns.
+    They are the freedoms under closures and motions, in units of the run's error scales: positions, then
+    their rates; bristles; element memory, such as the place at which a joint began to stick; and of each
+    contact that touches the logarithm of its approach speed, which is discrete state too. Integrals that act
+    on nothing (works, impulses) are no coordinates, and neither are whole turns.
 
-    Coordinates are components along the freedoms, of the way from the origin and of the change of velocity.
-    Across them a perturbed state is where closures and motions want it, so that those it is asked for at are
-    those it has: a tangent-space parametrisation of the constraint manifold (Potra and Yen 1991, Mechanics of
-    Structures and Machines 19, 77-98).
+    Coordinates are components along the freedoms, of the displacement from the origin and of the change of
+    velocity. Across them a state follows from closures and motions, so that it has the coordinates given: a
+    tangent-space parametrisation of the constraint manifold (Potra and Yen 1991, Mechanics of Structures and
+    Machines 19, 77-98).
 
     Args:
-        system: Whose state it is.
+        system: System of the state.
         state: The origin.
-        scales: What counts as one unit of each kind of quantity.
+        scales: Unit of each kind of quantity.
 
     Attributes:
-        names: Of the coordinates.
+        names: Names of the coordinates.
         frame: Their axes.
-        units: What counts as one.
+        units: Their units.
     """
 
     def __init__(self, system: System, state: State, scales: ErrorScales | None = None) -> None:

@@ -183,12 +183,11 @@ class Frame(NamedTuple):
     """Axes of coordinates in a state.
 
     Attributes:
-        free: What closures and motions leave of the positions, in units of these, by columns, (nv,
-            positions).
-        bound: What they do not leave, (nv, nv - positions).
-        contact_memory: Contact and column of its memory of each coordinate that a contact's memory is.
-        element_memory: Which numbers of elements are coordinates (:mod:`antenna_pin.nonlinear.coordinates`).
-        clock: Whether time is one, behind positions and rates: how much later a perturbed state is its own.
+        free: Freedoms under closures and motions, in units, by columns, (nv, positions).
+        bound: Their orthogonal complement, (nv, nv - positions).
+        contact_memory: Contact and column of each coordinate of contact memory.
+        element_memory: Numbers of element memory that are coordinates.
+        clock: Whether time is a coordinate, behind positions and rates: the delay of the perturbed state.
     """
 
     free: Array
@@ -214,8 +213,7 @@ class Lift(NamedTuple):
     A perturbation, (2 nv + bristles + 2 contacts + parameters + kept + 1,), is that of the configuration in
     the coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of
     those of effective masses, of parameters of the system in their scales, of element memory, of time.
-    Coordinates are positions, rates, time if it is one, bristles, parameters, element memory, and what
-    contacts remember.
+    Coordinates are positions, rates, time if it is one, bristles, parameters, element memory, contact memory.
 
     Attributes:
         up: Perturbation of each coordinate, by columns, (perturbation, size).
@@ -265,8 +263,8 @@ def own_coordinates(
 ) -> NDArray[np.bool_]:
     """Return which coordinates belong to a perturbed state alone, (size,).
 
-    Nothing changes a contact's memory while it lasts. Over a time over which it does, that is a
-    parameter of the motion: perturbed states share it. So it is of element memory.
+    The memory of a contact is constant while it lasts: over that time it is a parameter of the motion, which
+    perturbed states share. The same holds of constant element memory.
 
     Args:
         frame: The axes; contact memory is behind all other coordinates, element memory before it.

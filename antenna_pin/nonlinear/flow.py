@@ -83,14 +83,14 @@ class Tangent(NamedTuple):
 class Flow:
     """Flow of a system: states to states.
 
-    What an event does to a tangent (its saltation), the approach speed that a contact remembers included, is
-    in its derivative by the variational equation, and in differences of runs, each of which locates its own.
+    Derivatives include the saltation of events and contact memory, by the variational equation as well as by
+    differences of runs, each of which locates its own events.
 
     Args:
         system: The system; its drives may depend on time.
         settings: How to integrate; of runs that are differentiated a tolerance near round-off.
-        events: What happens in runs besides contacts.
-        scenario: What the system was made from; None for one built in Python.
+        events: Events of runs besides contacts.
+        scenario: Scenario of the system; None for one built in Python.
     """
 
     def __init__(

@@ -579,7 +579,7 @@ def _relative_error(
 ) -> float:
     """Return the error of a step of a part, over its size [-].
 
-    Next to onsets and releases it is what it does to what is carried, at the perturbed own.
+    Near onsets and releases it is that of the tangents at the perturbed onsets and releases.
     """
     if not (part.graded or part.falling) or not tangents.frame.clock:
         return step.off

@@ -197,10 +197,10 @@ def largest_exponent(
 ) -> Exponents:
     """Return the largest exponent by two trajectories with renormalisation (Benettin and others 1976).
 
-    The perturbed state locates its own contacts and events, and remembers its own approach speeds, but for
-    those of contacts that last from then on to the end: nothing changes these, and perturbed states share
-    them, as those of an orbit do (:func:`antenna_pin.nonlinear.coordinates.own_coordinates`). Where other
-    contacts touch at the end of an interval than at the trajectory's own, both go on until they are alike.
+    The perturbed trajectory locates its own contacts and events, and has its own approach speeds, but for
+    contacts that last to the end: these are constant, and shared, as those of an orbit
+    (:func:`antenna_pin.nonlinear.coordinates.own_coordinates`). Where different contacts touch at the end of
+    an interval, both trajectories continue until the same do.
 
     Args:
         flow: The flow.
@@ -208,8 +208,8 @@ def largest_exponent(
         interval: Between renormalisations, such as a drive's period [s].
         count: How many intervals.
         transient: What is run before [s].
-        seed: Of the perturbed state's first direction; the first tenth of the intervals, in which it turns
-            into that of fastest growth, is left out.
+        seed: Seed of the first direction; the first tenth of the intervals, in which it turns into that of
+            fastest growth, is left out.
         progress: Called with the number of intervals done and the exponent so far [1/s]; of a system with
             contacts with zero and no number before, after each interval that the motion itself is run.
 
@@ -269,10 +269,10 @@ def lyapunov_spectrum(
 ) -> Exponents:
     """Return all exponents by the variational equation, tangents orthogonalized after each interval.
 
-    Contacts and events act on them by their saltation (:mod:`antenna_pin.nonlinear.variational`). What
-    contacts remember that last on to the end perturbed states share, as for :func:`largest_exponent`. As many
-    exponents are found as there are ways, rates and bristles, where joints stick that place counting as a
-    way; less those of directions that changes of mode take away for good, which would be minus infinity.
+    Contacts and events act by their saltation (:mod:`antenna_pin.nonlinear.variational`). The memory of
+    contacts that last to the end is shared, as for :func:`largest_exponent`. There is an exponent for each
+    position, rate and bristle, and for each place at which a joint sticks; less those of directions that
+    changes of mode remove for good, which would be minus infinity.
 
     Args:
         flow: The flow.

@@ -50,27 +50,26 @@ class NoOrbitError(AntennaPinError, RuntimeError):
 class Orbit:
     """Periodic orbit.
 
-    While a contact lasts nothing changes the approach speed that it remembers. Where it lasts over the whole
-    period orbits come in families, of which this is the one with the start's, and a multiplier is 1 for it: a
-    perturbed state with another speed comes to another orbit. What is said of perturbed states is of those
-    with the same. So it is of element memory over a period, such as where a joint sticks that does not slip.
-    A change of mode that brings a joint to rest takes a direction of perturbed states away: a multiplier is
-    0.
+    The approach speed of a lasting contact is constant. Where a contact lasts over the whole period, orbits
+    come in families over that speed, of which this one has the start's, and a multiplier is 1 for it;
+    stability is that at fixed speed. The same holds of element memory that is constant over a period, such as
+    the place of a joint that sticks. A change of mode that brings a joint to rest removes a direction: a
+    multiplier is 0.
 
     Attributes:
-        start: A state on it.
+        start: A state of the orbit.
         period: [s].
         residual: Distance between the ends of a period, in error scales [-].
-        iterations: Newton's.
-        multipliers: Floquet's, the largest first, (n,), without those that are 1 for what lasting contacts
-            remember and elements keep. They are as many wherever the orbit begins: where an element holds its
-            joint then, those of the directions that it leaves out are 0.
-        neutral: How many these are [-].
-        doubt: Of the multipliers: what differences of other steps change in the largest [-].
-        names: Of the coordinates of a tangent.
-        tangent: Over one period, of as many rows and columns as coordinates.
-        free_period: Whether the period was found too: of a system that does not depend on time; one
-            multiplier is 1 then, of the way along the orbit.
+        iterations: Newton's iterations.
+        multipliers: Floquet multipliers, the largest first, (n,), without those that are 1 for constant
+            memory of contacts and elements. Their number does not depend on the start: directions that
+            elements hold there have 0.
+        neutral: Number of multipliers left out [-].
+        doubt: Error estimate of the multipliers [-].
+        names: Names of the coordinates.
+        tangent: Monodromy matrix, over one period, (coordinates, coordinates).
+        free_period: Whether the period was found too, of an autonomous system; one multiplier, along the
+            orbit, is 1 then.
         onsets: Contacts that begin in a period, and events that happen, changes of mode among them.
         system: Of the flow, which names the numbers.
         scenario: Of the mechanism; None for a system built in Python.

@@ -117,7 +117,7 @@ class ElementTransition(NamedTuple):
 class ElementReplay:
     """Repetition of element actions on other states: impulses and element memory, in order.
 
-    What is decided stays as it was decided in the run: of that a perturbed state has no choice.
+    Decisions are those of the run.
 
     Args:
         workspace: The system's.
@@ -402,7 +402,7 @@ class Saltation:
 
         Args:
             c: Which.
-            memory: What the state itself remembers.
+            memory: Memory of the contact in the state itself.
             tangents: Tangents, with time.
             time: When [s].
             y: State.
@@ -435,9 +435,9 @@ class Saltation:
     def release(self, c: int, flow: int, tangents: Tangents, time: float, y: Array) -> Tangents:
         """Return tangents at the perturbed releases of a contact, which no longer acts.
 
-        Where a force begins and ends with its depth the derivative of rates has no bounds. What carrying was
-        off by for it is in the flow, carried alike, as in tangents: to perturbed own releases, where
-        depths are the same again, it goes out.
+        Where a force begins and ends with its depth the derivative of the rates is unbounded. The propagation
+        error due to it is the same in the flow as in tangents: at the perturbed releases, where depths are
+        equal again, it cancels.
 
         Args:
             c: Which.
