@@ -126,7 +126,7 @@ class AttractorStore:
         self, over: Diagram, value: str, label: str, quantities: tuple[str, ...], ending: threading.Event
     ) -> Attractor:
         from antenna_pin.nonlinear import load_plan, open_section, poincare, save_table
-        from antenna_pin.nonlinear.branches import watching
+        from antenna_pin.nonlinear.diagrams import interrupting
         from antenna_pin.plot import Attractor
         from antenna_pin.plot.attractors import SAME
 
@@ -147,7 +147,7 @@ class AttractorStore:
                 count=self.points,
                 transient=plan.transient,
                 tolerance=SAME,
-                progress=watching(ending),
+                progress=interrupting(ending),
             )
             save_table(section, path)
         else:

@@ -86,7 +86,7 @@ def fit(
     on with the same command.
     """
     from antenna_pin.fit import load_fit, run_fit
-    from antenna_pin.fit.certainty import certain
+    from antenna_pin.fit.assessment import certain
     from antenna_pin.sweep import Cluster, Here
     from antenna_pin.trajectory import save_table
 

@@ -232,7 +232,7 @@ def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Figure:
     Neighbours come nearer along those within. Of a branch every orbit's are drawn, coloured by the parameter.
 
     Args:
-        found: Of :func:`antenna_pin.nonlinear.orbit_table` or :func:`~antenna_pin.nonlinear.branch_table`.
+        found: Of :func:`antenna_pin.nonlinear.orbit_tables` or :func:`~antenna_pin.nonlinear.branch_table`.
         width: "column" (88 mm) or "page" (180 mm).
     """
     real = np.asarray(found["multiplier_real"].values, dtype=float)
