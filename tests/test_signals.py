@@ -296,3 +296,38 @@ def test_a_signal_while_processes_start_or_end_comes_when_they_have(monkeypatch,
     with pytest.raises(KeyboardInterrupt):
         cluster.close()
     assert done[2:] == ["client closed", "processes closed"]
+
+
+def test_a_signal_while_a_batch_is_given_out_comes_when_it_has_been(as_command_line):
+    """Half of that leaves Dask with a batch that nobody knows of."""
+    done = []
+
+    class Client:
+        def __getattr__(self, name):
+            def call(*arguments, **more):
+                signal.raise_signal(signal.SIGINT)
+                done.append(name)
+                return [self] if name == "scatter" else self
+
+            return call
+
+        def nthreads(self):
+            return {"a worker": 1}
+
+    cluster = Cluster(1)
+    cluster._client = Client()
+    with pytest.raises(KeyboardInterrupt):
+        list(cluster.each(len, "shared", iter([["a batch"]])))
+    assert done[:3] == ["scatter", "submit", "add_done_callback"]
+
+
+def test_a_signal_that_ends_processes_at_their_start_is_an_interruption(monkeypatch, as_command_line):
+    """A batch queue sends it to all of them: that they do not start is not what is to be said."""
+
+    def ended(self):
+        signal.raise_signal(signal.SIGTERM)
+        raise OSError("one was ended by SIGTERM")
+
+    monkeypatch.setattr(Cluster, "_processes", ended)
+    with pytest.raises(Ended):
+        Cluster(1).start()

@@ -105,7 +105,7 @@ def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
 
 def _send_again() -> None:
     """Have the last signal come once more, soon: here it would be dropped, or what is returned be lost."""
-    again = threading.Timer(0.01, os.kill, (os.getpid(), ended_by()))
+    again = threading.Timer(0.1, os.kill, (os.getpid(), ended_by()))
     again.daemon = True
     again.start()
 
@@ -153,11 +153,15 @@ def interruptible() -> Iterator[Callable[[], bool]]:
 
 
 @contextmanager
-def held_back() -> Iterator[None]:
-    """Let work be done to its end, such as a file written, before Ctrl-C has its effect."""
+def held_back() -> Iterator[list[int]]:
+    """Let work be done to its end, such as a file written, before Ctrl-C has its effect.
+
+    Yields:
+        Signals that have come; none of them has an effect where the work ends with an exception.
+    """
     come: list[int] = []
     with _handled_by(lambda number, frame: come.append(number)):
-        yield
+        yield come
     for number in come[:1]:
         signal.raise_signal(number)
 

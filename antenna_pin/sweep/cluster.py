@@ -15,9 +15,12 @@ import re
 import signal
 import sys
 import tempfile
+import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
+from multiprocessing import resource_tracker
 from pathlib import Path
+from types import ModuleType
 from typing import Any, TypeVar
 
 from antenna_pin.base.interruption import held_back
@@ -69,6 +72,48 @@ def ends_of_processes() -> Iterator[list[int]]:
         logger.removeHandler(ends)
         logger.setLevel(before[0])
         logger.propagate = before[1]
+
+
+class _OfOthers(logging.Filter):
+    """Drops what Dask's event loop logs of tasks that fail, as while its processes end: a traceback for each."""
+
+    def __init__(self, folder: str) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def __eq__(self, other: object) -> bool:  # that a logger takes it once
+        return isinstance(other, _OfOthers)
+
+    __hash__ = logging.Filter.__hash__
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        trace = record.exc_info[2] if record.exc_info else None
+        files = [frame.f_code.co_filename for frame, _ in traceback.walk_tb(trace)]
+        return not any(self._folder in text for text in (record.getMessage(), *files))
+
+
+def silence(package: ModuleType) -> None:
+    """Have nothing logged by Dask, nor of it by the libraries of its event loop; what matters is raised."""
+    for name in [package.__name__, f"{package.__name__}.client", *logging.root.manager.loggerDict]:
+        if name.partition(".")[0] == package.__name__:
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+    of_others = _OfOthers(os.path.dirname(str(package.__file__)))
+    for name in ("asyncio", "tornado.application"):
+        logging.getLogger(name).addFilter(of_others)
+
+
+@contextlib.contextmanager
+def sheltered_processes() -> Iterator[None]:
+    """Keep Ctrl-C, and the end of a terminal, from the processes and threads that are started meanwhile.
+
+    A terminal sends them to all its processes at once. It is for this one to end the others.
+    """
+    resource_tracker.ensure_running()  # who starts it has these signals come through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def said_of_start(codes: list[int], error: str) -> str:
@@ -158,10 +203,7 @@ class Cluster:
             ) from None
         if not (workers is None or workers > 0):
             raise InvalidParameterError("Cluster", "workers", "positive", workers)
-        # What it has to say of lost connections is said here, in one line.
-        for name in ["distributed", "distributed.client", *logging.root.manager.loggerDict]:
-            if name.partition(".")[0] == "distributed":
-                logging.getLogger(name).setLevel(logging.CRITICAL)
+        silence(distributed)  # what it has to say of lost connections is said here, in one line
         self._distributed = distributed
         self._local: Any = None
         self._client: Any = None
@@ -182,16 +224,18 @@ class Cluster:
             return
         if self._scheduler is not None:
             check_scheduler(self._scheduler, self._security)
-        ended: list[int] = []
+        ended, come = list[int](), list[int]()
         try:
             # A signal that comes while Dask starts is lost in it, or makes tracebacks.
-            with held_back(), ends_of_processes() as ended:
+            with held_back() as come, sheltered_processes(), ends_of_processes() as ended:
                 self._local = self._processes() if self._scheduler is None else None
                 self._client = self._connected()
             if self._scheduler is not None and not self._client.nthreads():
                 self._client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
             self.close()
+            if come:  # which may have ended the processes, too
+                signal.raise_signal(come[0])
             if self._scheduler is None:
                 raise ClusterLostError(
                     f"processes of this machine: must start, but {said_of_start(ended, words_of(error))}"
@@ -266,10 +310,11 @@ class Cluster:
                     batch = again.popleft() if again else next(batches, None)
                     if batch is None:
                         break
-                    data = self._data(shared)
-                    future = _asked(self._client.submit, call, data, batch, pure=False)
-                    under_way[future] = batch, data
-                    future.add_done_callback(ready.put)
+                    with held_back():  # what Dask has half done would come to tracebacks
+                        data = self._data(shared)
+                        future = _asked(self._client.submit, call, data, batch, pure=False)
+                        under_way[future] = batch, data
+                        future.add_done_callback(ready.put)
                 if not under_way:
                     return
                 future = self._finished(ready)
