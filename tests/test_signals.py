@@ -2,6 +2,7 @@
 
 import contextlib
 import importlib
+import multiprocessing
 import os
 import pty
 import re
@@ -19,6 +20,7 @@ from antenna_pin.base.interruption import Ended, ending_by_signals, held_back, i
 from antenna_pin.cli._common import one_line_errors
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.sweep import Cluster
+from antenna_pin.sweep.cluster import ClusterLostError
 
 _ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
 # Far longer than any test waits, and yet it ends by itself, whatever becomes of the test that has started it.
@@ -272,6 +274,20 @@ def test_a_library_that_swallows_the_signal_while_it_is_imported(tmp_path, monke
     assert is_interruption(failed.value) and not is_interruption(AttributeError())
 
 
+def test_a_signal_within_an_import_comes_behind_it(tmp_path, monkeypatch, as_command_line):
+    """Some libraries go on without what they were importing, as if nothing had been."""
+    (tmp_path / "interrupted.py").write_text(
+        "import signal\nsignal.raise_signal(signal.SIGINT)\nwhole = True\n"
+    )
+    (tmp_path / "goes_on.py").write_text("try:\n    import interrupted\nexcept BaseException:\n    pass\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    imported = []
+    with pytest.raises(KeyboardInterrupt):  # noqa: PT012 - imported first, ended later
+        imported.append(importlib.import_module("goes_on"))
+        time.sleep(30.0)
+    assert imported[0].interrupted.whole
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_while_processes_start_or_end_comes_when_they_have(monkeypatch, as_command_line, number):
     """In the midst of either Dask would make tracebacks of it, or leave processes behind."""
@@ -331,3 +347,21 @@ def test_a_signal_that_ends_processes_at_their_start_is_an_interruption(monkeypa
     monkeypatch.setattr(Cluster, "_processes", ended)
     with pytest.raises(Ended):
         Cluster(1).start()
+
+
+def test_processes_that_dask_does_not_end_are_ended(monkeypatch):
+    """As where some have started and others have not."""
+    left = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(600.0,), daemon=True)
+    other = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(600.0,), daemon=True)
+    other.start()
+
+    def fails(self):
+        left.start()
+        raise OSError("no more processes")
+
+    monkeypatch.setattr(Cluster, "_processes", fails)
+    with pytest.raises(ClusterLostError):
+        Cluster(1).start()
+    left.join(60.0)
+    assert left.exitcode == -signal.SIGKILL and other.is_alive()
+    other.kill()

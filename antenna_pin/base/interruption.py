@@ -15,7 +15,6 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
-from typing import NoReturn
 
 __all__ = [
     "Ended",
@@ -30,6 +29,9 @@ __all__ = [
 _ENDING = tuple(
     number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
 )
+
+_SOON = 0.1  # [s]
+_MOST_PUTS_OFF = 300
 
 
 class Ended(KeyboardInterrupt):
@@ -69,10 +71,11 @@ def is_interruption(error: BaseException) -> bool:
 
 
 def _while_importing(error: BaseException) -> bool:
-    return any(
-        frame.f_code.co_filename.startswith("<frozen importlib")
-        for frame, _ in traceback.walk_tb(error.__traceback__)
-    )
+    return any(_imports(frame) for frame, _ in traceback.walk_tb(error.__traceback__))
+
+
+def _imports(frame: FrameType) -> bool:
+    return frame.f_code.co_filename.startswith("<frozen importlib")
 
 
 def ending_by_signals() -> None:
@@ -100,24 +103,45 @@ def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
         _hook[-1](unraisable)
         return
     _dropped[:] = [ended_by()]
-    _send_again()
+    _send_again(ended_by())
 
 
-def _send_again() -> None:
-    """Have the last signal come once more, soon: here it would be dropped, or what is returned be lost."""
-    again = threading.Timer(0.1, os.kill, (os.getpid(), ended_by()))
+def _send_again(number: int) -> None:
+    """Have a signal come once more, soon: here it would be dropped, or what is returned be lost."""
+    again = threading.Timer(_SOON, os.kill, (os.getpid(), number))
     again.daemon = True
     again.start()
 
 
-def _end(number: int, frame: FrameType | None) -> NoReturn:
-    _come(number)
-    raise Ended
+def _end(number: int, frame: FrameType | None) -> None:
+    if not _put_off(number, frame):
+        _come(number)
+        raise Ended
 
 
-def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
-    _come(number)
-    raise KeyboardInterrupt
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    if not _put_off(number, frame):
+        _come(number)
+        raise KeyboardInterrupt
+
+
+# How often the signal that has come has been put off, one time after the other.
+_puts_off: list[int] = []
+
+
+def _put_off(number: int, frame: FrameType | None) -> bool:
+    """Return whether a signal has come while a module is imported; it comes again then, for some seconds.
+
+    Some libraries catch whatever is raised while they import others, and the signal would be lost.
+    """
+    while frame is not None and not _imports(frame):
+        frame = frame.f_back
+    if frame is None or len(_puts_off) > _MOST_PUTS_OFF:
+        _puts_off.clear()
+        return False
+    _puts_off.append(number)
+    _send_again(number)
+    return True
 
 
 def _come(number: int) -> None:
@@ -149,7 +173,7 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     with _handled_by(note):
         yield is_pressed
     if presses and not heard:
-        _send_again()
+        _send_again(ended_by())
 
 
 @contextmanager

@@ -9,6 +9,7 @@ import asyncio
 import contextlib
 import importlib
 import logging
+import multiprocessing
 import os
 import queue
 import re
@@ -19,6 +20,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
 from multiprocessing import resource_tracker
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
@@ -100,20 +102,6 @@ def silence(package: ModuleType) -> None:
     of_others = _OfOthers(os.path.dirname(str(package.__file__)))
     for name in ("asyncio", "tornado.application"):
         logging.getLogger(name).addFilter(of_others)
-
-
-@contextlib.contextmanager
-def sheltered_processes() -> Iterator[None]:
-    """Keep Ctrl-C, and the end of a terminal, from the processes and threads that are started meanwhile.
-
-    A terminal sends them to all its processes at once. It is for this one to end the others.
-    """
-    resource_tracker.ensure_running()  # who starts it has these signals come through again
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def said_of_start(codes: list[int], error: str) -> str:
@@ -208,6 +196,7 @@ class Cluster:
         self._local: Any = None
         self._client: Any = None
         self._shared: tuple[Any, Any] | None = None
+        self._started: set[BaseProcess] = set()
         self._workers, self._scheduler = workers, scheduler
         if scheduler is not None:
             check_address(scheduler, tls or {})
@@ -227,7 +216,7 @@ class Cluster:
         ended, come = list[int](), list[int]()
         try:
             # A signal that comes while Dask starts is lost in it, or makes tracebacks.
-            with held_back() as come, sheltered_processes(), ends_of_processes() as ended:
+            with held_back() as come, self._starting(), ends_of_processes() as ended:
                 self._local = self._processes() if self._scheduler is None else None
                 self._client = self._connected()
             if self._scheduler is not None and not self._client.nthreads():
@@ -248,6 +237,21 @@ class Cluster:
         # What they have to load, they load while the driver makes its own trial.
         with contextlib.suppress(OSError, RuntimeError):
             self._client.run(_wake, wait=False)
+
+    @contextlib.contextmanager
+    def _starting(self) -> Iterator[None]:
+        """Keep signals that end from the processes and threads that are started meanwhile.
+
+        Terminals and batch queues send them to all processes at once. It is for this one to end the others.
+        """
+        resource_tracker.ensure_running()  # who starts it has these signals come through again
+        before = {*multiprocessing.active_children()}
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+            self._started = {*multiprocessing.active_children()} - before
 
     def _processes(self) -> Any:
         """Return a cluster of processes of this machine."""
@@ -396,6 +400,8 @@ class Cluster:
                 if made is not None:
                     with contextlib.suppress(Exception):
                         made.close()
+            for process in self._started & {*multiprocessing.active_children()}:
+                process.kill()  # which Dask has not ended, as where not all have started
         if self._folder is not None:
             self._folder.cleanup()
 

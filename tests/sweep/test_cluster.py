@@ -72,9 +72,9 @@ def test_no_page_tells_what_the_processes_do(cluster):
 
 
 def test_ctrl_c_on_a_terminal_leaves_the_processes_alone(cluster):
-    """A terminal sends it, and its own end, to all of them: each would end with a traceback."""
+    """A terminal or a batch queue sends signals to all of them: each would end, with a traceback or without."""
     before = cluster._client.run(os.getpid)
-    for number in (signal.SIGINT, signal.SIGHUP):
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         for process in before.values():
             os.kill(process, number)
     time.sleep(0.5)

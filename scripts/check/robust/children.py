@@ -124,7 +124,6 @@ class Child:
         seconds = time.monotonic() - self.began
         return Ended(os.waitstatus_to_exitcode(status), said.decode(errors="replace"), seconds, acted)
 
-
     def processes(self) -> list[int]:
         """Return its processes, and those that they have started: those of a ``program`` alone."""
         mark = f"{MARK}={self._mark}".encode()

@@ -26,7 +26,7 @@ from pathlib import Path
 
 import psutil
 
-from robust.children import ANEW, ROOT, Child, is_whole, judge, temporary_files
+from robust.children import ANEW, ROOT, Child, Ended, is_whole, judge, temporary_files
 from robust.trials import Report, TrialError, must
 
 _STUDY = """scenario = "pendulum"
@@ -74,8 +74,10 @@ OPTIONS = {
 _KINDS = tuple(itertools.product((signal.SIGINT, signal.SIGTERM), (False, True)))
 _KINDS += ((signal.SIGKILL, False),)  # and whether it comes to all
 _LONGEST = 20.0  # [s] of a command's life within which a signal is sent
+_FIRST_LINE = 2.0  # [s] within which the command has surely begun
 _AFTERWARDS = 10.0  # [s] that its processes have to follow it
 _PATIENCE = 60.0  # [s] that a command has to end
+_BEGUN = r"build_site\.py|_entry\.py|antenna-pin:"
 _NOISE = re.compile(r"Traceback|Error\b|Exception|Warning|distributed|leaked|resource_tracker|unraisable")
 
 
@@ -95,12 +97,15 @@ def check(name: str, number: signal.Signals, to_all: bool, after: float, folder:
     program = (sys.executable, str(ROOT / "scripts" / "pages" / "build_site.py")) if name == "docs" else ANEW
     child = Child(shlex.split(COMMANDS[name]), folder, program=program)
     try:
-        end = child.ended(after, lambda pid: (os.killpg if to_all else os.kill)(pid, number), after + _PATIENCE)
+        end = child.ended(
+            after, lambda pid: (os.killpg if to_all else os.kill)(pid, number), after + _PATIENCE
+        )
     except TrialError as error:
         raise TrialError(f"{error}; processes then: {_left(child)}") from None
     left = _left(child)
     if not end.acted:
         must(end.code == 0, f"ended by itself with {end.code}: {end.said[-300:]}")
+    if not end.acted or _is_pythons_own(end, number):
         return False
     codes = {128 + number, -number} | ({0} if name == "explore" else set())
     judge(end, codes, in_one_line=(128 + number,), noise=_NOISE)
@@ -110,6 +115,11 @@ def check(name: str, number: signal.Signals, to_all: bool, after: float, folder:
     left_files = temporary_files(folder)
     must(not left_files or number == signal.SIGKILL, f"left {left_files}")
     return True
+
+
+def _is_pythons_own(end: Ended, number: int) -> bool:
+    """Return whether Python has said that it is interrupted, on its way to the first line of the command."""
+    return end.code == -number and "KeyboardInterrupt" in end.said and not re.search(_BEGUN, end.said)
 
 
 def _left(child: Child) -> list[str]:
@@ -145,6 +155,6 @@ def run(given: argparse.Namespace, report: Report, folder: Path) -> None:
             except TrialError as error:
                 sent, problem = True, str(error)
             shutil.rmtree(place, ignore_errors=True)
-            life[name] = life[name] if sent else after
+            life[name] = life[name] if sent or after < _FIRST_LINE else after
         whom = " to all" if to_all else ""
         report.add(name, f"{name}, {number.name}{whom} after {after:.2f} s", problem, after)

@@ -144,7 +144,9 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.items, self.limit = list(items), limit
         self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=_work, args=(theirs, os.getpid(), self.items, *work), daemon=True)
+        self.process = context.Process(
+            target=_work, args=(theirs, os.getpid(), self.items, *work), daemon=True
+        )
         self.process.start()
         theirs.close()
         self._look = psutil.Process(self.process.pid)
