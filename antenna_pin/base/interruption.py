@@ -30,8 +30,8 @@ _ENDING = tuple(
     number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
 )
 
-_SOON = 0.1  # [s]
-_MOST_PUTS_OFF = 300
+_SOON = 0.1  # [s] until a signal is sent again
+_MOST_DEFERRED = 300
 
 
 class Ended(KeyboardInterrupt):
@@ -71,10 +71,11 @@ def is_interruption(error: BaseException) -> bool:
 
 
 def _while_importing(error: BaseException) -> bool:
-    return any(_imports(frame) for frame, _ in traceback.walk_tb(error.__traceback__))
+    return any(_is_import(frame) for frame, _ in traceback.walk_tb(error.__traceback__))
 
 
-def _imports(frame: FrameType) -> bool:
+def _is_import(frame: FrameType) -> bool:
+    """Return whether a frame is one of Python's import system."""
     return frame.f_code.co_filename.startswith("<frozen importlib")
 
 
@@ -107,39 +108,39 @@ def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
 
 
 def _send_again(number: int) -> None:
-    """Have a signal come once more, soon: here it would be dropped, or what is returned be lost."""
+    """Send a signal once more, soon: raised here it would be dropped, or a returned result be lost."""
     again = threading.Timer(_SOON, os.kill, (os.getpid(), number))
     again.daemon = True
     again.start()
 
 
 def _end(number: int, frame: FrameType | None) -> None:
-    if not _put_off(number, frame):
+    if not _is_deferred(number, frame):
         _come(number)
         raise Ended
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    if not _put_off(number, frame):
+    if not _is_deferred(number, frame):
         _come(number)
         raise KeyboardInterrupt
 
 
-# How often the signal that has come has been put off, one time after the other.
-_puts_off: list[int] = []
+# Signals deferred one after the other.
+_deferred: list[int] = []
 
 
-def _put_off(number: int, frame: FrameType | None) -> bool:
-    """Return whether a signal has come while a module is imported; it comes again then, for some seconds.
+def _is_deferred(number: int, frame: FrameType | None) -> bool:
+    """Return whether a signal interrupts an import; it is sent again then, for some seconds.
 
-    Some libraries catch whatever is raised while they import others, and the signal would be lost.
+    Some libraries catch every exception of an import, and the signal would be lost.
     """
-    while frame is not None and not _imports(frame):
+    while frame is not None and not _is_import(frame):
         frame = frame.f_back
-    if frame is None or len(_puts_off) > _MOST_PUTS_OFF:
-        _puts_off.clear()
+    if frame is None or len(_deferred) > _MOST_DEFERRED:
+        _deferred.clear()
         return False
-    _puts_off.append(number)
+    _deferred.append(number)
     _send_again(number)
     return True
 

@@ -76,15 +76,15 @@ def ends_of_processes() -> Iterator[list[int]]:
         logger.propagate = before[1]
 
 
-class _OfOthers(logging.Filter):
-    """Drops what Dask's event loop logs of tasks that fail, as while its processes end: a traceback for each."""
+class _WithoutDask(logging.Filter):
+    """Filter that drops tracebacks of Dask's own tasks, which fail while its processes end."""
 
     def __init__(self, folder: str) -> None:
         super().__init__()
         self._folder = folder
 
     def __eq__(self, other: object) -> bool:  # that a logger takes it once
-        return isinstance(other, _OfOthers)
+        return isinstance(other, _WithoutDask)
 
     __hash__ = logging.Filter.__hash__
 
@@ -95,13 +95,16 @@ class _OfOthers(logging.Filter):
 
 
 def silence(package: ModuleType) -> None:
-    """Have nothing logged by Dask, nor of it by the libraries of its event loop; what matters is raised."""
+    """Silence the loggers of Dask, and of its event loop where they log Dask's errors.
+
+    Errors that matter are raised as exceptions.
+    """
     for name in [package.__name__, f"{package.__name__}.client", *logging.root.manager.loggerDict]:
         if name.partition(".")[0] == package.__name__:
             logging.getLogger(name).setLevel(logging.CRITICAL)
-    of_others = _OfOthers(os.path.dirname(str(package.__file__)))
+    without_dask = _WithoutDask(os.path.dirname(str(package.__file__)))
     for name in ("asyncio", "tornado.application"):
-        logging.getLogger(name).addFilter(of_others)
+        logging.getLogger(name).addFilter(without_dask)
 
 
 def said_of_start(codes: list[int], error: str) -> str:
@@ -213,18 +216,18 @@ class Cluster:
             return
         if self._scheduler is not None:
             check_scheduler(self._scheduler, self._security)
-        ended, come = list[int](), list[int]()
+        ended, signals = list[int](), list[int]()
         try:
             # A signal that comes while Dask starts is lost in it, or makes tracebacks.
-            with held_back() as come, self._starting(), ends_of_processes() as ended:
+            with held_back() as signals, self._starting(), ends_of_processes() as ended:
                 self._local = self._processes() if self._scheduler is None else None
                 self._client = self._connected()
             if self._scheduler is not None and not self._client.nthreads():
                 self._client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
             self.close()
-            if come:  # which may have ended the processes, too
-                signal.raise_signal(come[0])
+            if signals:  # which may have ended the processes, too
+                signal.raise_signal(signals[0])
             if self._scheduler is None:
                 raise ClusterLostError(
                     f"processes of this machine: must start, but {said_of_start(ended, words_of(error))}"
@@ -240,11 +243,11 @@ class Cluster:
 
     @contextlib.contextmanager
     def _starting(self) -> Iterator[None]:
-        """Keep signals that end from the processes and threads that are started meanwhile.
+        """Block signals that end processes in the threads and processes started within the context.
 
-        Terminals and batch queues send them to all processes at once. It is for this one to end the others.
+        Terminals and batch queues send them to all processes at once; this process ends the others.
         """
-        resource_tracker.ensure_running()  # who starts it has these signals come through again
+        resource_tracker.ensure_running()  # its start unblocks the signals
         before = {*multiprocessing.active_children()}
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
         try:
@@ -314,7 +317,7 @@ class Cluster:
                     batch = again.popleft() if again else next(batches, None)
                     if batch is None:
                         break
-                    with held_back():  # what Dask has half done would come to tracebacks
+                    with held_back():  # interrupted, Dask leaves unknown batches and tracebacks
                         data = self._data(shared)
                         future = _asked(self._client.submit, call, data, batch, pure=False)
                         under_way[future] = batch, data
@@ -401,7 +404,7 @@ class Cluster:
                     with contextlib.suppress(Exception):
                         made.close()
             for process in self._started & {*multiprocessing.active_children()}:
-                process.kill()  # which Dask has not ended, as where not all have started
+                process.kill()  # left by a close that failed
         if self._folder is not None:
             self._folder.cleanup()
 

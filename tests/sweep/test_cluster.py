@@ -72,7 +72,7 @@ def test_no_page_tells_what_the_processes_do(cluster):
 
 
 def test_ctrl_c_on_a_terminal_leaves_the_processes_alone(cluster):
-    """A terminal or a batch queue sends signals to all of them: each would end, with a traceback or without."""
+    """Terminals and batch queues send signals to all of them: each would end, and some with a traceback."""
     before = cluster._client.run(os.getpid)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         for process in before.values():
@@ -82,7 +82,7 @@ def test_ctrl_c_on_a_terminal_leaves_the_processes_alone(cluster):
 
 
 def test_what_fails_in_dasks_own_loop_makes_no_traceback(cluster, caplog, capfd):
-    """As while processes end: it knows of the end of one that it does not know. What others fail at is said."""
+    """As where it hears of the end of a process that it does not know. Errors of other tasks are logged."""
     closing = ("remove", "tls://127.0.0.1:1")
 
     class Told:

@@ -15,7 +15,7 @@ What must hold:
   call returns, or raises an error of the package's own with such a line;
 - what breaks a declared rule is refused, and the line names the place;
 - nothing is left behind by what was refused;
-- no warning of NumPy's, no traceback, no process that dies, and nothing that computes for more than ``--seconds``.
+- no warning of NumPy, no traceback, no process that dies, and none that computes longer than ``--seconds``.
 
 Of what fails the changes are tried one by one, and the least that fails too is printed with how to repeat it.
 """

@@ -169,7 +169,7 @@ class _Worker:
             if _computed(self._look) > self._most:
                 return f"computes for more than {self.limit:g} s"
         if time.monotonic() > self._until:
-            return f"does not end within {_WAITING * self.limit:g} s, and computes for less than {self.limit:g} s"
+            return f"does not end within {_WAITING * self.limit:g} s, computing less than {self.limit:g} s"
         return None
 
     def end(self) -> int | None:
