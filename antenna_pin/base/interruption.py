@@ -11,10 +11,14 @@ import os
 import signal
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any, TypeVar
+
+from antenna_pin.errors import AntennaPinError
 
 __all__ = [
     "Ended",
@@ -24,14 +28,19 @@ __all__ = [
     "held_back",
     "interruptible",
     "is_interruption",
+    "sheltered_processes",
+    "uninterrupted",
 ]
 
 _ENDING = tuple(
     number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
 )
 
+_Run = TypeVar("_Run", bound=Any)
+
 _SOON = 0.1  # [s] until a signal is sent again
 _MOST_DEFERRED = 300
+_LATEST = 10.0  # [s] after a signal that an error may be of its making
 
 
 class Ended(KeyboardInterrupt):
@@ -42,8 +51,9 @@ class FunctionInterrupted(KeyboardInterrupt):
     """Ctrl-C has come in a function of a user's, between what must not be left half done."""
 
 
-# The signal that stopped or interrupted work last.
+# The signal that stopped or interrupted work last, and when one was last raised as an exception [s].
 _last: list[int] = []
+_raised: list[float] = []
 
 
 def ended_by() -> int:
@@ -55,10 +65,14 @@ def is_interruption(error: BaseException) -> bool:
     """Whether an exception is what a signal, after :func:`ending_by_signals`, has brought about.
 
     Some libraries make another of it while they are imported: one in C an ImportError, one that puts a
-    stand-in for what it could not import whatever comes of using that. Where Python has dropped it, as in
-    what compiled code calls back, anything may come of that until it comes again.
+    stand-in for what it could not import whatever comes of using that. Libraries in C that call Python raise
+    errors of their own. Where Python has dropped it, as in what compiled code calls back, anything may come
+    of that until it comes again.
     """
     if isinstance(error, KeyboardInterrupt) or _dropped:
+        return True
+    foreign = not isinstance(error, AntennaPinError | OSError)
+    if foreign and _raised and time.monotonic() - _raised[0] < _LATEST:
         return True
     above = error.__cause__ or error.__context__
     if not _last:
@@ -117,12 +131,14 @@ def _send_again(number: int) -> None:
 def _end(number: int, frame: FrameType | None) -> None:
     if not _is_deferred(number, frame):
         _come(number)
+        _raised[:] = [time.monotonic()]
         raise Ended
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
     if not _is_deferred(number, frame):
         _come(number)
+        _raised[:] = [time.monotonic()]
         raise KeyboardInterrupt
 
 
@@ -177,6 +193,13 @@ def interruptible() -> Iterator[Callable[[], bool]]:
         _send_again(ended_by())
 
 
+def uninterrupted(run: _Run) -> _Run:
+    """Return a run; raise KeyboardInterrupt if a signal has ended it, which it alone knows of."""
+    if run.outcome.name == "INTERRUPTED":
+        raise KeyboardInterrupt
+    return run
+
+
 @contextmanager
 def held_back() -> Iterator[list[int]]:
     """Let work be done to its end, such as a file written, before Ctrl-C has its effect.
@@ -189,6 +212,22 @@ def held_back() -> Iterator[list[int]]:
         yield come
     for number in come[:1]:
         signal.raise_signal(number)
+
+
+@contextmanager
+def sheltered_processes() -> Iterator[None]:
+    """Block signals that end processes in the threads and processes started within the context.
+
+    Terminals and batch queues send them to all processes at once; this process ends the others.
+    """
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # its start unblocks the signals
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, *_ENDING))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 @contextmanager

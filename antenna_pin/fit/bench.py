@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.base.interruption import interruptible
+from antenna_pin.base.interruption import interruptible, uninterrupted
 from antenna_pin.base.state import State
 from antenna_pin.nonlinear import Flow
 from antenna_pin.scenario import Scenario
@@ -19,7 +19,7 @@ from antenna_pin.simulation.inputs import RunStart, controllers_of, events_of, p
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.recorder import labelled_at, open_ledger
 from antenna_pin.simulation.samples import Chunk
-from antenna_pin.trajectory import ENDED_WELL, Outcome
+from antenna_pin.trajectory import ENDED_WELL
 
 __all__ = ["Bench", "Ran", "at_times"]
 
@@ -98,9 +98,7 @@ class Bench:
         run = Run(self.system, ready.first, until, settings, events, begin, controllers=controllers)
         with interruptible() as interrupted:
             run.advance(interrupted=interrupted)
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        self._latest = run
+        self._latest = uninterrupted(run)
         ended = run.outcome in ENDED_WELL and run.stepper.t >= until - _ROUND_OFF
         unbalanced = open_ledger(run) if ended else ""
         return Ran(run.samples.held, run.present(), "" if ended else run.message, unbalanced)

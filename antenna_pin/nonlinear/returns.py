@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
 from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.surfaces import Crossing, Section, Stroboscope
@@ -123,7 +124,7 @@ class Returns:
             events=self._events,
             **self._first,
         )
-        self._points(shown, np.zeros(0, dtype=np.intp))
+        self._points(uninterrupted(shown), np.zeros(0, dtype=np.intp))
 
     @property
     def time(self) -> float:
@@ -207,8 +208,7 @@ class Returns:
             progress=self._progress,
             **start,
         )
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
+        uninterrupted(run)
         self.state, self.outcome, self.message = run.end, run.outcome, run.message
         return run
 

@@ -19,13 +19,12 @@ import tempfile
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
-from multiprocessing import resource_tracker
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
-from antenna_pin.base.interruption import held_back
+from antenna_pin.base.interruption import held_back, sheltered_processes
 from antenna_pin.base.lazy import take_back
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError
 from antenna_pin.sweep.here import Lost
@@ -243,17 +242,12 @@ class Cluster:
 
     @contextlib.contextmanager
     def _starting(self) -> Iterator[None]:
-        """Block signals that end processes in the threads and processes started within the context.
-
-        Terminals and batch queues send them to all processes at once; this process ends the others.
-        """
-        resource_tracker.ensure_running()  # its start unblocks the signals
+        """Shelter the processes started within the context, and list them."""
         before = {*multiprocessing.active_children()}
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM, signal.SIGHUP))
         try:
-            yield
+            with sheltered_processes():
+                yield
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
             self._started = {*multiprocessing.active_children()} - before
 
     def _processes(self) -> Any:

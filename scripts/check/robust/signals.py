@@ -54,6 +54,7 @@ COMMANDS = {
     "fit-2": f"{_FIT} --workers 2",
     "bifurcation-1": f"{_DIAGRAM} 1",
     "bifurcation-2": f"{_DIAGRAM} 2",
+    "bifurcation-python": f"{_DIAGRAM} 2 --set integrator.engine=pinocchio",
     "poincare": "poincare slider_crank -q journal_position[pin].x --count 2000 --out points.nc",
     "orbit": f"{_ORBIT} --values '11 N*m:13 N*m' --arc 0.01 --out branch.nc --no-progress",
     "lyapunov": "lyapunov chen2021 --out exponents.nc --no-progress",
@@ -108,7 +109,8 @@ def check(name: str, number: signal.Signals, to_all: bool, after: float, folder:
     if not end.acted or _is_pythons_own(end, number):
         return False
     codes = {128 + number, -number} | ({0} if name == "explore" else set())
-    judge(end, codes, in_one_line=(128 + number,), noise=_NOISE)
+    noise = re.compile("Traceback") if number == signal.SIGKILL else _NOISE  # Python tells of what it cleans
+    judge(end, codes, in_one_line=(128 + number,), noise=noise)
     must(not left, f"left processes behind: {left}")
     for path in set(folder.iterdir()) - inputs:
         must(not path.is_file() or is_whole(path), f"left {path.name}, which is not whole")
