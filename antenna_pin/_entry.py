@@ -3,9 +3,9 @@
 Python would print a traceback from wherever an import has come. Only the command imports this module.
 """
 
+import _signal as signal  # which is there at once: the module that Python has above it takes its time
 import gc
 import os
-import signal
 
 __all__ = ["main"]
 

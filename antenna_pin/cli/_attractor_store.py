@@ -158,6 +158,7 @@ class AttractorStore:
         """Return how the motion goes on behind the points."""
         import dataclasses
 
+        from antenna_pin.base.interruption import uninterrupted
         from antenna_pin.base.state import State
         from antenna_pin.simulation import simulate
         from antenna_pin.simulation.inputs import settings_of
@@ -172,7 +173,7 @@ class AttractorStore:
                 return found
         settings = dataclasses.replace(settings_of(scenario), output_rate=_SAMPLES / period)
         run = simulate(scenario, start=state, duration=_PERIODS * period, settings=settings)
-        run.save(path)
+        uninterrupted(run).save(path)
         return Trajectory.load(path)
 
     @staticmethod

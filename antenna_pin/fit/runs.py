@@ -19,7 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.base.interruption import interruptible, is_interruption
+from antenna_pin.base.interruption import interruptible, is_interruption, uninterrupted
 from antenna_pin.base.state import OpenContact, State
 from antenna_pin.dynamics import System, contact_memory
 from antenna_pin.errors import AntennaPinError, ScenarioError
@@ -33,7 +33,7 @@ from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.recorder import labelled_at, open_ledger
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.sweep.design import put_value
-from antenna_pin.trajectory import ENDED_WELL, Outcome
+from antenna_pin.trajectory import ENDED_WELL
 
 __all__ = [
     "RunRequest",
@@ -135,9 +135,7 @@ class PreparedScenario:
         run = Run(self.system, ready.first, until, settings, events, begin, controllers=controllers)
         with interruptible() as interrupted:
             run.advance(interrupted=interrupted)
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        self._latest = run
+        self._latest = uninterrupted(run)
         ended = run.outcome in ENDED_WELL and run.stepper.t >= until - _ROUND_OFF
         unbalanced = open_ledger(run) if ended else ""
         return RunSamples(run.samples.held, run.present(), "" if ended else run.message, unbalanced)

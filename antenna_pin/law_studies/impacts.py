@@ -34,10 +34,10 @@ from antenna_pin.contact import (
     law_parameters,
 )
 from antenna_pin.contact import damping_kernels as _damping
+from antenna_pin.contact.hysteresis import stored_share
 from antenna_pin.contact.kernels import normal_force
 from antenna_pin.contact.power_kernels import POWER_LAW
 from antenna_pin.contact.records import NORMAL_LAW, POWER
-from antenna_pin.contact.hysteresis import stored_share
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.readable import number
 from antenna_pin.base.state import State
 from antenna_pin.base.views import ModesRecorder, ResponsePlotter, View, as_html
@@ -469,7 +470,7 @@ def _reached(model: Scenario | System, time: float) -> Trajectory | None:
         raise InvalidParameterError("modes", "at", "a time of zero or more [s]", time)
     if time == 0.0:
         return None
-    run = simulate(model, duration=time)
+    run = uninterrupted(simulate(model, duration=time))
     if not run.completed:
         raise InvalidParameterError(
             "modes", "at", "a time that the run reaches", time, said=f"{time:g} s: {run.message}"

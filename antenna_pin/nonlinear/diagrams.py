@@ -28,6 +28,8 @@ import xarray as xr
 from antenna_pin.analysis.transients import RULE
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable
+from antenna_pin.base.interruption import sheltered_processes
+from antenna_pin.base.side_by_side import end_with_parent
 from antenna_pin.base.state import State
 from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
@@ -413,6 +415,12 @@ def _check(asked: _Settings, values: list[Any]) -> None:
             asked.section.period_in(changed)
 
 
+def submitted(executor: Executor, call: Callable[..., Any], *arguments: Any) -> Future[Any]:
+    """Return the future of a call; a process that is started for it takes no signals."""
+    with sheltered_processes():
+        return executor.submit(call, *arguments)
+
+
 class _Driver:
     """Executor of missing values: fresh ones in any order, branches one after the other."""
 
@@ -448,7 +456,7 @@ class _Driver:
                         continue
                     number, value, start, period = job
                     ending = self.ending if isinstance(executor, ThreadPoolExecutor) else None
-                    future = executor.submit(_evaluate, self.asked, value, start, period, ending)
+                    future = submitted(executor, _evaluate, self.asked, value, start, period, ending)
                     running[future], numbers[future] = chain, number
                 for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
                     chain, number = running.pop(future), numbers.pop(future)
@@ -492,11 +500,13 @@ class _Driver:
         if compiled or self.width == 1:
             executor = ThreadPoolExecutor(self.width)
         else:
-            executor = ProcessPoolExecutor(self.width, mp_context=get_context("spawn"))
+            executor = ProcessPoolExecutor(self.width, get_context("spawn"), end_with_parent)
         try:
             yield executor
         except BaseException:
             self.ending.set()
+            for process in (getattr(executor, "_processes", None) or {}).values():
+                process.kill()  # each may be in a long run
             executor.shutdown(wait=True, cancel_futures=True)
             raise
         executor.shutdown()

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.differences import Slope, slope
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.records import memory_records
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
@@ -163,9 +164,7 @@ class Flow:
         """
         settings = dataclasses.replace(self._sampled(span), output_rate=count / span, output_form="full")
         run = simulate(self.system, start=start, duration=span, settings=settings, events=self._events)
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        if not run.completed:
+        if not uninterrupted(run).completed:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
         return run
 
@@ -284,9 +283,7 @@ class Flow:
 
     def check_ended(self, run: Run, span: float, start: State) -> None:
         """Refuse a run that did not complete."""
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        if run.outcome is not Outcome.COMPLETED:
+        if uninterrupted(run).outcome is not Outcome.COMPLETED:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
 
 

@@ -18,6 +18,7 @@ from antenna_pin.analysis.transients import LEAST, RULE, Settled, settled
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.capacity import check_count
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.sections import Crossing, Section, Stroboscope
@@ -129,7 +130,7 @@ class SectionRun:
             events=self._events,
             **self._first,
         )
-        self._points(shown, np.zeros(0, dtype=np.intp))
+        self._points(uninterrupted(shown), np.zeros(0, dtype=np.intp))
 
     @property
     def time(self) -> float:
@@ -208,8 +209,7 @@ class SectionRun:
             progress=self._progress,
             **start,
         )
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
+        uninterrupted(run)
         self.state, self.outcome, self.message = run.end, run.outcome, run.message
         return run
 

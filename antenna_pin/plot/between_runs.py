@@ -17,7 +17,7 @@ from antenna_pin.plot._compared import Curve, Panel, above_round_off, panels_fig
 from antenna_pin.plot._kinds import TURNING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, long_enough, styles, too_short, with_reference
-from antenna_pin.plot._style import Array, Width, footnote, literal, styled
+from antenna_pin.plot._style import Array, Width, footnote, styled
 from antenna_pin.plot._thinned import thinned_beside
 from antenna_pin.plot.motion import MOTIONS, Quantity
 
@@ -66,7 +66,7 @@ def figure_between(
     if base is not None and base not in [run.label for run in others]:
         raise UnknownNameError("figure", "run", base, [run.label for run in others])
     first = next((run for run in others if base in (None, run.label)), None)
-    words = f"{literal(name.replace('_', ' '))} {quantity}"
+    words = f"{name.replace('_', ' ')} {quantity}"
     unit = drawn[0].unit(what.variable, what.unit) if drawn else what.unit
 
     def curves(shown: list[LabelledRun], less: LabelledRun | None) -> list[Curve]:
@@ -83,7 +83,7 @@ def figure_between(
         panels.append(Panel("less that of the ideal run", "deviation", unit, curves(others, reference), True))
     later = others[others.index(first) + 1 :] if first is not None else []
     if first is not None and later:
-        title = f"less that of {literal(first.label)}"
+        title = f"less that of {first.label}"
         panels.append(Panel(title, "difference", unit, curves(later, first), True))
     panels, zero = above_round_off(panels, drawn)
     figure = panels_figure(panels, width, 2)

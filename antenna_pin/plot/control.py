@@ -26,7 +26,6 @@ from antenna_pin.plot._style import (
     footnote,
     legend_above,
     letters,
-    literal,
     new_figure,
     panel_title,
     prefixed,
@@ -159,7 +158,7 @@ def _sampled(run: LabelledRun) -> list[tuple[str, _Shown]]:
             unit = _unit(run, name, signals[0])
             lines = [_Line(signal.removeprefix("command "), time, own[signal], True) for signal in signals]
             held = _spans(time, saturated > 0.0) if title == "command" else []
-            found.append((literal(f"{name}: {title}"), _Shown(lines, unit, held)))
+            found.append((f"{name}: {title}", _Shown(lines, unit, held)))
     return found
 
 
@@ -226,10 +225,10 @@ def _continuous(run: LabelledRun) -> list[tuple[str, _Shown]]:
         measured = reference - run.values("control_error", controller=name)
         slides = bool(drives_of(run.data).get(name, {}).get("slides"))
         lines = [_Line("measured", run.time, measured, False), _Line("reference", run.time, reference, False)]
-        found.append((literal(f"{name}: measured and reference"), _Shown(lines, "m" if slides else "rad")))
+        found.append((f"{name}: measured and reference", _Shown(lines, "m" if slides else "rad")))
         if name in names_along(run.data, "drive"):
             effort = _Line("what it exerts", run.time, run.values("drive_torque", drive=name), False)
-            words = literal(f"{name}: what it exerts")
+            words = f"{name}: what it exerts"
             found.append((words, _Shown([effort], effort_unit(run.data, name))))
     return found
 

@@ -23,7 +23,6 @@ from antenna_pin.plot._style import (
     footnote,
     legend_above,
     letters,
-    literal,
     new_figure,
     panel_title,
     prefixed,
@@ -67,7 +66,7 @@ def figure_deflection(runs: Iterable[Run] | Run, *, width: Width = "page") -> Fi
         looks = [look for run, look in zip(drawn, styles(drawn, reference), strict=True) if run in mine]
         _motion(motion, mine, looks, part, about["slides"])
         _spectra(density, mine, looks, part, [elastic_parts_of(run.data)[part]["frequency"] for run in mine])
-        panel_title(motion, next(letter), literal(part.replace("_", " ")))
+        panel_title(motion, next(letter), part.replace("_", " "))
         panel_title(density, next(letter), "its amplitude density")
     for axes in pairs[-1] if page else [pairs[-1][1]]:
         axes.set_xlabel("time [s]" if page and axes is pairs[-1][0] else "frequency [Hz]")

@@ -22,7 +22,6 @@ from antenna_pin.plot._style import (
     footnote,
     legend_above,
     letters,
-    literal,
     panel_title,
     prefixed,
     styled,
@@ -62,7 +61,7 @@ def figure_gears(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
         mine = [(run, look) for run, look in zip(drawn, looks, strict=True) if place in _own(run)]
         _deflection(motion, mine, place)
         _effort(effort, mine, place)
-        panel_title(motion, next(letter), literal(place.partition(".")[2].replace("_", " ")))
+        panel_title(motion, next(letter), place.partition(".")[2].replace("_", " "))
         panel_title(effort, next(letter), "what it exerts along the deflection")
     legend_above(figure, [axes for axes, _ in pairs])
     grounds = [_grounds(run, place) for run in drawn for place in _own(run)]

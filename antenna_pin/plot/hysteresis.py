@@ -19,7 +19,6 @@ from antenna_pin.plot._style import (
     footnote,
     legend_above,
     letters,
-    literal,
     new_figure,
     panel_title,
     prefixed,
@@ -51,7 +50,7 @@ def figure_hysteresis(runs: Iterable[Run] | Run, *, width: Width = "page") -> Fi
     letter = letters()
     for axes, name in zip(grid, names, strict=False):
         _panel(axes, drawn, name)
-        panel_title(axes, next(letter), literal(name.replace("_", " ")))
+        panel_title(axes, next(letter), name.replace("_", " "))
     for axes in grid[len(names) :]:
         axes.remove()
     legend_above(figure, grid[: len(names)])

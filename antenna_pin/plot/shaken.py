@@ -33,7 +33,6 @@ from antenna_pin.plot._style import (
     footnote,
     legend_above,
     letters,
-    literal,
     new_figure,
     panel_title,
     styled,
@@ -97,7 +96,7 @@ def figure_swept(
     panels[1].set_ylim(bottom=0.0)
     _frequencies(panels[1])
     letter = letters()
-    panel_title(panels[0], next(letter), literal(name))
+    panel_title(panels[0], next(letter), name)
     panel_title(panels[1], next(letter), "what does not follow the sweep, over what does")
     legend_above(figure, panels)
     footnote(
@@ -181,7 +180,7 @@ def figure_density(
     axes.set_ylim(top / 10.0**_DECADES, 2.0 * top)
     axes.set_ylabel(f"density [{printed_unit(unit)}]")
     _frequencies(axes)
-    panel_title(axes, "", literal(name))
+    panel_title(axes, "", name)
     legend_above(figure, [axes])
     footnote(
         figure,
@@ -240,7 +239,7 @@ def figure_shock(
     axes.set_ylabel(f"largest acceleration [{printed_unit(unit)}]")
     _frequencies(axes)
     axes.set_xlabel("natural frequency [Hz]")
-    panel_title(axes, "", f"{literal(name)}, Q = {quality:g}")
+    panel_title(axes, "", f"{name}, Q = {quality:g}")
     legend_above(figure, [axes])
     footnote(figure, too_short(every), left_out(every, drawn, f"without {SHAKEN.words}"))
     return figure

@@ -23,7 +23,6 @@ from antenna_pin.plot._style import (
     footnote,
     legend_above,
     letters,
-    literal,
     panel_title,
     prefixed,
     styled,
@@ -66,7 +65,7 @@ def figure_stops(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
         mine = [(run, look) for run, look in zip(drawn, looks, strict=True) if _of(run, joint)]
         _motion(motion, mine, joint)
         _effort(effort, mine, joint)
-        panel_title(motion, next(letter), literal(joint.replace("_", " ")))
+        panel_title(motion, next(letter), joint.replace("_", " "))
         panel_title(effort, next(letter), "what its stops and latches exert")
     legend_above(figure, [axes for axes, _ in pairs])
     footnote(

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from antenna_pin.base.units import shown
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
+from antenna_pin.scenario.toml_text import quoted
 
 __all__ = [
     "Line",
@@ -34,7 +35,7 @@ def dotted(location: Location) -> str:
         if isinstance(item, int):
             text += f"[{item}]"
         else:
-            text += ("." if text else "") + (item if _BARE_KEY.fullmatch(item) else f'"{item}"')
+            text += ("." if text else "") + (item if _BARE_KEY.fullmatch(item) else quoted(item))
     return text
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.side_by_side import side_by_side
 from antenna_pin.base.state import State
@@ -27,7 +28,7 @@ from antenna_pin.sensitivity.parameters import (
 )
 from antenna_pin.simulation import simulate
 from antenna_pin.simulation.inputs import controllers_of, events_of
-from antenna_pin.trajectory import Column, Outcome, Trajectory, columns_of
+from antenna_pin.trajectory import Column, Trajectory, columns_of
 
 __all__ = [
     "FiniteDifferences",
@@ -250,9 +251,7 @@ class FiniteDifferences:
                 first = {"start": start}
             given |= {"events": events_of(scenario), "controllers": controllers_of(scenario)}
             run = simulate(system, **given, **first)
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        if not run.completed:
+        if not uninterrupted(run).completed:
             raise SensitivityError(f"sensitivities: {what} has no whole result: {run.message}")
         return run
 

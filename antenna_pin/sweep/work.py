@@ -15,6 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.errors import AntennaPinError, AssumedWarning, LedgerOpenWarning, MissingToolError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
@@ -87,7 +88,7 @@ def _scenario(text: str) -> Scenario:
 def _reference(text: str, follows: str) -> Trajectory:
     scenario = _scenario(text)
     values = json.loads(follows)
-    return simulate(scenario.with_overrides(values) if values else scenario)
+    return uninterrupted(simulate(scenario.with_overrides(values) if values else scenario))
 
 
 def scenario_of(work: Work, job: Job) -> Scenario:
