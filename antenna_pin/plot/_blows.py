@@ -1,24 +1,16 @@
-"""Blows of a joint as figures draw them: which peaks are marked, and a close view of the strongest."""
+"""Blows of a joint as figures show them: which peaks are marked, and the strongest."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from antenna_pin.plot._runs import LabelledRun
-from antenna_pin.plot._style import (
-    MANY,
-    PEAK,
-    Array,
-    distinct,
-    few_ticks,
-    prefixed,
-)
+from antenna_pin.plot._style import MANY, Array
 
-__all__ = ["Blow", "draw_blow", "episodes_of", "sharp", "strongest_blow"]
+__all__ = ["Blow", "episodes_of", "sharp", "strongest_blow"]
 
 #: A peak that is wider at half its height than so many samples is smooth: the line shows it by itself.
 _SMOOTH = 10.0
@@ -134,31 +126,3 @@ def _above(time: Array, force: Array, at: float, level: float) -> tuple[float, f
     first = int(before[-1]) if before.size else 0
     last = int(behind[0]) if behind.size else time.size - 1
     return float(time[first]), float(time[last])
-
-
-def draw_blow(axes: Axes, curve: LabelledRun, blow: Blow, names: dict[str, str]) -> None:
-    """Draw normal forces of the contacts in a blow, over the time from its peak on.
-
-    Args:
-        axes: Where.
-        curve: Of the run, as its lines are drawn.
-        blow: What is in view.
-        names: What contacts are called in the legend.
-    """
-    seen = np.flatnonzero((curve.time >= blow.window[0]) & (curve.time <= blow.window[1]))
-    seen = np.arange(max(seen[0] - 1, 0), min(seen[-1] + 2, curve.time.size))
-    factor, unit = prefixed("s", blow.window[1] - blow.window[0])
-    scale, printed = prefixed("N", blow.force)
-    time = factor * (curve.time[seen] - blow.time)
-    for number, name in enumerate(names):
-        if name not in blow.touching:
-            continue
-        force = scale * curve.values("normal_force", contact=name)[seen]
-        look = {**distinct(number), "linewidth": 1.0}
-        axes.plot(time, force, label=names[name], **look)
-    axes.plot(0.0, scale * blow.force, ".", markersize=4.0, color=PEAK, markeredgewidth=0.0, zorder=4)
-    axes.set_xlim(*(factor * (edge - blow.time) for edge in blow.window))
-    axes.set_ylim(bottom=0.0)
-    few_ticks(axes, 5)
-    axes.set_xlabel(f"time from {blow.time:.6g} s on [{unit}]")
-    axes.set_ylabel(f"normal force [{printed}]")

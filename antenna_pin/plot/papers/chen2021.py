@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from antenna_pin.plot.bodies import BodyQuantity
+from antenna_pin.plot.against_ideal import BodyQuantity
 from antenna_pin.plot.papers import _findings
 from antenna_pin.plot.papers._attractor_figures import AttractorFigure, Diagram, DiagramFigure, Verdict
 from antenna_pin.plot.papers._figure import PaperFigure
