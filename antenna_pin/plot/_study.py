@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import json
-import textwrap
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.ticker import NullLocator
 
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.plot._style import Array, literal, prefixed
+from antenna_pin.plot._style import Array, prefixed
 
 __all__ = [
     "Quantity",
-    "broken",
     "cell_edges",
     "is_spaced_by_factors",
-    "label_axis",
     "left_out",
     "names_of",
     "quantity_of",
@@ -63,7 +58,7 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
         raise UnknownNameError("study", "parameter or response", name, known)
     found = study[name]
     like = study["outcome"]
-    text = literal(str(found.attrs.get("long_name", name)))
+    text = str(found.attrs.get("long_name", name))
     text = text[:1].upper() + text[1:]
     if found.dtype.kind not in "fi":
         words = [str(value) for value in found.values]
@@ -110,22 +105,3 @@ def left_out(*quantities: Quantity) -> tuple[Any, str]:
     there = np.logical_and.reduce([np.isfinite(one.values) for one in quantities])
     missing = int(np.count_nonzero(~there))
     return there, f"{missing} of {there.size} runs without a result are not drawn" if missing else ""
-
-
-def broken(label: str, length: int = 32) -> str:
-    """Return a label in lines that an axis has room for; a title may be a sentence."""
-    return "\n".join(textwrap.wrap(label, length))
-
-
-def label_axis(axes: Axes, quantity: Quantity, along: str) -> None:
-    """Label an axis; a parameter of words has them as ticks."""
-    (axes.set_xlabel if along == "x" else axes.set_ylabel)(broken(quantity.label))
-    if quantity.logarithmic:
-        (axes.set_xscale if along == "x" else axes.set_yscale)("log")
-    if quantity.ticks:
-        axis = axes.xaxis if along == "x" else axes.yaxis
-        axis.set_minor_locator(NullLocator())
-        axis.set_ticks(quantity.ticks, [f"{value:.4g}" for value in quantity.ticks])
-    if quantity.texts:
-        axis = axes.xaxis if along == "x" else axes.yaxis
-        axis.set_ticks(np.arange(len(quantity.texts)), [literal(text) for text in quantity.texts])

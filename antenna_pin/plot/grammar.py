@@ -37,6 +37,7 @@ __all__ = [
     "Panel",
     "Points",
     "Rule",
+    "Scale",
     "Sheet",
     "close_view",
     "colour_bar",
@@ -199,6 +200,13 @@ class Axis:
     labelled: bool | None = None
     wrap: int = 0
 
+    def scaled(self, largest: float) -> tuple[float, str]:
+        """Return the factor of values up to a size, unless the axis has its own, and the label in full."""
+        size = largest if self.largest is None else self.largest
+        factor, printed = (1.0, "") if self.unit is None else prefixed(self.unit, size)
+        text = f"{self.label} [{printed}]".lstrip() if printed else self.label
+        return factor, style.literal(textwrap.fill(text, self.wrap) if self.wrap else text)
+
 
 TIME = Axis("time [s]")
 
@@ -217,6 +225,7 @@ class Panel:
         span: Size of smooth curves and of spikes, where several panels have one scale.
         margins: Free share of the axes' lengths beyond what is drawn; the style's if left out.
         named: Whether its curves are in the legend.
+        lettered: Whether it has a letter, where panels have.
         finish: What is left to be done on the axes.
     """
 
@@ -229,6 +238,7 @@ class Panel:
     span: tuple[float, float] | None = None
     margins: Mapping[str, float] | None = None
     named: bool = True
+    lettered: bool = True
     finish: Callable[[Axes], object] | None = None
 
     @property
@@ -359,7 +369,7 @@ def render(sheet: Sheet) -> Figure:
                     shared.setdefault((n, axis.shared), axes)
             drawn[axes] = panel
             linear |= _draw(axes, panel, _is_lowest(sheet, i, k), k == first)
-            lettered = several if sheet.letters is None else sheet.letters
+            lettered = panel.lettered and (several if sheet.letters is None else sheet.letters)
             style.panel_title(axes, next(letter) if lettered else "", panel.title)
     every = list(drawn)
     if sheet.label:
@@ -401,10 +411,8 @@ def _draw(axes: Axes, panel: Panel, lowest: bool, leftmost: bool) -> bool:
     Returns:
         Whether dotted lines mark where its scale is linear.
     """
-    (across, along), (up, upward) = (
-        (1.0, "") if axis.unit is None else prefixed(axis.unit, _largest(panel, axis))
-        for axis in (panel.x, panel.y)
-    )
+    across, along = panel.x.scaled(largest_of([one.x for one in panel.curves]))
+    up, upward = panel.y.scaled(panel.largest)
     for mark in panel.marks:
         mark.draw(axes, across, up)
     core, largest = panel.span or ((panel.core, panel.largest) if panel.spiky else (0.0, 0.0))
@@ -417,8 +425,8 @@ def _draw(axes: Axes, panel: Panel, lowest: bool, leftmost: bool) -> bool:
     _scale(axes, axes.yaxis, panel.y, up)
     x_shown = lowest if panel.x.labelled is None else panel.x.labelled
     y_shown = leftmost or not panel.y.shared if panel.y.labelled is None else panel.y.labelled
-    axes.set_xlabel(_label(panel.x, along) if x_shown else "")
-    axes.set_ylabel(_label(panel.y, upward) if y_shown else "")
+    axes.set_xlabel(along if x_shown else "")
+    axes.set_ylabel(upward if y_shown else "")
     if panel.x.shared:
         axes.tick_params(labelbottom=x_shown)
     if panel.y.shared:
@@ -428,19 +436,8 @@ def _draw(axes: Axes, panel: Panel, lowest: bool, leftmost: bool) -> bool:
     return limit is not None
 
 
-def _largest(panel: Panel, axis: Axis) -> float:
-    if axis.largest is not None:
-        return axis.largest
-    return panel.largest if axis is panel.y else largest_of([one.x for one in panel.curves])
-
-
 def _is_positive(values: Array) -> bool:
     return bool(np.nanmin(values, initial=0.0) >= 0.0)
-
-
-def _label(axis: Axis, printed: str) -> str:
-    text = axis.label if axis.unit is None else f"{axis.label} [{printed}]".lstrip()
-    return style.literal(textwrap.fill(text, axis.wrap) if axis.wrap else text)
 
 
 def _scale(axes: Axes, drawn: DrawnAxis, axis: Axis, factor: float) -> None:

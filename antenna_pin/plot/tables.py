@@ -11,14 +11,25 @@ from matplotlib.figure import Figure
 from antenna_pin.analysis import portrait_of
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.plot.exponents import figure_exponents
-from antenna_pin.plot.fit_curves import MOST, curves_of_fit, figure_fit
-from antenna_pin.plot.fit_sure import figure_correlation, figure_profiles, has_profiles
-from antenna_pin.plot.fit_tests import figure_experiments, figure_identifiability
-from antenna_pin.plot.periodic import figure_branch, figure_multipliers
+from antenna_pin.plot.fits import (
+    MOST,
+    curves_of_fit,
+    figure_correlation,
+    figure_experiments,
+    figure_fit,
+    figure_identifiability,
+    figure_profiles,
+    figure_sensitivity,
+    has_profiles,
+)
+from antenna_pin.plot.periodic import (
+    figure_bifurcation,
+    figure_branch,
+    figure_exponents,
+    figure_multipliers,
+    figure_section,
+)
 from antenna_pin.plot.phase import figure_phase
-from antenna_pin.plot.sections import figure_bifurcation, figure_section
-from antenna_pin.plot.sensitivity import figure_sensitivity
 from antenna_pin.trajectory import KINDS, kind_of
 
 __all__ = ["TableFigure", "table_figures"]

@@ -2,8 +2,10 @@
 
 import numpy as np
 
-from antenna_pin.plot._compared import Curve, Panel, between_spikes, panels_figure
+from antenna_pin.plot._compared import panels_sheet
 from antenna_pin.plot._style import LINEAR_BETWEEN, footnote
+from antenna_pin.plot._thinned import between_spikes
+from antenna_pin.plot.grammar import Axis, Curve, Panel, render
 
 
 def with_impacts(amplitude, spike):
@@ -27,16 +29,17 @@ def test_a_scale_is_linear_as_far_as_every_run_is_smooth():
     """The ideal run does not move that way at all: what the play does is a sine, and looks like one."""
     time, value = with_impacts(0.3, 2000.0)
     still = Curve("ideal", time, 1e-6 * value, {}, smooth=True)
-    assert 0.3 / 1.2 < Panel("", "", "m", [Curve("play", time, value, {}), still]).core <= 0.3
+    assert 0.3 / 1.2 < Panel("", [Curve("play", time, value), still]).core <= 0.3
 
 
 def test_what_dotted_lines_mean_stands_once_below_the_panels():
     """Beside the axes it would take the room of the label; limits stand as ticks at the lines."""
     time, value = with_impacts(0.3, 2000.0)
-    panels = [Panel(name, "acceleration", "m/s^2", [Curve(name, time, value, {})]) for name in ("x", "y")]
-    figure = panels_figure(panels, "page", 2, spikes=True)
+    y = Axis("acceleration", "m/s^2")
+    panels = [Panel(name, [Curve(name, time, value)], y) for name in ("x", "y")]
+    figure = render(panels_sheet(panels, "page", 2, spikes=True))
     assert figure.get_supxlabel() == LINEAR_BETWEEN
     assert all("\n" not in axes.get_ylabel() for axes in figure.axes)
     footnote(figure, "world axes")
     assert figure.get_supxlabel() == f"{LINEAR_BETWEEN}; world axes"
-    assert not panels_figure(panels, "page", 2).get_supxlabel()
+    assert not render(panels_sheet(panels, "page", 2)).get_supxlabel()

@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from antenna_pin.analysis import RecurrenceKind, Verdict, diagram_verdicts, said_of_verdicts
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._style import Width, prefixed
-from antenna_pin.plot.attractors import SAME, SEEN, Attractor, figure_attractors
 from antenna_pin.plot.papers._findings import with_unit
-from antenna_pin.plot.sections import figure_bifurcation
+from antenna_pin.plot.periodic import figure_bifurcation
+from antenna_pin.plot.phase import SAME, SEEN, Attractor, figure_attractors
 
 __all__ = ["AttractorFigure", "Diagram", "DiagramFigure", "Verdict"]
 
