@@ -208,14 +208,15 @@ def panels_sheet(
     columns = columns if width == "page" else 1
     small = -(-len(panels) // columns) > _TALL
     overall = max((panel.largest for panel in panels if not panel.apart), default=0.0)
-    ticks = {"ticks": 4 if small else 6}
     shown = []
     for panel in panels:
         alone = panel.apart or panel.largest < 1e-2 * overall
         # As long as a panel is high; of many small ones the titles say what they show.
-        looks = {"label": "", "ticks": 4} if small else {"wrap": 22}
-        y = replace(panel.y, largest=panel.largest if alone else overall, **looks)
+        y = replace(panel.y, largest=panel.largest if alone else overall)
+        y = replace(y, label="", ticks=4) if small else replace(y, wrap=22)
         title = textwrap.fill(panel.title, 19, initial_indent="(a) ")[4:] if small else panel.title
-        shown.append(replace(panel, title=title, y=y, x=replace(panel.x, **ticks), spiky=spikes))
+        shown.append(
+            replace(panel, title=title, y=y, x=replace(panel.x, ticks=4 if small else 6), spiky=spikes)
+        )
     rows = in_rows(shown, 2 * columns if small else columns)
     return Sheet(rows, width, 12.0 + (34.0 if small else 42.0) * len(rows), notes)

@@ -14,10 +14,9 @@ from matplotlib.path import Path
 
 from antenna_pin.analysis import is_round_off, journal_motion, round_off_scales, scenario_spans
 from antenna_pin.geometry import LOOKS
-from antenna_pin.plot._blows import Blow, episodes_of, sharp, strongest_blow
 from antenna_pin.plot._compared import pick_touching
 from antenna_pin.plot._kinds import TOUCHING, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, smooth
+from antenna_pin.plot._runs import Blow, LabelledRun, Run, episodes_of, sharp, smooth, strongest_blow
 from antenna_pin.plot._style import (
     COLOURS,
     MANY,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,7 @@ def _within_bounds(
     edges: list[float],
     y: Axis,
 ) -> Panel:
-    """Return curves on coloured grounds, which end where the panel does: a little beyond all that is drawn."""
+    """Return curves on coloured grounds, which end a little beyond all that is drawn, as the panel does."""
     values = [one.y for one in curves]
     low, high = (float(pick([*(pick(one) for one in values), *edges])) for pick in (np.min, np.max))
     room = _BEYOND * ((high - low) or 1.0)
@@ -176,7 +177,7 @@ def _changes(run: LabelledRun, joint: str, look: dict[str, Any]) -> list[tuple[s
             found.setdefault(mark, []).append((change.time, change.angle))
     hollow = {"edgecolors": look.get("color", "black"), "facecolors": "none"}
     return [
-        (mark, Points(*np.array(pairs).T, {"marker": mark, **({"color": PEAK} if mark == "x" else hollow)}))
+        (mark, Points(np.array(pairs), {"marker": mark, **({"color": PEAK} if mark == "x" else hollow)}))
         for mark, pairs in found.items()
     ]
 
@@ -195,9 +196,6 @@ def figure_gears(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sheet:
     """
     picked = pick(runs, GEARED, compared=False)
 
-    def of(run: LabelledRun, what: str, place: str) -> Array | None:
-        return run.values(f"element_{what}", element=place) if place in _own(run, "gears") else None
-
     picked = picked.thinned(
         lambda run: [
             run.values(f"element_{what}", element=place)
@@ -212,16 +210,18 @@ def figure_gears(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sheet:
         mine = {_free(_own(run, "gears")[place]["numbers"]) for run, _ in has}
         edges = [edge for low, high, _ in mine for edge in (low, high) if np.isfinite(edge)]
         mine = {one for one in mine if one[0] < one[1]}
-        deflections, efforts = (
-            picked.curves(lambda run, w=what: of(run, w, place))  # noqa: B023
-            for what in ("deflection", "effort")
-        )
+
+        def value(run: LabelledRun, what: str, place: str = place) -> Array | None:
+            has = place in _own(run, "gears")
+            return run.values(f"element_{what}", element=place) if has else None
+
+        deflections, efforts = (picked.curves(partial(value, what=what)) for what in ("deflection", "effort"))
         deflections = [replace(one, label=run.label) for one, (run, _) in zip(deflections, has, strict=True)]
         title = place.partition(".")[2].replace("_", " ")
         panel = _within_bounds(title, deflections, mine, edges, Axis("deflection", "m" if slides else "rad"))
         touches = [(_onsets(run, place), look) for run, look in has]
         circles = [
-            Points(*one.T, {"marker": "o", "edgecolors": look.get("color", "black"), "facecolors": "none"})
+            Points(one, {"marker": "o", "edgecolors": look.get("color", "black"), "facecolors": "none"})
             for one, look in touches
         ]
         y = Axis("force", "N") if slides else Axis("torque", "N m")
@@ -375,7 +375,7 @@ def figure_hysteresis(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sh
             if slides
             else (Axis("angle", "rad"), Axis("torque", "N m"))
         )
-        panels.append(Panel(name.replace("_", " "), marks, y, x, margins={"x": 0.03, "y": 0.03}))
+        panels.append(Panel(name.replace("_", " "), marks, y, x, margins=(0.03, 0.03)))
     rows = in_rows(panels, COLUMN_OR_PAGE[width] if len(panels) > 1 else 1, alone=False)
     notes = ("the area inside a loop is the heat of a cycle", *picked.notes)
     return Sheet(rows, width, 12.0 + 58.0 * len(rows), notes, every=True)

@@ -11,7 +11,7 @@ import numpy as np
 from antenna_pin.analysis import closures_of, couplings_of, drive_power, drives_of, effort_unit, joint_loads
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._compared import Picked, above_round_off, panels_sheet, pick
-from antenna_pin.plot._kinds import CLOSED, COUPLED, FORCED, LOOPED, MOVING, PRESCRIBED, RunFigure, RunKind
+from antenna_pin.plot._kinds import CLOSED, COUPLED, FORCED, LOOPED, MOVING, PRESCRIBED, RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run
 from antenna_pin.plot._style import Array, Width, prefixed
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, close_view, figure, in_rows, size_of
@@ -107,7 +107,7 @@ def _with_close_view(
 ) -> Sheet:
     """Return curves over a span, and in a close view; in each of a linear scale what is in view only."""
     linear = y.scale == "linear"
-    panels = []
+    panels: list[Panel] = []
     for words, span in zip((title, "close view of the shaded span"), spans, strict=True):
         seen = [(one, (one.x >= span[0]) & (one.x <= span[1])) for one in curves] if linear else []
         shown = [replace(one, x=one.x[mine], y=one.y[mine]) for one, mine in seen] or list(curves)
@@ -166,9 +166,11 @@ def _ratios(picked: Picked, largest: list[float]) -> str:
 # --- of elements: a panel for each in all runs ---
 
 _Pick = Callable[[LabelledRun], Array | None]
+#: What is drawn of an element: title and value axis of a panel, and what gives the values.
+_Drawn = tuple[str, Axis, _Pick]
 
 
-def _picked(dimension: str, variable: str, name: str) -> _Pick:
+def _of(dimension: str, name: str, variable: str) -> _Pick:
     """Return what gives a variable of an element in a run that has it; of a vector its size."""
 
     def values(run: LabelledRun) -> Array | None:
@@ -180,25 +182,23 @@ def _picked(dimension: str, variable: str, name: str) -> _Pick:
     return values
 
 
-def _power(name: str) -> _Pick:
-    return lambda run: drive_power(run.data, name) if name in names_along(run.data, "drive") else None
-
-
-def _along(
-    kind: RunKind,
-    dimension: str,
-    picks: Callable[[str], Sequence[_Pick]],
-    runs: Iterable[Run] | Run,
-    ideal: Run | None,
-) -> tuple[Picked, list[str]]:
-    """Return the runs of a kind, thinned to what is drawn of each name along a dimension, and the names."""
+def _panels(
+    picked: Picked, dimension: str, drawn: Callable[[str], Sequence[_Drawn]]
+) -> tuple[Picked, list[Panel]]:
+    """Return runs, thinned, and the panels of every element along a dimension."""
+    by_name = {name: drawn(name) for name in picked.names(dimension)}
+    every = [one for of_name in by_name.values() for one in of_name]
 
     def columns(run: LabelledRun) -> list[Array]:
-        found = (one(run) for name in names_along(run.data, dimension) for one in picks(name))
-        return [one for one in found if one is not None]
+        return [values for *_, pick_one in every if (values := pick_one(run)) is not None]
 
-    picked = pick(runs, kind, ideal).thinned(columns)
-    return picked, picked.names(dimension)
+    picked = picked.thinned(columns)
+    return picked, [Panel(title, picked.curves(one), y, apart=True) for title, y, one in every]
+
+
+def _sheet(panels: Sequence[Panel], picked: Picked, width: Width, note: str = "") -> Sheet:
+    shown, zero = above_round_off(panels, picked.drawn)
+    return panels_sheet(shown, width, 2, (note, zero, *picked.notes), spikes=True)
 
 
 @figure()
@@ -211,29 +211,22 @@ def figure_closure_forces(
     least that do. A closure's moment that is zero to round-off in all runs has no panel. Scales are linear as
     far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
     """
-    units = {"force": "N", "moment": "N m"}
+    picked = pick(runs, CLOSED, ideal)
 
-    def picks(name: str) -> list[_Pick]:
-        return [_picked("closure", f"closure_{what}", name) for what in units]
-
-    picked, names = _along(CLOSED, "closure", picks, runs, ideal)
-    panels: list[Panel] = []
-    for name in names:
+    def drawn(name: str) -> list[_Drawn]:
         every = (closures_of(run.data) for run in picked.drawn)
-        kind = next(one[name]["kind"] for one in every if name in one)
-        for (what, unit), values in zip(units.items(), picks(name), strict=True):
-            title = f"{name} ({kind}), {what}"
-            panels.append(Panel(title, picked.curves(values), Axis(what, unit), apart=True))
+        title = f"{name} ({next(one[name]['kind'] for one in every if name in one)})"
+        return [
+            (f"{title}, {what}", Axis(what, unit), _of("closure", name, f"closure_{what}"))
+            for what, unit in (("force", "N"), ("moment", "N m"))
+        ]
+
+    picked, panels = _panels(picked, "closure", drawn)
     panels = [one for one in panels if one.y.unit == "N" or one.largest > 0.0]
     counts = [json.loads(run.data.attrs["constraints"]) for run in picked.drawn]
     redundant = any(one["closure_equations"] > one["closure_rank"] for one in counts)
     note = "of redundant equations, the least loads that hold the loops" if redundant else ""
     return _sheet(panels, picked, width, note)
-
-
-def _sheet(panels: Sequence[Panel], picked: Picked, width: Width, note: str = "") -> Sheet:
-    shown, zero = above_round_off(panels, picked.drawn)
-    return panels_sheet(shown, width, 2, (note, zero, *picked.notes), spikes=True)
 
 
 @figure()
@@ -244,17 +237,15 @@ def figure_coupling_torques(
 
     Scales are linear as far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
     """
+    picked = pick(runs, COUPLED, ideal)
 
-    def picks(name: str) -> list[_Pick]:
-        return [_picked("coupling", "coupling_torque", name)]
-
-    picked, names = _along(COUPLED, "coupling", picks, runs, ideal)
-    panels: list[Panel] = []
-    for name in names:
+    def drawn(name: str) -> list[_Drawn]:
         one = next(found[name] for run in picked.drawn if name in (found := couplings_of(run.data)))
         what, unit = ("force", "N") if one["slides"] else ("torque", "N m")
         title = f"{name}, {what} on {one['follower']}"
-        panels.append(Panel(title, picked.curves(picks(name)[0]), Axis(what, unit), apart=True))
+        return [(title, Axis(what, unit), _of("coupling", name, "coupling_torque"))]
+
+    picked, panels = _panels(picked, "coupling", drawn)
     return panels_sheet(panels, width, 2, picked.notes, spikes=True)
 
 
@@ -266,20 +257,21 @@ def figure_drive_efforts(
 
     Scales are linear as far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
     """
+    picked = pick(runs, PRESCRIBED, ideal)
 
-    def picks(name: str) -> list[_Pick]:
-        return [_picked("drive", "drive_torque", name), _power(name)]
+    def drawn(name: str) -> list[_Drawn]:
+        def power(run: LabelledRun) -> Array | None:
+            return drive_power(run.data, name) if name in names_along(run.data, "drive") else None
 
-    picked, names = _along(PRESCRIBED, "drive", picks, runs, ideal)
-    panels: list[Panel] = []
-    for name in names:
         has = (run for run in picked.drawn if name in names_along(run.data, "drive"))
         unit = next(effort_unit(run.data, name) for run in has)
-        motion = any(drives_of(run.data).get(name, {}).get("motion") for run in picked.drawn)
         what = "force" if unit == "N" else "torque"
-        of = f"{'motion' if motion else 'drive'} {name}"
-        for (word, its), values in zip(((what, unit), ("power", "W")), picks(name), strict=True):
-            panels.append(Panel(f"{of}, {word}", picked.curves(values), Axis(word, its), apart=True))
+        motion = any(drives_of(run.data).get(name, {}).get("motion") for run in picked.drawn)
+        title = f"{'motion' if motion else 'drive'} {name}"
+        effort = (f"{title}, {what}", Axis(what, unit), _of("drive", name, "drive_torque"))
+        return [effort, (f"{title}, power", Axis("power", "W"), power)]
+
+    picked, panels = _panels(picked, "drive", drawn)
     return _sheet(panels, picked, width)
 
 
@@ -292,19 +284,15 @@ def figure_applied_forces(
     What is zero to round-off in all runs has no panel. Scales are linear as far as the ideal run reaches and
     logarithmic beyond, where there are spikes.
     """
-    units = {"force": "N", "torque": "N m"}
 
-    def picks(name: str) -> list[_Pick]:
-        return [_picked("force_place", f"applied_{what}", name) for what in units]
+    def drawn(name: str) -> list[_Drawn]:
+        return [
+            (f"{name}, {what}", Axis(what, unit), _of("force_place", name, f"applied_{what}"))
+            for what, unit in (("force", "N"), ("torque", "N m"))
+        ]
 
-    picked, names = _along(FORCED, "force_place", picks, runs, ideal)
-    panels = [
-        Panel(f"{name}, {what}", picked.curves(values), Axis(what, unit), apart=True)
-        for name in names
-        for (what, unit), values in zip(units.items(), picks(name), strict=True)
-    ]
-    panels = [panel for panel in panels if panel.largest > 0.0] or panels[:1]
-    return _sheet(panels, picked, width)
+    picked, panels = _panels(pick(runs, FORCED, ideal), "force_place", drawn)
+    return _sheet([panel for panel in panels if panel.largest > 0.0] or panels[:1], picked, width)
 
 
 FIGURES = (

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from antenna_pin.base.arguments import takes
@@ -131,7 +132,8 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
     ):
         if bands:
             look = {"color": colour, "label": words, "zorder": 1.0}
-            marks.append(Band(at, *_values(rows, low, high), look))
+            ends = _values(rows, low, high)
+            marks.append(Band(at, ends[0], ends[1], look))
     marks.append(_measured("measured", at, data))
     alone = {"marker": "D" if len(at) == 1 else "", "markersize": 3.0}
     marks.append(Curve("fitted model", at, model, {"color": "C0", "linewidth": 0.9, "zorder": 3.0, **alone}))
@@ -147,7 +149,7 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
     def finish(axes: Axes) -> None:
         axes.set_title(rms, loc="right", fontsize=6.5)
 
-    margins = {"x": 0.02, "y": 0.06}
+    margins = 0.02, 0.06
     above = replace(x, labelled=False)
     y_below = Axis("residual\n[sd]", limits=(-half, half), ticks=3)
     return (
@@ -164,6 +166,7 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
             beneath,
             y_below if linear else replace(y_below, ticks=0),
             replace(x, labelled=True),
+            margins=(0.02, 0.05),
             lettered=False,
         ),
     )
@@ -400,7 +403,10 @@ def figure_identifiability(found: xr.Dataset, *, width: Width = "page") -> Sheet
     x = Axis("interval to expect, ± [% of the size]", limits=(low, high), scale="log")
     left = Panel("parameters", marks, _listed(names), x, finish=_with_plain_numbers)
     right = Panel(
-        "directions", [ByHand(lambda axes, *_: _directions(axes, found, names))], Axis(ticks=0), Axis(ticks=0)
+        "directions",
+        [ByHand(lambda axes, *_: _directions(axes, found, names))],
+        Axis("error along it [sizes]", ticks=0),
+        Axis(ticks=0),
     )
     notes = (
         f"intervals of {100.0 * float(found.attrs['level']):g} %",
@@ -443,7 +449,7 @@ def figure_experiments(found: xr.Dataset, *, width: Width = "page") -> Sheet:
     half, before = 100.0 * half / size, 100.0 * before / size
     titles, wanted = [str(one) for one in shown["title"].values], str(shown.attrs["wanted"])
     columns = min(len(titles), 4 if width == "page" else 2)
-    panels = []
+    panels: list[Panel] = []
     for k, title in enumerate(titles):
         mine = str(shown["parameter"].values[k]) == wanted and len(titles) > 1
         x, marks = _after(half[:, k], float(before[k]))
@@ -519,7 +525,7 @@ def figure_sensitivity(sensitivity: xr.Dataset, *, width: Width = "page") -> She
                 [bars],
                 Axis(named={float(k): label for k, label in enumerate(labels)}),
                 Axis("change of the result [%]", ticks=0),
-                margins={"x": 0.05},
+                margins=(0.05, 0.05),
                 finish=lambda axes: axes.invert_yaxis(),
             )
         )
@@ -543,7 +549,7 @@ def _most(sensitivity: xr.Dataset) -> tuple[int, Array]:
     return best, np.abs(changes[:, best]).max(axis=0)
 
 
-def _bars(axes: Axes, share: Array, doubt: Array, order: Array, names: list[str]) -> None:
+def _bars(axes: Axes, share: Array, doubt: Array, order: NDArray[np.intp], names: list[str]) -> None:
     """Draw bars, a group for each result."""
     tall = 0.8 / len(order)
     places = np.arange(len(share), dtype=float)
@@ -554,7 +560,9 @@ def _bars(axes: Axes, share: Array, doubt: Array, order: Array, names: list[str]
     axes.axvline(0.0, color="#999999", linewidth=0.6)
 
 
-def _over_time(sensitivity: xr.Dataset, curve: int, order: Array, names: list[str], *, named: bool) -> Panel:
+def _over_time(
+    sensitivity: xr.Dataset, curve: int, order: NDArray[np.intp], names: list[str], *, named: bool
+) -> Panel:
     """Return the change of one curve with each parameter."""
     (time,) = _values(sensitivity, "time")
     change, doubt = (0.01 * one[:, curve] for one in _values(sensitivity, "curve_change", "curve_doubt"))

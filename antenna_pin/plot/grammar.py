@@ -94,16 +94,15 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Points:
-    """Marks of events at points, hollow unless their look says otherwise."""
+    """Marks of events at points, (n, 2)."""
 
-    x: Array
-    y: Array
+    points: Array
     look: Look = field(default_factory=dict)
 
     def draw(self, axes: Axes, across: float, up: float) -> None:
         """Draw the points."""
         looks = {"s": 14.0, "linewidths": 0.8, "zorder": 6, **self.look}
-        axes.scatter(across * self.x, up * self.y, **looks)
+        axes.scatter(across * self.points[:, 0], up * self.points[:, 1], **looks)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -195,7 +194,7 @@ class Axis:
     limits: tuple[float | None, float | None] | None = None
     scale: Scale = "linear"
     ticks: int = 5
-    named: Mapping[float, str] | None = None
+    named: Mapping[float, str] | Mapping[int, str] | None = None
     shared: str | None = None
     labelled: bool | None = None
     wrap: int = 0
@@ -223,7 +222,7 @@ class Panel:
         apart: Whether it shows a deviation, with a scale of its own.
         spiky: Whether the scale is linear as far as smooth curves reach, and logarithmic beyond.
         span: Size of smooth curves and of spikes, where several panels have one scale.
-        margins: Free share of the axes' lengths beyond what is drawn; the style's if left out.
+        margins: Free shares of the axes beyond what is drawn, across and up; the style's if left out.
         named: Whether its curves are in the legend.
         lettered: Whether it has a letter, where panels have.
         finish: What is left to be done on the axes.
@@ -236,7 +235,7 @@ class Panel:
     apart: bool = False
     spiky: bool = False
     span: tuple[float, float] | None = None
-    margins: Mapping[str, float] | None = None
+    margins: tuple[float, float] | None = None
     named: bool = True
     lettered: bool = True
     finish: Callable[[Axes], object] | None = None
@@ -391,7 +390,7 @@ def colour_bar(
 ) -> Any:
     """Draw a bar of colours beside panels, and return it."""
     bar = found.colorbar(shown, ax=panels, label=label, **where)
-    bar.outline.set_linewidth(0.4)  # type: ignore[operator]
+    bar.outline.set_linewidth(0.4)
     return bar
 
 
@@ -420,7 +419,7 @@ def _draw(axes: Axes, panel: Panel, lowest: bool, leftmost: bool) -> bool:
     if limit is not None and panel.span is None and all(_is_positive(one.y) for one in panel.curves):
         axes.set_ylim(bottom=0.0)
     if panel.margins is not None:
-        axes.margins(**panel.margins)
+        axes.margins(*panel.margins)
     _scale(axes, axes.xaxis, panel.x, across)
     _scale(axes, axes.yaxis, panel.y, up)
     x_shown = lowest if panel.x.labelled is None else panel.x.labelled

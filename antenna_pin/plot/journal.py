@@ -20,12 +20,21 @@ from matplotlib.ticker import MaxNLocator
 from antenna_pin.analysis import LONG, blocks, bore_load, journal_motion, steady_up
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot import _style as style
-from antenna_pin.plot._blows import episodes_of, sharp
 from antenna_pin.plot._compared import pick_touching
 from antenna_pin.plot._kinds import TOUCHING, RunFigure
-from antenna_pin.plot._lines import draw_parts, draw_pieces
-from antenna_pin.plot._runs import LabelledRun, Run, smooth
-from antenna_pin.plot._style import COLOURS, MANY, SEQUENTIAL, WIDTHS, Array, Width, few_ticks, prefixed
+from antenna_pin.plot._runs import LabelledRun, Run, episodes_of, sharp, smooth
+from antenna_pin.plot._style import (
+    COLOURS,
+    MANY,
+    SEQUENTIAL,
+    WIDTHS,
+    Array,
+    Width,
+    draw_parts,
+    draw_pieces,
+    few_ticks,
+    prefixed,
+)
 from antenna_pin.plot._thinned import thinned
 from antenna_pin.plot.grammar import Axis, ByHand, Curve, Mark, Panel, Sheet, figure, in_rows
 from antenna_pin.trajectory import contact_ends, contact_kinds

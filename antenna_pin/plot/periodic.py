@@ -17,9 +17,9 @@ from matplotlib.colors import Normalize
 
 from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot._study import is_spaced_by_factors
 from antenna_pin.plot._style import SEQUENTIAL, Array, Width, parameter_words
 from antenna_pin.plot.grammar import Axis, ByHand, Curve, Mark, Panel, Rule, Sheet, figure, size_of
+from antenna_pin.plot.study import is_spaced_by_factors
 
 __all__ = [
     "Track",
@@ -167,11 +167,11 @@ def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: W
     """
     shown = [*_numbers(branch, coordinate), ("size of the largest\nmultiplier [-]", _largest(branch))]
     x = _parameter(branch, ticks=6, shared="parameter")
-    panels = []
+    panels: list[Panel] = []
     for label, numbers in shown:
         marks: list[Mark] = [*_track_curves(track(branch, numbers))]
         marks += [Rule(1.0)] if len(panels) + 1 == len(shown) else []
-        panels.append(Panel("", marks, Axis(label), x, margins={"x": 0.03, "y": 0.08}))
+        panels.append(Panel("", marks, Axis(label), x, margins=(0.03, 0.08)))
     note = f"{branch.sizes['point']} orbits over {branch.attrs['parameter']}; {branch.attrs['message']}"
     return Sheet([[one] for one in panels], width, 20.0 + 46.0 * len(shown), (note,))
 
@@ -275,7 +275,7 @@ def figure_section(section: xr.Dataset, *, width: Width = "column") -> Sheet:
         Panel("", [Curve("", section[across].values, section[name].values, look)], _within(section, name), x)
         for name in others
     ]
-    rows = [[replace(panel, margins={"x": 0.05, "y": 0.05})] for panel in panels]
+    rows = [[replace(panel, margins=(0.05, 0.05))] for panel in panels]
     said = f"{section.attrs['section']}; {section.sizes['point']} points"
     said += f" behind {int(section['transient'].item())}" + ("" if settled else "; they had not settled")
     return Sheet(rows, width, 18.0 + 62.0 * len(others), (said,))
@@ -325,7 +325,7 @@ def figure_bifurcation(
         words = textwrap.fill(str(about.get("long_name") or name), 30)
         y = Axis(words, str(about.get("units", "")), size_of(diagram[name].values), ticks=0)
         named = diagram.sizes["branch"] > 1 or bool(tracks)
-        rows.append([Panel(name, marks, y, x, margins={"x": 0.01}, named=named)])
+        rows.append([Panel(name, marks, y, x, margins=(0.01, 0.05), named=named)])
     notes = (*said, f"over {diagram.attrs['parameter']}")
     return Sheet(rows, width, 24.0 + 52.0 * len(names), notes)
 

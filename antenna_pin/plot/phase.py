@@ -19,12 +19,12 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 from antenna_pin.analysis import PhasePortrait, Recurrence, RecurrenceKind, quantity, recurrence
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot._lines import draw_pieces
 from antenna_pin.plot._style import (
     PEAK,
     SEQUENTIAL,
     Array,
     Width,
+    draw_pieces,
     few_ticks,
     footnote,
     new_figure,
@@ -270,7 +270,7 @@ def figure_attractors(
         close = [replace(axis, limits=limits) for axis, limits in zip(whole, ends, strict=True)]
         line = Curve("", lines[0].values, lines[1].values, {"linewidth": 0.5})
         words = one.words(x, y, tolerance=tolerance)
-        map_ = Panel(words, [Curve("", *points.T, dots)], close[1], close[0])
+        map_ = Panel(words, [Curve("", points[:, 0], points[:, 1], dots)], close[1], close[0])
         rows.append([Panel(one.label, [line], whole[1], whole[0]), map_])
     periods = {float(one.section.attrs["period"]) for one in attractors}
     said = f"{attractors[0].section.attrs['section']}; " if len(periods) == 1 else ""

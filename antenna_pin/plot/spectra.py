@@ -477,7 +477,7 @@ def figure_response(response: xr.Dataset, *, width: Width = "page") -> Sheet:
         panels.append(Panel(f"over {response.attrs['source']}", [*lines, *rules], y, x))
     named = {float(n): f"{n}".replace("-", "\N{MINUS SIGN}") for n in (-180, -90, 0, 90, 180)}
     y = Axis("phase [deg]", limits=(-190.0, 190.0), named=named)
-    panels.append(Panel("", [*phases, *rules], y, x))
+    panels.append(Panel("", [*phases, *rules], y, x, lettered=False))
     heights = [1.4] * len(of_unit) + [1.0]
     note = "thin lines: natural frequencies, undamped" if marks else ""
     height = 16.0 + 44.0 * len(of_unit) + 34.0

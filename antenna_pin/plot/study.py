@@ -7,6 +7,7 @@ out, and a footnote says how many.
 
 from __future__ import annotations
 
+import json
 import math
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
@@ -21,13 +22,19 @@ from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
-from antenna_pin.plot._study import Quantity, cell_edges, left_out, names_of, quantity_of
-from antenna_pin.plot._style import COLOURS, PEAK, SEQUENTIAL, Array, Width, literal
+from antenna_pin.errors import UnknownNameError
+from antenna_pin.plot._style import COLOURS, PEAK, SEQUENTIAL, Array, Width, literal, prefixed
 from antenna_pin.plot.grammar import Axis, ByHand, Curve, Mark, Panel, Scale, Sheet, colour_bar, figure
 
 __all__ = [
     "QUANTILES",
+    "Quantity",
     "StudyFigure",
+    "cell_edges",
+    "is_spaced_by_factors",
+    "left_out",
+    "names_of",
+    "quantity_of",
     "study_distribution",
     "study_figures",
     "study_map",
@@ -61,6 +68,96 @@ class StudyFigure:
     title: str
     draw: Callable[..., Figure]
 
+
+# --- parameters and responses: a value for each run, in a unit that suits it ---
+
+# Values of a parameter that its axis has room for.
+_MOST_TICKS = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A parameter or response of all runs, in a unit that suits it.
+
+    Attributes:
+        name: Its name.
+        label: What its axis is called, with the unit.
+        values: Of all runs, (runs,).
+        texts: Of a parameter that is words.
+        ticks: The values of a parameter that has few.
+        logarithmic: Whether it is a parameter whose values are spaced by factors.
+    """
+
+    name: str
+    label: str
+    values: Array
+    texts: tuple[str, ...] = ()
+    ticks: tuple[float, ...] = ()
+    logarithmic: bool = False
+
+
+def names_of(study: xr.Dataset, what: str) -> list[str]:
+    """Return the names of a study's ``parameters`` or ``responses``."""
+    return [str(name) for name in json.loads(study.attrs[what])]
+
+
+def quantity_of(study: xr.Dataset, name: str) -> Quantity:
+    """Return a parameter or response, one value for each run, (runs,)."""
+    known = [*names_of(study, "parameters"), *names_of(study, "responses")]
+    if name not in known:
+        raise UnknownNameError("study", "parameter or response", name, known)
+    found = study[name]
+    like = study["outcome"]
+    text = str(found.attrs.get("long_name", name))
+    text = text[:1].upper() + text[1:]
+    if found.dtype.kind not in "fi":
+        words = [str(value) for value in found.values]
+        numbers = xr.DataArray(np.arange(len(words), dtype=float), dims=found.dims)
+        return Quantity(
+            name, text, np.ravel(numbers.broadcast_like(like).transpose(*like.dims).values), tuple(words)
+        )
+    values = np.ravel(found.broadcast_like(like).transpose(*like.dims).values).astype(float)
+    sizes = np.abs(values[np.isfinite(values)])
+    chosen = name in names_of(study, "parameters")
+    by_factors = chosen and is_spaced_by_factors(values)
+    # On a logarithmic axis the middle is what is read, on another its end.
+    size = float(np.median(sizes) if by_factors else sizes.max()) if sizes.size else 0.0
+    factor, unit = prefixed(str(found.attrs.get("units", "")), size)
+    label = f"{text} [{unit}]" if unit not in ("", "-", "1") else text
+    own = np.unique(factor * values[np.isfinite(values)])
+    ticks = tuple(own.tolist()) if chosen and own.size <= _MOST_TICKS else ()
+    return Quantity(name, label, factor * values, ticks=ticks, logarithmic=by_factors)
+
+
+def is_spaced_by_factors(values: Array) -> bool:
+    """Whether values lie more evenly by their logarithms, over a decade or nearly so."""
+    own = np.unique(values[np.isfinite(values)])
+    if own.size < 3 or own[0] <= 0.0 or own[-1] < 8.0 * own[0]:
+        return False
+    steps, factors = np.diff(own), np.diff(np.log(own))
+    return bool(np.std(factors) / np.mean(factors) < np.std(steps) / np.mean(steps))
+
+
+def cell_edges(values: Array, logarithmic: bool) -> Array:
+    """Return the edges of cells around ascending values, halfway between two, by factors or not."""
+    own = np.log(values) if logarithmic else values
+    middles = 0.5 * (own[1:] + own[:-1])
+    if not middles.size:
+        edges = own[0] + max(0.5 * abs(own[0]), 0.5) * np.array([-1.0, 1.0])
+    else:
+        edges = np.concatenate([[2.0 * own[0] - middles[0]], middles, [2.0 * own[-1] - middles[-1]]])
+    found: Array = np.exp(edges) if logarithmic else edges
+    return found
+
+
+def left_out(*quantities: Quantity) -> tuple[Any, str]:
+    """Return which runs have all the numbers, and the words for those that have not."""
+    there = np.logical_and.reduce([np.isfinite(one.values) for one in quantities])
+    missing = int(np.count_nonzero(~there))
+    return there, f"{missing} of {there.size} runs without a result are not drawn" if missing else ""
+
+
+# --- figures ---
 
 _STUDY = "As :func:`antenna_pin.open_study` returns it."
 _RESPONSE = "Name of the response."
@@ -100,7 +197,7 @@ def study_response(study: xr.Dataset, response: str, parameter: str, *, width: W
             points = x.values[chosen][order], y.values[chosen][order]
             marks.append(Curve(label if several else "", *points, look))
     few = not x.texts and not x.ticks
-    panel = Panel("", marks, _axis(y, 5 if few else 0), _axis(x, 6 if few else 0), margins={"x": 0.03})
+    panel = Panel("", marks, _axis(y, 5 if few else 0), _axis(x, 6 if few else 0), margins=(0.03, 0.05))
     return Sheet([[panel]], width, 66.0, (said,))
 
 
@@ -233,7 +330,7 @@ def _against(
         mark = ByHand(lambda axes, *_: axes.hist(x.values[there], bins=20, color="#A9CCE3"))
     across = Axis(_broken(x.label, 15), labelled=row == count - 1, ticks=0, shared=f"{column}")
     up = Axis(_broken(y.label, 15), labelled=column == 0, ticks=0)
-    return Panel("", [mark], up, across, margins={"x": 0.05, "y": 0.05}, finish=finish)
+    return Panel("", [mark], up, across, margins=(0.05, 0.05), finish=finish)
 
 
 @figure(found="As :func:`antenna_pin.sweep.sensitivities` returns it.", title="Of the response.")

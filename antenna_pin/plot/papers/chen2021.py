@@ -12,8 +12,7 @@ from functools import partial
 
 from antenna_pin.plot.against_ideal import BodyQuantity
 from antenna_pin.plot.papers import _findings
-from antenna_pin.plot.papers._attractor_figures import AttractorFigure, Diagram, DiagramFigure, Verdict
-from antenna_pin.plot.papers._figure import PaperFigure
+from antenna_pin.plot.papers._figure import AttractorFigure, Diagram, DiagramFigure, PaperFigure, Verdict
 
 __all__ = ["ATTRACTORS", "FIGURES"]
 
