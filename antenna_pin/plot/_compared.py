@@ -14,6 +14,7 @@ from antenna_pin.plot._kinds import TOUCHING, JointKind, RunKind, choose_joint, 
 from antenna_pin.plot._runs import (
     LabelledRun,
     Run,
+    Runs,
     labelled,
     left_out,
     long_enough,
@@ -25,17 +26,6 @@ from antenna_pin.plot._style import Array, Width
 from antenna_pin.plot._thinned import Columns, closer, thinned_beside
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, in_rows, size_of
 from antenna_pin.trajectory import names_along
-
-__all__ = [
-    "COINCIDE",
-    "Picked",
-    "above_round_off",
-    "less_another",
-    "panels_sheet",
-    "pick",
-    "pick_touching",
-    "with_differences",
-]
 
 #: Share of a panel's height within which lines cannot be told apart [-].
 COINCIDE = 0.01
@@ -103,7 +93,7 @@ class Picked:
 
 
 def pick(
-    runs: Iterable[Run] | Run,
+    runs: Runs,
     kind: RunKind | Callable[[LabelledRun], bool] | None = None,
     ideal: Run | None = None,
     *,
@@ -135,7 +125,7 @@ def pick(
     return Picked(every, sorted(drawn, key=lambda run: run is reference), reference, why, name)
 
 
-def pick_touching(runs: Iterable[Run] | Run, joint: str | None) -> Picked:
+def pick_touching(runs: Runs, joint: str | None) -> Picked:
     """Return the runs that have play in a joint, and that joint."""
     every = labelled(runs)
     name = choose_joint(TOUCHING, every, joint)

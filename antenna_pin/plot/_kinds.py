@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,41 +12,9 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import gears_of, is_round_off, shakes_of, stops_and_latches
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._runs import LabelledRun, Run, long_enough
+from antenna_pin.plot._runs import LabelledRun, Runs, long_enough
 from antenna_pin.plot._style import Width
 from antenna_pin.trajectory import names_along
-
-__all__ = [
-    "CLOSED",
-    "CONTROLLED",
-    "COUPLED",
-    "FLEXIBLE",
-    "FORCED",
-    "FREE_BASE",
-    "GEARED",
-    "GUIDED",
-    "LOOPED",
-    "MOVING",
-    "PLAYLESS",
-    "POINTED",
-    "PRESCRIBED",
-    "RANDOM",
-    "SHAKEN",
-    "SLIDING",
-    "STOPPED",
-    "SWEPT",
-    "TOUCHING",
-    "TRACED",
-    "TURNING",
-    "JointKind",
-    "RunFigure",
-    "RunKind",
-    "choose_joint",
-    "joints_of",
-    "none_with",
-    "wanted_joints",
-]
-
 
 # Samples at which a joint is looked at to tell whether it moves.
 _LOOKS = 500
@@ -250,9 +218,7 @@ class RunFigure:
         kind = self.of or self.needs
         return kind.words if kind is not None else ""
 
-    def draw(
-        self, runs: Iterable[Run] | Run, *, joint: str | None = None, width: Width = "page", **options: Any
-    ) -> Figure:
+    def draw(self, runs: Runs, *, joint: str | None = None, width: Width = "page", **options: Any) -> Figure:
         """Return the figure.
 
         Args:

@@ -27,6 +27,7 @@ class Recorded(Protocol):
 
 
 Run: TypeAlias = Recorded | tuple[str, xr.Dataset | Recorded]
+Runs: TypeAlias = Iterable[Run] | Run
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,7 +121,7 @@ def samples_of(run: Run) -> xr.Dataset:
     return given if isinstance(given, xr.Dataset) else given.data
 
 
-def labelled(runs: Iterable[Run] | Run) -> list[LabelledRun]:
+def labelled(runs: Runs) -> list[LabelledRun]:
     """Return runs with labels that tell them apart; a run whose label is taken gets a number.
 
     Raises:
@@ -162,9 +163,7 @@ def long_enough(runs: Sequence[LabelledRun]) -> list[LabelledRun]:
     return [run for run in runs if run.time.size > 1]
 
 
-def with_reference(
-    runs: Iterable[Run] | Run, ideal: Run | None
-) -> tuple[list[LabelledRun], LabelledRun | None]:
+def with_reference(runs: Runs, ideal: Run | None) -> tuple[list[LabelledRun], LabelledRun | None]:
     """Return the runs and the one to compare with: the one given, else the first without contact.
 
     A reference of a single sample is none.

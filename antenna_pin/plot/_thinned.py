@@ -18,17 +18,6 @@ from antenna_pin.analysis import LONG, blocks
 from antenna_pin.plot._runs import LabelledRun
 from antenna_pin.plot._style import Array
 
-__all__ = [
-    "Columns",
-    "between_spikes",
-    "closer",
-    "even_instants",
-    "telling",
-    "thinned",
-    "thinned_beside",
-    "turning",
-]
-
 #: Returns what is to be drawn of a part of a run: arrays over its samples, (m,) or (m, k).
 Columns = Callable[[LabelledRun], Iterable[Array]]
 _Indices = NDArray[np.int_]

@@ -6,7 +6,7 @@ and Cui (2021): the whole, and an enlarged view of what clearance does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Literal, get_args
@@ -38,33 +38,11 @@ from antenna_pin.plot._kinds import (
     TURNING,
     RunFigure,
 )
-from antenna_pin.plot._runs import LabelledRun, Run, left_out, too_short
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, too_short
 from antenna_pin.plot._style import Array, Width
 from antenna_pin.plot._thinned import turning
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, figure
-from antenna_pin.plot.motion import (
-    MOTIONS,
-    QUANTITIES,
-    MotionQuantity,
-    Quantity,
-    deviation_of,
-    drawn_columns,
-)
-
-__all__ = [
-    "BASE_QUANTITIES",
-    "BODY_QUANTITIES",
-    "FIGURES",
-    "JOINT_FIGURES",
-    "BaseQuantity",
-    "BodyQuantity",
-    "figure_base",
-    "figure_between",
-    "figure_body",
-    "figure_joint",
-    "figure_joints",
-    "figure_pointing",
-]
+from antenna_pin.plot.motion import MOTIONS, QUANTITIES, MotionQuantity, Quantity, deviation_of, drawn_columns
 
 BodyQuantity = Literal["position", "velocity", "acceleration"]
 BODY_QUANTITIES: tuple[BodyQuantity, ...] = get_args(BodyQuantity)
@@ -89,7 +67,7 @@ _FROM_IDEAL = "deviation: from the ideal run"
 
 @figure()
 def figure_joint(
-    runs: Iterable[Run] | Run, *, joint: str | None = None, ideal: Run | None = None, width: Width = "page"
+    runs: Runs, *, joint: str | None = None, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
     """Return angle, rate, acceleration of one joint in all runs, each with its deviation from the ideal run.
 
@@ -160,7 +138,7 @@ def _compared(
     base="Label of the run that those behind it are compared with; the first but the ideal one if left out.",
 )
 def figure_between(
-    runs: Iterable[Run] | Run,
+    runs: Runs,
     quantity: Quantity = "angle",
     *,
     joint: str | None = None,
@@ -259,11 +237,7 @@ def _columns_apart(
     'or "angular_acceleration".'
 )
 def figure_base(
-    runs: Iterable[Run] | Run,
-    quantity: BaseQuantity = "position",
-    *,
-    ideal: Run | None = None,
-    width: Width = "page",
+    runs: Runs, quantity: BaseQuantity = "position", *, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
     """Return the motion of the base in all runs: three components, and the size of the deviation.
 
@@ -318,11 +292,7 @@ def _of_base(run: LabelledRun, quantity: BaseQuantity) -> Array:
 
 @figure(quantity='"angle", "rate" or "acceleration" of the joints.')
 def figure_joints(
-    runs: Iterable[Run] | Run,
-    quantity: Quantity = "angle",
-    *,
-    ideal: Run | None = None,
-    width: Width = "page",
+    runs: Runs, quantity: Quantity = "angle", *, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
     """Return the motion of every joint in all runs, each with its deviation from the ideal run beside it."""
     if quantity not in QUANTITIES:
@@ -356,7 +326,7 @@ def figure_joints(
 
 @figure(quantity='"position", "velocity" or "acceleration" of the frame\'s origin.')
 def figure_body(
-    runs: Iterable[Run] | Run,
+    runs: Runs,
     quantity: BodyQuantity = "position",
     *,
     joint: str | None = None,
@@ -399,7 +369,7 @@ _JUMP = 2.5
 
 
 @figure()
-def figure_pointing(runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page") -> Sheet:
+def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "page") -> Sheet:
     """Return the boresight's azimuth and elevation, and the pointing error, over time.
 
     The error is that against the ideal run, or against the commanded direction where the scenario names one

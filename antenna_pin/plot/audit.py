@@ -11,7 +11,7 @@ import numpy as np
 
 from antenna_pin.plot._compared import Picked, pick
 from antenna_pin.plot._kinds import FREE_BASE, SLIDING, TOUCHING, TURNING, RunFigure, choose_joint, none_with
-from antenna_pin.plot._runs import LabelledRun, Run, labelled, long_enough, too_short, with_reference
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, labelled, long_enough, too_short, with_reference
 from antenna_pin.plot._style import COLOURS, IDEAL, MANY, Array, Width, distinct
 from antenna_pin.plot._thinned import Columns, thinned
 from antenna_pin.plot.grammar import (
@@ -26,8 +26,6 @@ from antenna_pin.plot.grammar import (
     largest_of,
     size_of,
 )
-
-__all__ = ["FIGURES", "figure_energy", "figure_glance", "figure_momentum"]
 
 # Below this an error is round-off of round-off; the logarithmic scale ends there.
 _FLOOR = 1e-18
@@ -54,7 +52,7 @@ _MOMENTA = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular
 
 
 @figure()
-def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sheet:
+def figure_energy(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return the energy ledger of each run: work and stored energy, losses, and the error of their balance.
 
     Gravity's energy is drawn from its start, since its zero is a matter of choice. Of the error, the largest
@@ -101,7 +99,7 @@ def _look(colour: str) -> dict[str, Any]:
 
 
 @figure()
-def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sheet:
+def figure_momentum(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return the drift of linear and angular momentum of all runs with a free base.
 
     Drawn is the largest change so far, relative to the largest sum, over the run, of the momentum magnitudes

@@ -14,21 +14,10 @@ from matplotlib.figure import Figure
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.plot import (
-    against_ideal,
-    audit,
-    contacts,
-    elements,
-    exerted,
-    journal,
-    motion,
-    spectra,
-)
+from antenna_pin.plot import against_ideal, audit, contacts, elements, exerted, journal, motion, spectra
 from antenna_pin.plot._kinds import MOVING, RunFigure, choose_joint, joints_of, wanted_joints
 from antenna_pin.plot._runs import Run, labelled, long_enough
 from antenna_pin.plot._style import Width
-
-__all__ = ["CATALOGUE", "Allowed", "allowed_figures", "run_figure"]
 
 #: Every figure of runs by its name, in the order in which they are shown.
 CATALOGUE: dict[str, RunFigure] = {

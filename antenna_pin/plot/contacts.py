@@ -16,17 +16,8 @@ from antenna_pin.analysis import is_round_off, journal_motion, round_off_scales,
 from antenna_pin.geometry import LOOKS
 from antenna_pin.plot._compared import pick_touching
 from antenna_pin.plot._kinds import TOUCHING, RunFigure
-from antenna_pin.plot._runs import Blow, LabelledRun, Run, episodes_of, sharp, smooth, strongest_blow
-from antenna_pin.plot._style import (
-    COLOURS,
-    MANY,
-    PEAK,
-    Array,
-    Width,
-    distinct,
-    prefixed,
-    three_digits,
-)
+from antenna_pin.plot._runs import Blow, LabelledRun, Runs, episodes_of, sharp, smooth, strongest_blow
+from antenna_pin.plot._style import COLOURS, MANY, PEAK, Array, Width, distinct, prefixed, three_digits
 from antenna_pin.plot._thinned import closer, thinned
 from antenna_pin.plot.grammar import (
     TIME,
@@ -45,8 +36,6 @@ from antenna_pin.plot.grammar import (
 )
 from antenna_pin.trajectory import contact_ends, contact_kinds
 
-__all__ = ["FIGURES", "FORCE_FIGURES", "figure_contact_forces", "figure_eccentricity", "figure_scenarios"]
-
 # How dots of blows look; of many they are pixels.
 _DOT: dict[str, Any] = {
     "linestyle": "none",
@@ -62,9 +51,7 @@ _SIGNS = {"-": " \N{MINUS SIGN}", "+": " +", "": ""}
 
 
 @figure()
-def figure_contact_forces(
-    runs: Iterable[Run] | Run, *, joint: str | None = None, width: Width = "page"
-) -> Sheet:
+def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width = "page") -> Sheet:
     """Return the radial and axial forces on the journal, and the strongest blow from near, a column a run.
 
     As in the Figures 11 to 13 of Bai and Zhao (2020). The line is the resultant of all contacts, a smooth one
@@ -247,9 +234,7 @@ _LIMIT: dict[str, Any] = {"color": "#666666", "linewidth": 0.6, "linestyle": ":"
 
 
 @figure()
-def figure_eccentricity(
-    runs: Iterable[Run] | Run, *, joint: str | None = None, width: Width = "page"
-) -> Sheet:
+def figure_eccentricity(runs: Runs, *, joint: str | None = None, width: Width = "page") -> Sheet:
     """Return eccentricity, penetration depth and further play of the journal over time, a column a run.
 
     The eccentricity is over the clearance: 1 where the surfaces touch. The depth's dots are the largest of
@@ -340,11 +325,7 @@ _Span = tuple[float, float]
 
 @figure()
 def figure_scenarios(
-    runs: Iterable[Run] | Run,
-    *,
-    joint: str | None = None,
-    zoom: _Span | None = None,
-    width: Width = "page",
+    runs: Runs, *, joint: str | None = None, zoom: _Span | None = None, width: Width = "page"
 ) -> Sheet:
     """Return the contact scenario of a joint as a time line: where bore and flanges touch.
 

@@ -17,8 +17,6 @@ from matplotlib.path import Path
 from antenna_pin.base.arguments import takes
 from antenna_pin.plot._style import Array
 
-__all__ = ["Drawn", "drawn_numbers"]
-
 _LETTER = re.compile(r"\$\\bf\{(\([a-z]+\))\}\$")
 # Cells of a coloured field that are numbers still; of a larger one the picture has to do.
 _CELLS = 20_000

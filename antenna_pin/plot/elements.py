@@ -15,7 +15,7 @@ from antenna_pin.analysis import drives_of, effort_unit, elastic_parts_of, spect
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.plot._compared import Picked, pick
 from antenna_pin.plot._kinds import CONTROLLED, FLEXIBLE, GEARED, STOPPED, TRACED, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run
+from antenna_pin.plot._runs import LabelledRun, Runs
 from antenna_pin.plot._style import PEAK, SHADE, Array, Width
 from antenna_pin.plot.grammar import (
     COLUMN_OR_PAGE,
@@ -34,15 +34,6 @@ from antenna_pin.plot.grammar import (
     largest_of,
 )
 from antenna_pin.trajectory import elements_of, mesh_touches, mode_changes, names_along
-
-__all__ = [
-    "FIGURES",
-    "figure_control",
-    "figure_deflection",
-    "figure_gears",
-    "figure_hysteresis",
-    "figure_stops",
-]
 
 _BLUE = "#BBD7EA"
 _BEYOND = 0.06  # of what is drawn, beyond it
@@ -70,11 +61,7 @@ def _paired(pairs: Sequence[tuple[Panel, Panel]], width: Width, notes: Sequence[
 
 
 def _within_bounds(
-    title: str,
-    curves: list[Curve],
-    grounds: Iterable[tuple[float, float, str]],
-    edges: list[float],
-    y: Axis,
+    title: str, curves: list[Curve], grounds: Iterable[tuple[float, float, str]], edges: list[float], y: Axis
 ) -> Panel:
     """Return curves on coloured grounds, which end a little beyond all that is drawn, as the panel does."""
     values = [one.y for one in curves]
@@ -103,7 +90,7 @@ _MEANINGS = {"o": "circles: touches", "s": "squares: captures, at rest", "x": "c
 
 
 @figure()
-def figure_stops(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sheet:
+def figure_stops(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return the angle of each joint with stops or latches, and what these exert, in all runs.
 
     What lies beyond a stop is grey, a latch's window blue. Marks tell where a stop was touched or struck and
@@ -188,7 +175,7 @@ _MOST_MARKS = 200  # more would be a band
 
 
 @figure()
-def figure_gears(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sheet:
+def figure_gears(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return the deflection of each gear, belt and cable, and what it exerts, in all runs.
 
     Within the play, where nothing is in contact, the ground is grey; where both strands of a belt are taut it
@@ -260,7 +247,7 @@ _DECADES = 6
 
 
 @figure()
-def figure_deflection(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sheet:
+def figure_deflection(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return the deflections of elastic parts in all runs that have them, and their amplitude densities.
 
     Where there are many parts, those that deflect most. A dotted line marks the natural frequency with the
@@ -350,7 +337,7 @@ def _density(run: LabelledRun, part: str) -> tuple[Array, Array] | None:
 
 
 @figure()
-def figure_hysteresis(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sheet:
+def figure_hysteresis(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return torque over angle of springs with a table, hysteresis or a constant torque, a panel each.
 
     The area inside a loop is the heat of a cycle. A dot marks where a run begins.
@@ -404,7 +391,7 @@ class _Signals:
 
 
 @figure()
-def figure_control(runs: Iterable[Run] | Run, *, width: Width = "page") -> Sheet:
+def figure_control(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return what the controllers of all runs measure and follow, and beside it what they command.
 
     A sampled controller's numbers are those of its instants, each held until the next; commands are drawn

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,20 +12,10 @@ from antenna_pin.analysis import closures_of, couplings_of, drive_power, drives_
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._compared import Picked, above_round_off, panels_sheet, pick
 from antenna_pin.plot._kinds import CLOSED, COUPLED, FORCED, LOOPED, MOVING, PRESCRIBED, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run
+from antenna_pin.plot._runs import LabelledRun, Run, Runs
 from antenna_pin.plot._style import Array, Width, prefixed
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, close_view, figure, in_rows, size_of
 from antenna_pin.trajectory import names_along
-
-__all__ = [
-    "FIGURES",
-    "figure_applied_forces",
-    "figure_closure_forces",
-    "figure_coupling_torques",
-    "figure_drive_efforts",
-    "figure_joint_load",
-    "figure_steady_force",
-]
 
 # --- through a joint ---
 
@@ -35,7 +25,7 @@ _Span = tuple[float, float]
 
 @figure()
 def figure_joint_load(
-    runs: Iterable[Run] | Run,
+    runs: Runs,
     *,
     joint: str | None = None,
     ideal: Run | None = None,
@@ -68,7 +58,7 @@ def figure_joint_load(
 
 @figure()
 def figure_steady_force(
-    runs: Iterable[Run] | Run,
+    runs: Runs,
     *,
     joint: str | None = None,
     ideal: Run | None = None,
@@ -119,7 +109,7 @@ def _with_close_view(
     return Sheet(in_rows(panels, 2), width, 66.0, notes)
 
 
-def _forces(runs: Iterable[Run] | Run, ideal: Run | None, joint: str | None) -> tuple[Picked, list[Curve]]:
+def _forces(runs: Runs, ideal: Run | None, joint: str | None) -> tuple[Picked, list[Curve]]:
     """Return the runs that have the joint to draw, and the sizes of its force [N]."""
     picked = pick(runs, ideal=ideal, joint=(MOVING, joint))
     known = [joint_loads(run.data, [0])["moving_joint"].values for run in picked.drawn]
@@ -202,9 +192,7 @@ def _sheet(panels: Sequence[Panel], picked: Picked, width: Width, note: str = ""
 
 
 @figure()
-def figure_closure_forces(
-    runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
-) -> Sheet:
+def figure_closure_forces(runs: Runs, *, ideal: Run | None = None, width: Width = "page") -> Sheet:
     """Return the sizes of the force and the moment of every closure in all runs.
 
     The moment is that about the closure's point. Where equations of closures are redundant, the loads are the
@@ -230,9 +218,7 @@ def figure_closure_forces(
 
 
 @figure()
-def figure_coupling_torques(
-    runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
-) -> Sheet:
+def figure_coupling_torques(runs: Runs, *, ideal: Run | None = None, width: Width = "page") -> Sheet:
     """Return the torque of every coupling on its follower in all runs; a force if it slides.
 
     Scales are linear as far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
@@ -250,9 +236,7 @@ def figure_coupling_torques(
 
 
 @figure()
-def figure_drive_efforts(
-    runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
-) -> Sheet:
+def figure_drive_efforts(runs: Runs, *, ideal: Run | None = None, width: Width = "page") -> Sheet:
     """Return what every drive exerts in all runs, and its power beside it; of a motion, what holds it.
 
     Scales are linear as far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
@@ -276,9 +260,7 @@ def figure_drive_efforts(
 
 
 @figure()
-def figure_applied_forces(
-    runs: Iterable[Run] | Run, *, ideal: Run | None = None, width: Width = "page"
-) -> Sheet:
+def figure_applied_forces(runs: Runs, *, ideal: Run | None = None, width: Width = "page") -> Sheet:
     """Return the sizes of the force and of the torque at every place where forces on links act, in all runs.
 
     What is zero to round-off in all runs has no panel. Scales are linear as far as the ideal run reaches and

@@ -35,19 +35,6 @@ from antenna_pin.plot.grammar import (
     size_of,
 )
 
-__all__ = [
-    "MOST",
-    "correlations",
-    "curves_of_fit",
-    "figure_correlation",
-    "figure_experiments",
-    "figure_fit",
-    "figure_identifiability",
-    "figure_profiles",
-    "figure_sensitivity",
-    "has_profiles",
-]
-
 _FIT = "Of :func:`antenna_pin.fit.open_fit`."
 _ZERO = Rule(0.0)
 

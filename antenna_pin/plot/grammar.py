@@ -26,30 +26,6 @@ from antenna_pin.plot import _style as style
 from antenna_pin.plot._style import IDEAL, MANY, SHADE, Array, Width, prefixed
 from antenna_pin.plot._thinned import between_spikes
 
-__all__ = [
-    "COLUMN_OR_PAGE",
-    "TIME",
-    "Axis",
-    "Band",
-    "ByHand",
-    "Curve",
-    "Ground",
-    "Panel",
-    "Points",
-    "Rule",
-    "Scale",
-    "Sheet",
-    "close_view",
-    "colour_bar",
-    "figure",
-    "in_blocks",
-    "in_pairs",
-    "in_rows",
-    "largest_of",
-    "render",
-    "size_of",
-]
-
 P = ParamSpec("P")
 Look = Mapping[str, Any]
 #: Linear, or logarithmic with powers of ten, or logarithmic with plain numbers.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -22,7 +22,7 @@ from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot import _style as style
 from antenna_pin.plot._compared import pick_touching
 from antenna_pin.plot._kinds import TOUCHING, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, episodes_of, sharp, smooth
+from antenna_pin.plot._runs import LabelledRun, Runs, episodes_of, sharp, smooth
 from antenna_pin.plot._style import (
     COLOURS,
     MANY,
@@ -38,8 +38,6 @@ from antenna_pin.plot._style import (
 from antenna_pin.plot._thinned import thinned
 from antenna_pin.plot.grammar import Axis, ByHand, Curve, Mark, Panel, Sheet, figure, in_rows
 from antenna_pin.trajectory import contact_ends, contact_kinds
-
-__all__ = ["FIGURES", "Shade", "figure_bore_load", "figure_orbit"]
 
 # --- squares, and axes that have "up" against gravity ---
 
@@ -198,7 +196,7 @@ _PLACES = {"+": "end +", "-": "end \N{MINUS SIGN}", "centre": "centre"}
 
 @figure(shade='"time", or "load": the size of the contact force, flight in grey.')
 def figure_orbit(
-    runs: Iterable[Run] | Run, *, joint: str | None = None, shade: Shade = "time", width: Width = "page"
+    runs: Runs, *, joint: str | None = None, shade: Shade = "time", width: Width = "page"
 ) -> Sheet:
     """Return the orbit of the journal inside the clearance circle, in the bearing's plane.
 
@@ -358,7 +356,7 @@ _LOOKS = {
 
 @figure(sectors="Number of equal sectors.")
 def figure_bore_load(
-    runs: Iterable[Run] | Run, *, joint: str | None = None, sectors: int = 36, width: Width = "page"
+    runs: Runs, *, joint: str | None = None, sectors: int = 36, width: Width = "page"
 ) -> Figure:
     """Return the load around the bore: the impulse of the normal force that each sector took.
 

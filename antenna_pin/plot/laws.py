@@ -26,15 +26,6 @@ from antenna_pin.plot._style import COLOURS, SHADE, Array, Width, new_figure, pa
 from antenna_pin.plot.files import check_formats, folder_for_figures, save_figure
 from antenna_pin.plot.grammar import Axis, Curve, Ground, Mark, Panel, Rule, Sheet, figure
 
-__all__ = [
-    "figure_contact_width",
-    "figure_experiment",
-    "figure_force_curves",
-    "figure_restitution",
-    "figures_of_experiment",
-    "save_contact_figures",
-]
-
 _DASHES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (4, 1, 1, 1)))
 _LABEL_HEIGHT = 3.0  # of one line of text beside a panel [mm]
 _FAR = 0.1  # a dissipation further than this from what it is asked for has its place in the first panel [-]
@@ -281,7 +272,7 @@ def figures_of_experiment(
 
 @figure(
     laws="By label, what gives the load [N] for a radial play [m] and a displacement [m]; NaN beyond its "
-    "range.",
+    "range."
 )
 def figure_experiment(laws: Mapping[str, Callable[[float, float], float]], *, width: Width = "page") -> Sheet:
     """Return load over displacement of Liu et al. 2013's joint, measured and by laws, a panel a play."""

@@ -22,16 +22,6 @@ from antenna_pin.plot._style import IDEAL, Array, Width, distinct, prefixed
 from antenna_pin.plot._thinned import Columns, between_spikes
 from antenna_pin.plot.grammar import ZERO, Axis, Curve, Panel, Sheet, close_view, figure, size_of
 
-__all__ = [
-    "FIGURES",
-    "MOTIONS",
-    "QUANTITIES",
-    "Quantity",
-    "deviation_of",
-    "drawn_columns",
-    "figure_motion",
-]
-
 Quantity = Literal["angle", "rate", "acceleration", "position", "slide rate", "slide acceleration"]
 Span = tuple[float, float]
 

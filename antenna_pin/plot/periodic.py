@@ -21,16 +21,6 @@ from antenna_pin.plot._style import SEQUENTIAL, Array, Width, parameter_words
 from antenna_pin.plot.grammar import Axis, ByHand, Curve, Mark, Panel, Rule, Sheet, figure, size_of
 from antenna_pin.plot.study import is_spaced_by_factors
 
-__all__ = [
-    "Track",
-    "figure_bifurcation",
-    "figure_branch",
-    "figure_exponents",
-    "figure_multipliers",
-    "figure_section",
-    "track",
-]
-
 # --- branches of periodic solutions ---
 
 _LINES: dict[str, Any] = {"stable": "-", "unstable": (0, (3.0, 1.6)), "neutral": (0, (0.8, 1.2))}
@@ -197,9 +187,7 @@ def _track_curves(found: Track, black: bool = False) -> list[Curve]:
     return curves
 
 
-@figure(
-    found="Of :func:`antenna_pin.nonlinear.orbit_table` or :func:`~antenna_pin.nonlinear.branch_table`.",
-)
+@figure(found="Of :func:`antenna_pin.nonlinear.orbit_table` or :func:`~antenna_pin.nonlinear.branch_table`.")
 def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Sheet:
     """Return Floquet multipliers in the complex plane, with the unit circle.
 

@@ -33,8 +33,6 @@ from antenna_pin.plot._style import (
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, colour_bar, figure, size_of
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["SAME", "SEEN", "Attractor", "PhaseShade", "figure_attractors", "figure_phase", "thinned"]
-
 # --- portraits ---
 
 PhaseShade = Literal["time", "density"]
@@ -242,12 +240,7 @@ class Attractor:
     tolerance="Share of the range below which points are the same [-].",
 )
 def figure_attractors(
-    attractors: Sequence[Attractor],
-    x: str,
-    y: str,
-    *,
-    tolerance: float = SAME,
-    width: Width = "page",
+    attractors: Sequence[Attractor], x: str, y: str, *, tolerance: float = SAME, width: Width = "page"
 ) -> Sheet:
     """Return phase trajectories and Poincare maps of settled motions in two quantities, a row for each.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -35,7 +35,7 @@ from antenna_pin.elements import density_at
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.plot._compared import pick
 from antenna_pin.plot._kinds import MOVING, RANDOM, SHAKEN, SWEPT, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, left_out, too_short
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, too_short
 from antenna_pin.plot._style import COLOURS, SHADE, Array, Width
 from antenna_pin.plot._thinned import telling
 from antenna_pin.plot.grammar import (
@@ -52,18 +52,6 @@ from antenna_pin.plot.grammar import (
     figure,
     in_rows,
 )
-
-__all__ = [
-    "FIGURES",
-    "SIGNALS",
-    "Signal",
-    "figure_density",
-    "figure_response",
-    "figure_shock",
-    "figure_spectra",
-    "figure_spectrogram",
-    "figure_swept",
-]
 
 Signal = Literal["acceleration", "base acceleration", "force"]
 SIGNALS: tuple[Signal, ...] = get_args(Signal)
@@ -92,11 +80,7 @@ class _Density(NamedTuple):
 
 @figure()
 def figure_spectra(
-    runs: Iterable[Run] | Run,
-    *,
-    joint: str | None = None,
-    ideal: Run | None = None,
-    width: Width = "page",
+    runs: Runs, *, joint: str | None = None, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
     """Return the amplitude densities of the joint's and the base's acceleration and of the joint's force.
 
@@ -138,11 +122,7 @@ def figure_spectra(
     "acceleration, or the force of a joint that turns in no run about an axis, such as a ball's."
 )
 def figure_spectrogram(
-    runs: Iterable[Run] | Run,
-    signal: Signal | None = None,
-    *,
-    joint: str | None = None,
-    width: Width = "page",
+    runs: Runs, signal: Signal | None = None, *, joint: str | None = None, width: Width = "page"
 ) -> Sheet:
     """Return how the spectral density of a signal changes over the run, one panel per run with contact.
 
@@ -323,7 +303,7 @@ _TARGET = "Name of a quantity; the acceleration of the URDF's last link if left 
     periods="Length of the windows [periods].",
 )
 def figure_swept(
-    runs: Iterable[Run] | Run,
+    runs: Runs,
     target: str | None = None,
     *,
     linear: xr.Dataset | None = None,
@@ -377,11 +357,7 @@ def figure_swept(
 
 @figure(target=_TARGET, segment="Length of a window [s]; an eighth of the run if left out.")
 def figure_density(
-    runs: Iterable[Run] | Run,
-    target: str | None = None,
-    *,
-    segment: float | None = None,
-    width: Width = "page",
+    runs: Runs, target: str | None = None, *, segment: float | None = None, width: Width = "page"
 ) -> Sheet:
     """Return power spectral densities of what a base shaken at random makes, with 95 % confidence."""
     picked = pick(runs, RANDOM, compared=False)
@@ -418,11 +394,7 @@ def _prescribed(run: LabelledRun) -> list[Curve]:
 
 @figure(target=_TARGET, quality="Q of the oscillators.")
 def figure_shock(
-    runs: Iterable[Run] | Run,
-    target: str | None = None,
-    *,
-    quality: float = 10.0,
-    width: Width = "page",
+    runs: Runs, target: str | None = None, *, quality: float = 10.0, width: Width = "page"
 ) -> Sheet:
     """Return shock response spectra of an acceleration: the largest of an oscillator, over its frequency."""
     picked = pick(runs, SHAKEN, compared=False)
@@ -494,12 +466,7 @@ def _wrapped(values: Array) -> Array:
 FIGURES = (
     RunFigure("spectra", "Spectra, {joint}", figure_spectra, of=MOVING),
     RunFigure(
-        "spectrogram",
-        "Spectrogram, {joint}",
-        figure_spectrogram,
-        of=MOVING,
-        compares=False,
-        reported=False,
+        "spectrogram", "Spectrogram, {joint}", figure_spectrogram, of=MOVING, compares=False, reported=False
     ),
     RunFigure("swept_response", "Response to the swept base", figure_swept, needs=SWEPT, compares=False),
     RunFigure(

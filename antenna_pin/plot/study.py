@@ -26,23 +26,6 @@ from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import COLOURS, PEAK, SEQUENTIAL, Array, Width, literal, prefixed
 from antenna_pin.plot.grammar import Axis, ByHand, Curve, Mark, Panel, Scale, Sheet, colour_bar, figure
 
-__all__ = [
-    "QUANTILES",
-    "Quantity",
-    "StudyFigure",
-    "cell_edges",
-    "is_spaced_by_factors",
-    "left_out",
-    "names_of",
-    "quantity_of",
-    "study_distribution",
-    "study_figures",
-    "study_map",
-    "study_response",
-    "study_scatter",
-    "study_sensitivities",
-]
-
 #: Quantiles that a distribution is marked with [-].
 QUANTILES = (0.05, 0.5, 0.95, 0.997)
 

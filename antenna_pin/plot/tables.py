@@ -32,8 +32,6 @@ from antenna_pin.plot.periodic import (
 from antenna_pin.plot.phase import figure_phase
 from antenna_pin.trajectory import KINDS, kind_of
 
-__all__ = ["TableFigure", "table_figures"]
-
 
 class TableFigure(NamedTuple):
     """A figure that a dataset allows.
@@ -60,9 +58,7 @@ def _of_fit(table: xr.Dataset) -> Iterator[TableFigure]:
         )
     if table.sizes["parameter"] > 1:
         yield TableFigure(
-            "correlation",
-            "Correlations of the parameters",
-            lambda **more: figure_correlation(table, **more),
+            "correlation", "Correlations of the parameters", lambda **more: figure_correlation(table, **more)
         )
     if has_profiles(table):
         yield TableFigure(

@@ -18,8 +18,6 @@ from antenna_pin.plot.catalogue import run_figure
 from antenna_pin.plot.periodic import figure_bifurcation
 from antenna_pin.plot.phase import SAME, SEEN, Attractor, figure_attractors
 
-__all__ = ["AttractorFigure", "Cases", "Diagram", "DiagramFigure", "PaperFigure", "Verdict", "with_unit"]
-
 #: The runs of a figure by case, in its order.
 Cases = dict[str, xr.Dataset]
 

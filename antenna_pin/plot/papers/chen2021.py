@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
+from antenna_pin.analysis import Verdict
 from antenna_pin.plot.against_ideal import BodyQuantity
 from antenna_pin.plot.papers import _findings
-from antenna_pin.plot.papers._figure import AttractorFigure, Diagram, DiagramFigure, PaperFigure, Verdict
+from antenna_pin.plot.papers._figure import AttractorFigure, Diagram, DiagramFigure, PaperFigure
 
 __all__ = ["ATTRACTORS", "FIGURES"]
 
