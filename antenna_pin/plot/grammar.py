@@ -319,6 +319,7 @@ def in_blocks(kinds: Sequence[Sequence[Panel | None]], width: Width) -> list[lis
 # --- the renderer ---
 
 
+@style.styled
 def render(sheet: Sheet) -> Figure:
     """Return a sheet as a figure: the one place where panels are laid out, scaled and labelled."""
     found = style.new_figure(sheet.width, sheet.height)
