@@ -349,7 +349,7 @@ def render(sheet: Sheet) -> Figure:
             style.panel_title(axes, next(letter) if lettered else "", panel.title)
     every = list(drawn)
     if sheet.label:
-        found.supylabel(sheet.label, fontsize=7.5)
+        found.supylabel(style.literal(sheet.label), fontsize=7.5)
     found.align_ylabels()
     style.legend_above(found, [axes for axes, panel in drawn.items() if panel.named], sheet.formulas)
     if sheet.bar is not None:
