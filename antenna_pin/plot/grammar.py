@@ -12,7 +12,7 @@ import inspect
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, ParamSpec, Protocol
+from typing import Any, Literal, NamedTuple, ParamSpec, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -489,3 +489,17 @@ def figure(**own: str) -> Callable[[Callable[P, Sheet | Figure]], Callable[P, Fi
 
 #: Of what lies apart the line at zero.
 ZERO = Rule(0.0, {**IDEAL, "linewidth": 0.6})
+
+
+class DatasetFigure(NamedTuple):
+    """A figure that a dataset, such as a study, allows.
+
+    Attributes:
+        name: As its file is called.
+        title: What it shows.
+        draw: Draws it; takes ``width``.
+    """
+
+    name: str
+    title: str
+    draw: Callable[..., Figure]

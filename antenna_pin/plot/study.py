@@ -12,6 +12,8 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -24,7 +26,18 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot._style import COLOURS, PEAK, SEQUENTIAL, Array, Width, literal, prefixed
-from antenna_pin.plot.grammar import Axis, ByHand, Curve, Mark, Panel, Scale, Sheet, colour_bar, figure
+from antenna_pin.plot.grammar import (
+    Axis,
+    ByHand,
+    Curve,
+    DatasetFigure,
+    Mark,
+    Panel,
+    Scale,
+    Sheet,
+    colour_bar,
+    figure,
+)
 
 #: Quantiles that a distribution is marked with [-].
 QUANTILES = (0.05, 0.5, 0.95, 0.997)
@@ -37,19 +50,7 @@ _MOST_SCATTERED = 6
 _LIGHTEST = 0.7
 
 
-@dataclass(frozen=True, slots=True)
-class StudyFigure:
-    """A figure that a study allows.
-
-    Attributes:
-        name: As its file is called.
-        title: What it shows.
-        draw: Draws it; takes ``width``.
-    """
-
-    name: str
-    title: str
-    draw: Callable[..., Figure]
+StudyFigure = DatasetFigure
 
 
 # --- parameters and responses: a value for each run, in a unit that suits it ---
@@ -357,32 +358,20 @@ def study_figures(study: xr.Dataset) -> Iterator[StudyFigure]:
     parameters, responses = names_of(study, "parameters"), names_of(study, "responses")
     varied = [name for name in parameters if study[name].size > 1]
     sampled = _SAMPLE in study["outcome"].dims
+    draw: Callable[..., Figure]
     for response in responses:
         title = str(study[response].attrs.get("long_name", response))
         for name in varied:
-            yield StudyFigure(
-                f"{response}-over-{name}",
-                f"{title}, over {name}",
-                lambda r=response, p=name, **more: study_response(study, r, p, **more),
-            )
-        pairs = [(a, b) for i, a in enumerate(varied) for b in varied[i + 1 :]]
-        for a, b in pairs if len(varied) <= 4 else ():
+            draw = partial(study_response, study, response, name)
+            yield StudyFigure(f"{response}-over-{name}", f"{title}, over {name}", draw)
+        for a, b in combinations(varied, 2) if len(varied) <= 4 else ():
             if study[a].dims != study[b].dims or sampled:
-                yield StudyFigure(
-                    f"{response}-over-{a}-and-{b}",
-                    f"{title}, over {a} and {b}",
-                    lambda r=response, a=a, b=b, **more: study_map(study, r, a, b, **more),
-                )
+                draw = partial(study_map, study, response, a, b)
+                yield StudyFigure(f"{response}-over-{a}-and-{b}", f"{title}, over {a} and {b}", draw)
         if sampled:
-            yield StudyFigure(
-                f"{response}-distribution",
-                f"{title}: distribution",
-                lambda r=response, **more: study_distribution(study, r, **more),
-            )
+            draw = partial(study_distribution, study, response)
+            yield StudyFigure(f"{response}-distribution", f"{title}: distribution", draw)
     every = [*varied, *responses][:_MOST_SCATTERED]
     if sampled and len(every) > 1:
-        yield StudyFigure(
-            "all-against-all",
-            "parameters and responses, all against all",
-            lambda **_: study_scatter(study, every),
-        )
+        title = "parameters and responses, all against all"
+        yield StudyFigure("all-against-all", title, lambda **_: study_scatter(study, every))
