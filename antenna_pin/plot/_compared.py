@@ -58,7 +58,7 @@ class Picked:
 
     @property
     def notes(self) -> tuple[str, str]:
-        """What is said below the panels of the runs that are not drawn."""
+        """Notes on the runs that are not drawn."""
         return too_short(self.every), left_out(self.every, self.drawn, self.why) if self.why else ""
 
     def names(self, dimension: str) -> list[str]:

@@ -61,7 +61,7 @@ def _described(run: LabelledRun, table: str) -> list[str]:
 
 
 def _sweeps(run: LabelledRun) -> bool:
-    """Whether the base is swept; one sine has one piece, without growth."""
+    """Return whether the base is swept; one sine has one piece, without growth."""
     found = [one["shakes"].get("pieces", ()) for one in shakes_of(run.data).values()]
     return any(len(pieces) > 1 for pieces in found)
 
@@ -72,7 +72,7 @@ def _with_play(run: LabelledRun) -> list[str]:
 
 
 def _moves(run: LabelledRun, joint: str) -> bool:
-    """Whether a joint's angle or position changes, by more than round-off."""
+    """Return whether a joint's angle or position changes by more than round-off."""
     for dim, variable, unit in (("joint", "motion_angle", "rad"), ("sliding_joint", "slide_position", "m")):
         if joint in names_along(run.data, dim) and variable in run.data:
             some = run.data[variable].isel(time=slice(None, None, max(1, run.time.size // _LOOKS)))
@@ -209,12 +209,12 @@ class RunFigure:
 
     @property
     def touching(self) -> bool:
-        """Whether only runs with contact are in it."""
+        """Return whether the figure is of runs with contact only."""
         return self.of is TOUCHING
 
     @property
     def needed(self) -> str:
-        """What a run must have to be in it; nothing where every run can."""
+        """Requirement on a run of the figure; empty where there is none."""
         kind = self.of or self.needs
         return kind.words if kind is not None else ""
 

@@ -55,7 +55,7 @@ class LabelledRun:
 
     @property
     def many(self) -> bool:
-        """Whether its lines are drawn as pixels in a vector file."""
+        """Return whether lines of the run are drawn as pixels in a vector file."""
         return int(self.whole.data.sizes["time"]) > MANY
 
     @property
@@ -110,7 +110,7 @@ class LabelledRun:
 
 
 def _backlash(data: xr.Dataset) -> bool:
-    """Whether a gear has play: where flanks touch is not one deflection."""
+    """Return whether a gear has play: flanks touch at two deflections."""
     gears = [one["numbers"] for place, one in elements_of(data).items() if place.startswith("gears.")]
     return any(one["plus"] > one["minus"] for one in gears if {"plus", "minus"} <= set(one))
 

@@ -1,4 +1,4 @@
-"""How every figure looks: widths, type sizes, colours, scales. The one place to change it.
+"""Style of every figure: widths, type sizes, colours, scales, units.
 
 Sizes are final: a figure is drawn at the width it is printed at, so its type is 7 to 8 points on paper.
 Colours are those of Okabe and Ito, which people with any of the common kinds of colour blindness tell apart;

@@ -45,7 +45,7 @@ class Allowed(NamedTuple):
 
     @property
     def title(self) -> str:
-        """What it shows."""
+        """Title of the figure."""
         return self.figure.title.format(joint=self.joint)
 
     def draw(self, runs: Iterable[Run], *, width: Width = "page") -> Figure:

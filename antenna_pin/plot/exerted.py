@@ -95,7 +95,7 @@ def _with_close_view(
     width: Width,
     notes: Sequence[str],
 ) -> Sheet:
-    """Return curves over a span, and in a close view; in each of a linear scale what is in view only."""
+    """Return curves over a span and in a close view; of a linear scale only the parts in view."""
     linear = y.scale == "linear"
     panels: list[Panel] = []
     for words, span in zip((title, "close view of the shaded span"), spans, strict=True):

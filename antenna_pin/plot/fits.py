@@ -236,7 +236,7 @@ def correlations(fit: xr.Dataset) -> np.ndarray:
 
 
 def has_profiles(fit: xr.Dataset) -> bool:
-    """Whether a fit has the profile of any parameter."""
+    """Return whether a fit has the profile of any parameter."""
     return "profile_value" in fit and bool(np.isfinite(fit["profile_value"].values).any())
 
 

@@ -130,7 +130,7 @@ class Band:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ByHand:
-    """What a function draws on the axes, given both factors."""
+    """Mark that a function draws on the axes, given the factors of both prefixes."""
 
     function: Callable[[Axes, float, float], object]
 
@@ -297,7 +297,7 @@ def in_pairs(pairs: Sequence[tuple[Panel, Panel]], width: Width) -> list[list[Pa
 
 
 def in_blocks(kinds: Sequence[Sequence[Panel | None]], width: Width) -> list[list[Panel | None]]:
-    """Return panels by kind and run in rows: a column a run, in blocks of as many as the width takes."""
+    """Return panels by kind and run in rows: a column a run, in blocks that fit the width."""
     count = max(map(len, kinds))
     columns = min(count, 3 if width == "page" else 1)
     rows: list[list[Panel | None]] = []

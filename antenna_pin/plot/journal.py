@@ -74,7 +74,7 @@ class _Shown:
 
     @property
     def turned(self) -> bool:
-        """Whether these are other axes than the bearing's."""
+        """Return whether these are other axes than the bearing's."""
         return bool(np.abs(self.turn - np.eye(3)).max() > _SAME)
 
 
@@ -147,7 +147,7 @@ def _farthest(run: LabelledRun, joint: str) -> float:
 
 
 class _Path:
-    """Where the journal's axis or centre passes, at one place.
+    """Path of the journal's axis or centre at one place of the bearing.
 
     Args:
         run: Its samples.

@@ -183,7 +183,7 @@ class Attractor:
 
     @property
     def settled(self) -> bool:
-        """Whether its points have settled."""
+        """Return whether the points have settled."""
         return bool(self.section["settled"].item())
 
     def points(self, *names: str) -> Array:

@@ -114,7 +114,7 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
 
 
 def is_spaced_by_factors(values: Array) -> bool:
-    """Whether values lie more evenly by their logarithms, over a decade or nearly so."""
+    """Return whether values are spaced more evenly by their logarithms, over a decade or nearly so."""
     own = np.unique(values[np.isfinite(values)])
     if own.size < 3 or own[0] <= 0.0 or own[-1] < 8.0 * own[0]:
         return False

@@ -79,14 +79,14 @@ _OVER_CLEARANCE = Diagram(name="chen2021/clearance", label="clearance", zero=15e
 
 
 def _mostly_single(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
-    """Whether the motion is single-period, but for the smaller half of the values at most."""
+    """Return whether the motion is single-period, but for the smaller half of the values at most."""
     other = [value for value, one in zip(values, verdicts, strict=True) if one != _ONE]
     middle = 0.5 * (values[0] + values[-1]) if values else 0.0
     return len(other) < 0.5 * len(values) and all(value < middle for value in other)
 
 
 def _chaotic_then_quasi(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
-    """Whether no motion has a period: fewer points than a test of chaos takes cannot tell more."""
+    """Return whether no motion has a period: too few points for a test of chaos tell no more."""
     return bool(values) and not any(one.startswith("period") for one in verdicts)
 
 
