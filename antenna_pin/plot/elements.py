@@ -75,18 +75,21 @@ def _within_bounds(
     return Panel(title, [*marks, *curves], replace(y, largest=max(abs(low), abs(high)), limits=(low, high)))
 
 
-def _bare(curves: Iterable[Curve]) -> list[Curve]:
-    """Return curves without names, which stand in the panel beside them."""
-    return [replace(one, label="") for one in curves]
+def _with_efforts(
+    motion: Panel, points: Iterable[Points], title: str, efforts: Iterable[Curve], slides: bool
+) -> tuple[Panel, Panel]:
+    """Return a panel with marks of events, and what is exerted, in curves that are named there."""
+    y = Axis("force", "N") if slides else Axis("torque", "N m")
+    exerted = Panel(title, [replace(one, label="") for one in efforts], y)
+    return replace(motion, marks=[*motion.marks, *points]), exerted
 
 
 # --- stops and latches ---
 
 # What is marked of changes, and how.
 _MARKS = {"latched": "s", "refused": "x", "let go": "v", "bounces": "o", "rests": "s", "on": "o"}
-_MEANINGS = {"o": "circles: touches", "s": "squares: captures, at rest", "x": "crosses: refusals"} | {
-    "v": "triangles: let go"
-}
+_MEANINGS = {"o": "circles: touches", "s": "squares: captures, at rest"}
+_MEANINGS |= {"x": "crosses: refusals", "v": "triangles: let go"}
 
 
 @figure()
@@ -114,17 +117,10 @@ def figure_stops(runs: Runs, *, width: Width = "page") -> Sheet:
     picked = picked.thinned(columns)
     pairs, meant = [], set()
     for joint in joints:
-        about = {
-            place: one for run in picked.drawn for place, one in _own(run, *families, joint=joint).items()
-        }
-        numbers = [
-            n
-            for run in picked.drawn
-            for one in _own(run, *families, joint=joint).values()
-            for n in one["numbers"].values()
-        ]
+        mine = [own for run in picked.drawn for own in _own(run, *families, joint=joint).items()]
+        numbers = [number for _, one in mine for number in one["numbers"].values()]
         grounds = []
-        for place, one in about.items():
+        for place, one in dict(mine).items():
             lower, upper = (one["numbers"].get(side) for side in ("lower", "upper"))
             if place.startswith("latches."):
                 grounds.append((lower, upper, _BLUE))
@@ -136,14 +132,14 @@ def figure_stops(runs: Runs, *, width: Width = "page") -> Sheet:
         panel = _within_bounds(joint.replace("_", " "), curves, grounds, numbers, Axis(word, unit))
         points = [one for run, look in picked.styled for one in _changes(run, joint, look)]
         meant |= {mark for mark, _ in points}
-        panel = replace(panel, marks=[*panel.marks, *(one for _, one in points)])
 
         def total(run: LabelledRun, joint: str = joint) -> Array | None:
             found = efforts(run, joint)
             return np.sum(found, axis=0) if found else None
 
-        y = Axis("force", "N") if slides[joint] else Axis("torque", "N m")
-        pairs.append((panel, Panel("what its stops and latches exert", _bare(picked.curves(total)), y)))
+        marks = [one for _, one in points]
+        exerted = "what its stops and latches exert", picked.curves(total), slides[joint]
+        pairs.append(_with_efforts(panel, marks, *exerted))
     words = [text for mark, text in _MEANINGS.items() if mark in meant]
     return _paired(pairs, width, ("grey: beyond a stop", "blue: window of a latch", *words, *picked.notes))
 
@@ -181,9 +177,7 @@ def figure_gears(runs: Runs, *, width: Width = "page") -> Sheet:
     Within the play, where nothing is in contact, the ground is grey; where both strands of a belt are taut it
     is blue. Circles tell where a flank came into contact, or a strand became taut.
     """
-    picked = pick(runs, GEARED, compared=False)
-
-    picked = picked.thinned(
+    picked = pick(runs, GEARED, compared=False).thinned(
         lambda run: [
             run.values(f"element_{what}", element=place)
             for place in _own(run, "gears")
@@ -211,9 +205,8 @@ def figure_gears(runs: Runs, *, width: Width = "page") -> Sheet:
             Points(one, {"marker": "o", "edgecolors": look.get("color", "black"), "facecolors": "none"})
             for one, look in touches
         ]
-        y = Axis("force", "N") if slides else Axis("torque", "N m")
-        effort = Panel("what it exerts along the deflection", _bare(efforts), y)
-        pairs.append((replace(panel, marks=[*panel.marks, *circles]), effort))
+        exerted = "what it exerts along the deflection", efforts, slides
+        pairs.append(_with_efforts(panel, circles, *exerted))
         grounds |= {colour for _, _, colour in mine}
         marks += sum(len(one) for one, _ in touches)
     notes = (
