@@ -219,21 +219,19 @@ def test_a_law_has_its_certificate_and_its_runs(copy):
 BASE_ENERGY = '''
 """Energy of the whole, drawn."""
 
-from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import labelled
-from antenna_pin.plot._style import new_figure, styled
+from antenna_pin.plot._compared import pick
+from antenna_pin.plot._kinds import RunFigure
+from antenna_pin.plot.grammar import Axis, Panel, Sheet, figure
 
 
-@styled
+@figure()
 def figure_twice(runs, *, width="page"):
-    figure = new_figure(width, 60.0)
-    axes = figure.subplots()
-    for run in labelled(runs):
-        axes.plot(run.time, run.values("twice_the_energy"), label=run.legend)
-    return figure
+    """Return twice the energy of all runs."""
+    curves = pick(runs).curves(lambda run: run.values("twice_the_energy"))
+    return Sheet([[Panel("", curves, Axis("energy", "J"))]], width, 60.0)
 
 
-FIGURES = (RunFigure(name="twice", title="Twice the energy", function=figure_twice, standard=False),)
+FIGURES = (RunFigure("twice", "Twice the energy", figure_twice, standard=False),)
 '''
 
 

@@ -128,7 +128,7 @@ class AttractorStore:
         from antenna_pin.nonlinear import load_plan, open_section, poincare, save_table
         from antenna_pin.nonlinear.diagrams import interrupting
         from antenna_pin.plot import Attractor
-        from antenna_pin.plot.attractors import SAME
+        from antenna_pin.plot.phase import SAME
 
         scenario, plan = self._at(over, value), load_plan(over.name)
         stem = f"{_stem(over)}-{value.replace(' ', '')}"

@@ -1,13 +1,25 @@
-"""Figures of closed loops: what they show equals what the run holds, and all of it can be read."""
+"""Figures of what closures, couplings, motions and forces on links exert: they show what the runs hold."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
+from coupled_fingers import write_coupled_fingers
 from driven_four_bar import write_driven_four_bar
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import drive_power
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.plot import CATALOGUE, allowed_figures, figure_closure_forces, figure_drive_efforts
+from antenna_pin.plot import (
+    CATALOGUE,
+    allowed_figures,
+    figure_applied_forces,
+    figure_closure_forces,
+    figure_coupling_torques,
+    figure_drive_efforts,
+)
+
+PANEL = Path(__file__).parents[2] / "scripts" / "examples" / "panel" / "scenario.toml"
 
 
 @pytest.fixture(scope="module")
@@ -86,3 +98,47 @@ def test_runs_of_trees_are_refused_or_named(runs, made_run, readable):
         assert ": tree" in " ".join(figure.get_supxlabel().split())
         readable(figure)
         assert name not in [each.figure.name for each in allowed_figures([tree])]
+
+
+# --- couplings ---
+
+
+@pytest.fixture(scope="module")
+def fingers(tmp_path_factory):
+    return simulate(load_scenario(write_coupled_fingers(tmp_path_factory.mktemp("fingers"))))
+
+
+def test_lines_are_torques_and_forces_on_followers(fingers, readable):
+    figure = figure_coupling_torques([fingers])
+    panels = {axes.get_title("left").rpartition("$ ")[2]: axes for axes in figure.axes}
+    assert set(panels) == {"finger, torque on finger", "rack, force on rack"}
+    for name, title in (("finger", "finger, torque on finger"), ("rack", "rack, force on rack")):
+        (line,) = (line for line in panels[title].lines if len(line.get_ydata()) > 2)
+        unit = panels[title].get_ylabel().partition("[")[2].partition("]")[0]
+        factor = {"m": 1e3}.get(unit[0], 1.0)
+        values = fingers.data.coupling_torque.sel(coupling=name).values
+        np.testing.assert_allclose(line.get_ydata(), factor * values, rtol=1e-14)
+    readable(figure)
+
+
+def test_a_run_without_couplings_has_no_such_figure(tmp_path):
+    path = write_coupled_fingers(tmp_path / "fingers")
+    text = path.read_text() + "[mechanism.joints.finger]\nmimic = false\n"
+    path.write_text(text.replace('[couplings.rack]\nleader = "thumb"\nmultiplier = "10 mm/rad"\n', ""))
+    with pytest.raises(InvalidParameterError, match="at least one run with a coupling of joints"):
+        figure_coupling_torques([simulate(load_scenario(path))])
+
+
+# --- forces on links ---
+
+
+def test_forces_on_links_are_drawn_place_by_place(readable):
+    """5 N across the panel, turning with it; no torque: no panel of it."""
+    force = {"kind": "force", "at": {"link": "panel", "point": [0.1, 0.0, 0.0]}, "force": [0.0, 0.0, "5 N"]}
+    scenario = load_scenario(PANEL, case="ideal", overrides={"forces.push": force, "duration": "20 ms"})
+    run = simulate(scenario)
+    assert "applied_forces" in {each.figure.name for each in allowed_figures([run])}
+    figure = figure_applied_forces(run)
+    readable(figure)
+    (axes,) = figure.axes
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), 5.0, rtol=1e-12)
