@@ -51,7 +51,7 @@ def kept(state: Any) -> str:
 
 
 def remembered(text: str, like: Any) -> Any:
-    """Return a state from the text of :func:`kept`.
+    """Return a state from the text of :func:`kept`, restored.
 
     Args:
         text: It.

@@ -64,7 +64,7 @@ class Sensor:
 
     @property
     def step(self) -> float:
-        """One step, in the number's unit; 0 for none."""
+        """Quantisation step, in the number's unit; 0 for none."""
         if self.counts is not None:
             return 2.0 * math.pi / self.counts
         return 2.0 * math.pi / 2**self.bits if self.bits is not None else self.resolution
@@ -110,7 +110,7 @@ _KINDS: Mapping[str, tuple[str, Callable[[Now, str], float]]] = {
 @takes()
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """One measured number.
+    """Measured number.
 
     Attributes:
         kind: ``angle`` [rad] ([m]) or ``rate`` of a joint; ``base-rotation`` [rad] or ``base-rate`` [rad/s]
@@ -124,7 +124,7 @@ class Measure:
 
     @classmethod
     def read(cls, place: object, key: str, text: str) -> Measure:
-        """Return what a text such as ``angle hinge`` asks for.
+        """Return the measurement named by a text such as ``angle hinge``.
 
         Args:
             place: Whose it is, for the message.

@@ -400,7 +400,7 @@ class ParameterBands(NamedTuple):
 
     @property
     def beyond_chance(self) -> bool:
-        """Whether the residuals are too large for the stated noise."""
+        """Return whether the residuals are too large for the stated noise."""
         return self.chance < BEYOND_CHANCE
 
     @property

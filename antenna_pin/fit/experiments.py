@@ -65,7 +65,7 @@ class _TimesSpec(Spec):
 
 
 class _ExperimentSpec(Spec):
-    """One experiment.
+    """Experiment of a fit.
 
     Attributes:
         like: The record of the fit that it is like; the first if left out.

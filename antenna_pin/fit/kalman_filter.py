@@ -341,7 +341,7 @@ def estimate_starts(
 
 
 class _Pass(NamedTuple):
-    """One pass of the filter over a record.
+    """Pass of the filter over a record.
 
     Attributes:
         origins: As of :class:`_RecordEstimate`.

@@ -63,7 +63,7 @@ class _PiecesSpec(Spec):
 
 
 class RecordSpec(LayoutSpec):
-    """One measured run: how its file is laid out, and what was measured.
+    """Measured run: layout of its file, and measured quantities.
 
     Attributes:
         file: A text (CSV and its kin), NetCDF, MAT or universal file, from the fit file's folder.

@@ -118,7 +118,7 @@ if TYPE_CHECKING:
 
 
 class Search(NamedTuple):
-    """One search: start and end.
+    """Search of a fit: start and end.
 
     Attributes:
         start: Values, (p,) [SI].
@@ -174,7 +174,7 @@ class Fit:
 
     @property
     def trusted(self) -> bool:
-        """Whether the search converged, with residuals within chance."""
+        """Return whether the search converged, with residuals within chance."""
         return self.converged and not self.bands.beyond_chance
 
     @property

@@ -66,7 +66,7 @@ _ROUND_OFF = 1e-12  # by which a run may end before its end [s]
 
 
 class RunSamples(NamedTuple):
-    """One run.
+    """Samples of a run for a fit.
 
     Attributes:
         chunk: Its samples.

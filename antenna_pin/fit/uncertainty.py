@@ -132,7 +132,7 @@ class Rank:
 
     @property
     def full(self) -> bool:
-        """Whether every parameter is identifiable."""
+        """Return whether every parameter is identifiable."""
         return bool(self.determined.all())
 
 

@@ -57,7 +57,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """One impact, from touch to separation.
+    """Impact, from touch to separation.
 
     Attributes:
         restitution: Relative speed after over before [-].

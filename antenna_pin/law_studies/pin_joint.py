@@ -48,7 +48,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class ExperimentPoint:
-    """One row of the table.
+    """Row of the table.
 
     Attributes:
         clearance: Radial play [m].
@@ -99,7 +99,7 @@ LIU_2013_STEEL = Material(
 
 @dataclass(frozen=True, slots=True)
 class ExperimentFit:
-    """One law, or a printed column, against the measured loads.
+    """Law, or printed column, compared with the measured loads.
 
     Attributes:
         law: Name of the law.

@@ -203,7 +203,7 @@ class Linearisation:
 
     @property
     def still(self) -> bool:
-        """Whether the state is at rest."""
+        """Return whether the state is at rest."""
         return not self.at.v.any()
 
     @property

@@ -98,7 +98,7 @@ class Orbit:
 
     @property
     def stable(self) -> bool | None:
-        """Whether perturbed states approach; None where a multiplier is 1 in size within its error."""
+        """Return whether perturbed states approach; None where a multiplier's size is 1 within its error."""
         sizes = np.abs(self.multipliers)
         if self.free_period:
             sizes = np.delete(sizes, int(np.argmin(np.abs(self.multipliers - 1.0))))

@@ -139,7 +139,7 @@ class SectionRun:
 
     @property
     def ended(self) -> bool:
-        """Whether the run has ended: failed, or stopped by an event of the scenario."""
+        """Return whether the run has ended: failed, or stopped by an event of the scenario."""
         return self.outcome is not Outcome.COMPLETED
 
     def more(self, count: int) -> _Points:

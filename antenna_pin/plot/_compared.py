@@ -163,7 +163,7 @@ def with_differences(panels: Sequence[Panel]) -> list[Panel]:
 
 
 def _less_the_first(panel: Panel) -> Panel | None:
-    """Return what the lines of a panel are less its first one; None where they can be told apart."""
+    """Return the lines of a panel less the first; None where they are distinguishable."""
     if panel.apart or len(panel.curves) < 2:
         return None
     first, *others = panel.curves

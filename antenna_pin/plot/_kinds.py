@@ -154,7 +154,7 @@ def joints_of(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
 
 
 def wanted_joints(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
-    """Return the joints of a kind that have figures where none is asked for by name."""
+    """Return the joints of a kind that have figures by default."""
     found = joints_of(kind, runs)
     if kind.asked and not any(name in _with_play(run) for run in runs for name in found):
         return []

@@ -122,7 +122,7 @@ def samples_of(run: Run) -> xr.Dataset:
 
 
 def labelled(runs: Runs) -> list[LabelledRun]:
-    """Return runs with labels that tell them apart; a run whose label is taken gets a number.
+    """Return runs with distinct labels; repeated labels get numbers.
 
     Raises:
         InvalidParameterError: If there is no run, or none that holds two samples.

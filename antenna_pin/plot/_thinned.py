@@ -80,7 +80,7 @@ def thinned_beside(
 
 
 def turning(angle: Array) -> Array:
-    """Return a column that has a sample kept wherever an angle has turned on by a radian.
+    """Return a column that has samples wherever an angle has turned by another radian.
 
     Between two samples that are kept an angle may then turn no further than half a turn, and it goes on where
     it would jump by a whole one (``numpy.unwrap``), as it does with all samples.
@@ -167,5 +167,5 @@ def between_spikes(time: Array, value: Array) -> float:
 
 
 def even_instants(time: Array) -> Array:
-    """Return the instants at which :func:`between_spikes` looks at samples at some times, (n,) [s]."""
+    """Return the times at which :func:`between_spikes` evaluates samples, (n,) [s]."""
     return np.linspace(time[0], time[-1], _WINDOWS * _IN_WINDOW)

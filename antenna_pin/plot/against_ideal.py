@@ -425,7 +425,7 @@ def _known(errors: dict[str, xr.Dataset | None]) -> list[str]:
 
 
 def _boresight(run: LabelledRun) -> xr.Dataset | None:
-    """Return where a run looks; None where its scenario does not say what looks where."""
+    """Return the boresight of a run; None where its scenario defines none."""
     try:
         return boresight(run.data)
     except AntennaPinError:
@@ -447,7 +447,7 @@ def _broken(curve: Curve) -> Curve:
 
 
 def _pointing_columns(run: LabelledRun, reference: LabelledRun | None) -> list[Array]:
-    """Return all that is drawn of a part of a run; nothing where it does not say what looks where."""
+    """Return the lines of a part of a run; nothing without data of it."""
     looks = _boresight(run)
     if looks is None:
         return []

@@ -138,7 +138,7 @@ def _kept(run: LabelledRun, name: str) -> Array:
 
 
 def _drifting(run: LabelledRun) -> Columns:
-    """Return what tells how far momenta have come from those at a run's start."""
+    """Return the deviation of momenta from those at a run's start."""
     start = replace(run, data=run.data.isel(time=slice(0, 1)))
 
     def columns(part: LabelledRun) -> list[Array]:

@@ -476,7 +476,7 @@ def _spans(time: Array, on: NDArray[np.bool_]) -> list[tuple[float, float]]:
 
 
 def _unit(run: LabelledRun, controller: str, signal: str) -> str:
-    """Return the unit of a signal, as far as the run's scenario tells; "" where it does not."""
+    """Return the unit of a signal by the run's scenario; "" where it is unknown."""
     try:
         scenario = json.loads(run.data.attrs["scenario"])
         one = scenario["controllers"][controller]

@@ -1,4 +1,4 @@
-"""Fits and tests: records against the fit of them, how sure it is, what tests can tell, sensitivities."""
+"""Figures of fits and tests: records beside predictions, uncertainty, sensitivities."""
 
 from __future__ import annotations
 
@@ -314,7 +314,7 @@ def _profile(one: xr.Dataset, reach: float, labelled: bool) -> Panel:
 def _span(
     values: np.ndarray, best: float, low: float, high: float, by_log: bool = False
 ) -> tuple[float, float]:
-    """Return from where to where a profile is shown: beyond its ends, and of an open side some of it."""
+    """Return the displayed range of a profile: beyond its ends, and part of an open side."""
     if by_log:
         below, above = (math.log(end) if end > 0.0 else -math.inf for end in (low, high))
         left, right = _span(np.log(values), math.log(best), below, above)
@@ -351,7 +351,7 @@ def _no_rows(axes: Axes) -> None:
 
 @figure(found="Of :func:`antenna_pin.fit.identifiability_table`.")
 def figure_identifiability(found: xr.Dataset, *, width: Width = "page") -> Sheet:
-    """Return what a test can tell: the error of each parameter to expect, and the directions that it tells.
+    """Return the information of a test: expected errors of parameters, and determined directions.
 
     On the left half widths of intervals over the parameters' sizes, with all others unknown and with all
     others known: what lies between is what parameters take from one another. On the right the error along

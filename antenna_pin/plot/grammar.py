@@ -140,7 +140,7 @@ class ByHand:
 
 
 def close_view(window: tuple[float, float]) -> Ground:
-    """Return the shade of the span of a close view; its edges keep a narrow one visible."""
+    """Return the shade of the span of a close view, with visible edges."""
     return Ground(*window, {"facecolor": SHADE, "edgecolor": "#888888", "linewidth": 0.5, "zorder": 0.5})
 
 

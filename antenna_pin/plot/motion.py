@@ -197,7 +197,7 @@ def _strips(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _MotionCurve:
-    """One run's line: times [s], values, and the deviation from the ideal run (None without one)."""
+    """Line of a run: times [s], values, and the deviation from the ideal run (None without one)."""
 
     label: str
     time: Array
@@ -329,7 +329,7 @@ def _less(one: _MotionCurve, first: _MotionCurve) -> Array:
 
 
 def _less_the_first(curves: Sequence[_MotionCurve]) -> tuple[str, list[_MotionCurve]]:
-    """Return runs with play less the first of them, and its name; none where they can be told apart.
+    """Return runs with play less the first of them, and its name; none where distinguishable.
 
     They are told apart by their deviations from the ideal run where there is one.
     """

@@ -110,7 +110,7 @@ def _largest(branch: xr.Dataset) -> Array:
 
 
 def _numbers(branch: xr.Dataset, coordinate: str | None) -> Iterator[tuple[str, Array]]:
-    """Yield labels and numbers of the panels that say where the orbits are."""
+    """Yield labels and numbers of the panels of the orbits' places."""
     dims = {"q": "configuration", "v": "coordinate"}
     names = {
         f"{symbol}[{name}]": (symbol, dim, k)

@@ -381,7 +381,7 @@ def figure_density(
 
 
 def _prescribed(run: LabelledRun) -> list[Curve]:
-    """Return the density that the base of a run was asked for."""
+    """Return the prescribed density of a run's base."""
     for one in shakes_of(run.data).values():
         about = one["shakes"]
         if "density" in about:

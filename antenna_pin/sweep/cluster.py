@@ -133,7 +133,7 @@ def said_of_start(codes: list[int], error: str) -> str:
 
 
 def _is_unguarded() -> bool:
-    """Whether the script that runs does the same where another process reads it."""
+    """Return whether the running script is the same when imported by another process."""
     script = getattr(sys.modules.get("__main__"), "__file__", None)
     if script is None:
         return False
@@ -285,7 +285,7 @@ class Cluster:
 
     @property
     def width(self) -> int:
-        """How many threads the workers have in all; at least 1."""
+        """Number of threads of all workers; at least 1."""
         self.start()
         try:
             return max(1, int(sum(self._client.nthreads().values())))
@@ -404,7 +404,7 @@ class Cluster:
 
 
 def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
-    """Return what a client answers; one whose connection was closed meanwhile says so by a RuntimeError."""
+    """Return a client's answer; raise RuntimeError for a connection that was closed meanwhile."""
     try:
         return call(*arguments, **more)
     except RuntimeError as error:

@@ -45,7 +45,7 @@ class Prepared:
 
     @property
     def place(self) -> str:
-        """How messages call it."""
+        """Name in messages."""
         return f"study {self.study.name}"
 
     def job(self, run: int) -> Job:
@@ -64,7 +64,7 @@ class Prepared:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What a short part of the first run has shown.
+    """Result of a short part of the first run.
 
     Attributes:
         seconds: Estimate of the time that a whole run takes on this machine [s].
@@ -109,7 +109,7 @@ def prepare(study: Study) -> Prepared:
 
 @takes()
 def trial(prepared: Prepared, run: int = 0) -> Trial:
-    """Make a short part of a run, look at its responses, and estimate the time of a whole one.
+    """Make a short part of a run, evaluate its responses, and estimate the time of a whole one.
 
     Raises:
         AntennaPinError: The run cannot be built, or a response does not exist for it.

@@ -30,7 +30,7 @@ def with_unit(value: float, unit: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperFigure:
-    """One figure of a paper.
+    """Figure of a paper.
 
     Attributes:
         number: Number in the paper.

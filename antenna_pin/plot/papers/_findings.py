@@ -1,4 +1,4 @@
-"""Findings of a paper's figures: sentences of numbers about runs, and whether runs show what it says."""
+"""Findings of a paper's figures: statements with numbers about runs, and their checks."""
 
 from __future__ import annotations
 

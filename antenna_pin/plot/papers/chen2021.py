@@ -86,7 +86,7 @@ def _mostly_single(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool
 
 
 def _chaotic_then_quasi(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
-    """Return whether no motion has a period: too few points for a test of chaos tell no more."""
+    """Return whether no motion has a period; too few points for a test of chaos decide nothing."""
     return bool(values) and not any(one.startswith("period") for one in verdicts)
 
 
