@@ -1,4 +1,4 @@
-"""Where something stands in a scenario, and whether what it names is there."""
+"""Places in a scenario for messages, and checks of names."""
 
 from __future__ import annotations
 

@@ -144,7 +144,7 @@ class Closing:
 
 
 def _loaded():
-    return "antenna_pin.sweep.work" in sys.modules
+    return "antenna_pin.sweep.jobs" in sys.modules
 
 
 @pytest.fixture

@@ -377,7 +377,7 @@ def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
 def test_shipped_studies_can_be_built():
     """The first and the last run of each."""
     from antenna_pin.sweep import list_studies, prepare
-    from antenna_pin.sweep.work import check_jobs
+    from antenna_pin.sweep.jobs import check_jobs
 
     assert len(list_studies()) >= 1
     for name in list_studies():

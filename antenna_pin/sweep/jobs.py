@@ -1,4 +1,4 @@
-"""What is done with one run of a study, wherever it is done: data in, data out."""
+"""Jobs of a study: one run as plain data, in any process."""
 
 from __future__ import annotations
 
