@@ -362,8 +362,8 @@ def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
         now[0] += 0.1 + slow + 40.0 * (len(made) == 1)  # the first one is compiled
         return SimpleNamespace(counts=Counts(wall_seconds=slow, compile_seconds=40.0 * (len(made) == 1)))
 
-    monkeypatch.setattr(prepared, "simulate", simulated)
-    monkeypatch.setattr(prepared, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    monkeypatch.setattr(preparation, "simulate", simulated)
+    monkeypatch.setattr(preparation, "time", SimpleNamespace(perf_counter=lambda: now[0]))
     exact = 0.1 + 2.0 * (1 + 4 + 8) / 3
     assert run_seconds(preparation.prepare(study)) == pytest.approx((exact, exact, exact), rel=1e-12)
     assert max(made) < 2e-3
