@@ -1,4 +1,4 @@
-"""From a scenario to a system: URDF variant, Pinocchio model, force elements, initial state."""
+"""Assembly of a scenario into a system: URDF variant, Pinocchio model, force elements, initial state."""
 
 from antenna_pin.base.lazy import exported
 

@@ -1,4 +1,4 @@
-"""From a scenario to a system."""
+"""Systems of scenarios: Pinocchio model, force elements, constraints, references."""
 
 from __future__ import annotations
 
@@ -8,19 +8,22 @@ from collections.abc import Collection
 from typing import Any, NamedTuple
 
 from antenna_pin.assemble.closures import closures_of, link_of
-from antenna_pin.assemble.flexible import by_name
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion, slides, where
-from antenna_pin.assemble.references import reference_for
-from antenna_pin.assemble.rotors import armature_of
-from antenna_pin.assemble.shaken import among_others
-from antenna_pin.assemble.variant import as_written, types_as_written, variant_and_parts
+from antenna_pin.assemble.variant import (
+    among_others,
+    armature_of,
+    as_written,
+    by_name,
+    types_as_written,
+    variant_and_parts,
+)
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import readable
 from antenna_pin.constraints import Coupling
 from antenna_pin.control import measures_of
 from antenna_pin.dynamics import HeldKind, System, settled
-from antenna_pin.elements import JointFriction, StickingFriction
+from antenna_pin.elements import JointFriction, Reference, StickingFriction
 from antenna_pin.errors import (
     AssumedWarning,
     InvalidParameterError,
@@ -47,8 +50,45 @@ from antenna_pin.scenario import (
 from antenna_pin.scenario.assumed import said_of_assumed
 from antenna_pin.scenario.clearance import TouchingSpec
 
-__all__ = ["build_system"]
+__all__ = ["build_system", "reference_for"]
 
+
+# --- references ---------------------------------------------------------------------------------------------
+
+
+@takes()
+def reference_for(scenario: Scenario, name: str, slot: JointSlot | None, pure: bool = False) -> Reference:
+    """Return a reference of a scenario by name.
+
+    Args:
+        scenario: The scenario.
+        name: Of the reference.
+        slot: The joint that is to follow it; None if it is no joint that does.
+        pure: Whether its values are to be pure numbers, by which something is multiplied.
+
+    Raises:
+        ScenarioError: Its units are those of another motion.
+    """
+    spec = scenario.references[name]
+    if slot is not None:
+        check_motion(scenario, slot, spec.motion, "references", name)
+    if pure and spec.motion is not None:
+        raise ScenarioError(
+            f"{where(scenario, 'references', name)}: values must be pure numbers, for they multiply a force "
+            f"that follows them, got units of a {spec.motion}; write bare numbers"
+        )
+    parts = getattr(spec, "parts", None)
+    more = (
+        {} if parts is None else {"parts": tuple(reference_for(scenario, one, slot, pure) for one in parts)}
+    )
+    try:
+        found: Reference = spec.build(**more)
+    except InvalidParameterError as error:
+        raise ScenarioError(f"references.{name}.{error.parameter} {error.reason}") from None
+    return found
+
+
+# --- systems ------------------------------------------------------------------------------------------------
 
 # --- friction of joints themselves: what the URDF's ``<dynamics>`` says and the scenario changes ---
 

@@ -1,4 +1,4 @@
-"""The closures of a scenario."""
+"""Closures of a scenario."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from antenna_pin.mechanism import WORLD, Mechanism, link_poses, rotation
 from antenna_pin.scenario import AnchorSpec, LinkPlaceSpec, Scenario
 
 __all__ = ["axes_turned", "closures_of", "link_of"]
+
 
 _Z = (0.0, 0.0, 1.0)
 

@@ -1,4 +1,4 @@
-"""Facts about the mechanism of a scenario, found by building its system and its initial state."""
+"""Facts of a scenario as a mechanism, from its system and initial state."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = ["scenario_facts"]
+
 
 # What an assembly may move a joint by before it is told [rad, or of ways the mechanism's length]: 10 deg. A
 # drawn pose is seldom as far off, and to that the first guess of Newton's method is good to 2 %.

@@ -1,4 +1,4 @@
-"""The initial state of a scenario."""
+"""Initial state of a scenario."""
 
 from __future__ import annotations
 

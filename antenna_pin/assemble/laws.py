@@ -1,4 +1,4 @@
-"""A joint with play of a scenario: its laws, with what they take from dimensions and materials."""
+"""Contact and friction laws of a joint with play, completed by dimensions and materials."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Places in a scenario, and checks that the names given there exist."""
+"""Places in a scenario for messages, and checks of names."""
 
 from __future__ import annotations
 

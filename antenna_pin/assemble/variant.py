@@ -1,21 +1,162 @@
-"""The URDF of a scenario's case."""
+"""Variants of a scenario's URDF: flexible links, rotors, a shaken base, joints made free or locked."""
 
 from __future__ import annotations
 
-from antenna_pin.assemble.flexible import with_flexible_links
+from collections.abc import Iterable, Mapping
+from typing import Any
+
 from antenna_pin.assemble.places import check_known, where
-from antenna_pin.assemble.rotors import with_rotors
-from antenna_pin.assemble.shaken import with_shaken
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.changes import JointChange
+from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import MechanismError, ScenarioError
-from antenna_pin.flexible import ElasticPart
-from antenna_pin.mechanism import JointVariant, Urdf, WrittenUrdf
+from antenna_pin.flexible import ElasticPart, split
+from antenna_pin.mechanism import (
+    JointVariant,
+    Urdf,
+    WrittenUrdf,
+    check_size,
+    check_turns,
+    with_rotor,
+    with_shaken_base,
+)
 from antenna_pin.scenario import AnchorSpec, ElementSpec, JointsSpec, Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
-__all__ = ["as_written", "types_as_written", "urdf_variant", "variant_and_parts"]
+__all__ = [
+    "among_others",
+    "armature_of",
+    "as_written",
+    "by_name",
+    "types_as_written",
+    "urdf_variant",
+    "variant_and_parts",
+    "with_flexible_links",
+    "with_rotors",
+    "with_shaken",
+]
 
+
+# --- parts of flexible links --------------------------------------------------------------------------------
+
+
+def with_flexible_links(scenario: Scenario, urdf: Urdf) -> tuple[Urdf, tuple[ElasticPart, ...]]:
+    """Return a URDF whose flexible links are hubs with elastic parts, and these parts.
+
+    Raises:
+        AntennaPinError: A link or shape that there is not, or one that a part asks too much of.
+    """
+    found: list[ElasticPart] = []
+    freedoms = len(urdf.robot.joints)
+    for name, spec in scenario.flexible.items():
+        links = {link.name for link in urdf.robot.links}
+        check_known(scenario, [spec.link], "link", links, "flexible", name, "link")
+        kind, place = spec.build(), where(scenario, "flexible", name)
+        freedoms += len(kind.frequencies)
+        check_size(place, freedoms, "take the modes of lowest frequency, or those of largest effective mass")
+        made = split(kind, name, urdf.mass_properties(spec.link), place)
+        urdf = urdf.with_parts(spec.link, made)
+        found += made.parts
+    return urdf, tuple(found)
+
+
+def by_name(scenario: Scenario, parts: Iterable[ElasticPart]) -> dict[str, ElasticPart]:
+    """Return elastic parts by name, which is also that of their joint and their spring.
+
+    Raises:
+        ScenarioError: A spring of the scenario has the name of a part.
+    """
+    found = {part.name: part for part in parts}
+    for name in scenario.springs:
+        if name in found:
+            raise ScenarioError(
+                f"{where(scenario, 'springs', name)}: must have another name than an elastic part of a "
+                "flexible link, whose own spring bears it"
+            )
+    return found
+
+
+# --- rotors -------------------------------------------------------------------------------------------------
+
+
+def with_rotors(scenario: Scenario, urdf: Urdf) -> Urdf:
+    """Return a URDF with the rotors of a scenario that are bodies; all are checked.
+
+    Raises:
+        AntennaPinError: A joint that there is not, or that does not turn about an axis of its own.
+    """
+    for name, spec in scenario.rotors.items():
+        joints = [joint.name for joint in urdf.robot.joints]
+        check_known(scenario, [spec.joint], "joint", joints, "rotors", name, "joint")
+        try:
+            rotor = spec.build()
+            if rotor.kind == "exact":
+                urdf = with_rotor(urdf, name, rotor)
+            else:
+                check_turns(urdf, name, rotor)
+        except MechanismError as error:
+            raise MechanismError(f"{where(scenario, 'rotors', name)}: {error}") from None
+    return urdf
+
+
+def armature_of(scenario: Scenario) -> dict[str, float]:
+    """Return what joints feel of the rotors that are plain armature, by the names of joints [kg m^2]."""
+    found: dict[str, float] = {}
+    for spec in scenario.rotors.values():
+        if spec.kind == "armature":
+            found[spec.joint] = found.get(spec.joint, 0.0) + spec.ratio**2 * spec.inertia
+    return found
+
+
+# --- shaken base --------------------------------------------------------------------------------------------
+
+
+def with_shaken(scenario: Scenario, urdf: Urdf) -> Urdf:
+    """Return a URDF whose base is carried by the joints of a scenario's motions of it.
+
+    Raises:
+        AntennaPinError: The base floats, or cannot be shaken so.
+    """
+    shakes = scenario.families.get("shake", {})
+    for name, spec in shakes.items():
+        place = where(scenario, "shake", name)
+        if scenario.mechanism.base != "fixed":
+            raise ScenarioError(
+                f'{place}: mechanism.base must be "fixed" for a base that is shaken, got '
+                f"{scenario.mechanism.base!r}; a free base is moved by forces"
+            )
+        actual = "translation" if spec.build().slides else "rotation"
+        if spec.motion not in (None, actual):
+            raise ScenarioError(
+                f"{place}: units must be those of a {actual}, for the base is shaken "
+                f"{'along a direction' if actual == 'translation' else 'about an axis'}, got units of a "
+                f"{spec.motion}"
+            )
+    try:
+        return with_shaken_base(urdf, {name: spec.build() for name, spec in shakes.items()})
+    except MechanismError as error:
+        raise MechanismError(f"{where(scenario, 'shake')}: {error}") from None
+
+
+def among_others(scenario: Scenario, found: dict[str, dict[str, Any]]) -> Mapping[str, dict[str, Any]]:
+    """Return elements by the families that a system has them in, whatever table they stand in.
+
+    Raises:
+        ScenarioError: Two of one family have one name.
+    """
+    kept: dict[str, dict[str, Any]] = {}
+    for table, elements in found.items():
+        own = FAMILIES[table].among or table
+        for name in elements.keys() & kept.get(own, {}).keys():
+            raise ScenarioError(
+                f"{where(scenario, table, name)}: must have another name than {own}.{name}, as both are "
+                f"{own} of a system; rename one"
+            )
+        kept[own] = {**kept.get(own, {}), **elements}
+    return kept
+
+
+# --- variants of a URDF -------------------------------------------------------------------------------------
 
 # --- where else a loop could be cut, for a joint with play that stands among the closures ---
 

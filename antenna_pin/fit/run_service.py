@@ -46,7 +46,7 @@ from antenna_pin.sensitivity import GrazeError, SensitivityError
 from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.sweep import Executor, Here
-from antenna_pin.sweep.here import Lost
+from antenna_pin.sweep.executor import Lost
 from antenna_pin.sweep.journal import Journal, begun
 from antenna_pin.trajectory import library_versions
 

@@ -1,4 +1,4 @@
-"""Mass properties of a body as one number per moment, and what is left of them when a part is taken out."""
+"""Mass properties of a body as one number per moment, and remainders without a part."""
 
 from __future__ import annotations
 

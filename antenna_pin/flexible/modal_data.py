@@ -1,4 +1,24 @@
-"""An appendage from the modal data of a finite-element code."""
+r"""Appendages from modal data of a finite-element code, each mode a body on a joint.
+
+A mode that was scaled to unit modal mass acts on its hub through six numbers, its participation factors delta
+= (t, r) in translation and rotation. A body on a joint does the same, to first order in its motion. A mass m
+on a slide along d at p has :math:`\delta = \sqrt m\,(d,\; p \times d)`: t and r are at right angles, since a
+slide is no screw. A hinge can carry the rest, for its body need not be balanced. Let u be the hinge's axis, L
+the way from it to the body's mass centre b, across it along :math:`\hat t \times u` so that the centre moves
+along :math:`\hat t`, and J the inertia about b. With :math:`D = m L^2 + J_{uu}`
+
+.. math:: t = \frac{m L}{\sqrt D}\,\hat t, \qquad r - b \times t = \frac{J u}{\sqrt D}.
+
+J u has a part along t too if the body has a product of inertia there. So *every* (t, r) but zero is a body on
+a slide or on a hinge, exactly. With :math:`w u` the part across t of :math:`r_b = r - b \times t` and
+:math:`x = m - t^2`, what the body needs is
+
+.. math:: \sqrt D = \frac{w m}{x}, \quad J_{uu} = w \sqrt D, \quad J_{ut} = (\hat t \cdot r) \sqrt D,
+          \quad L = \frac{|t| w}{x}.
+
+It is heavier than the mode's effective mass t^2 by x, which is free: a small one makes the arm long and the
+turns small. The place b is free as well; it settles w.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +31,266 @@ from numpy.typing import NDArray
 from antenna_pin.base.parameters import SWINGS, check, parameter
 from antenna_pin.base.units import shown
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.flexible.inertia import MassProperties, least_share
-from antenna_pin.flexible.kind import FlexibleKind
-from antenna_pin.flexible.part import ElasticPart, SphereShape
-from antenna_pin.flexible.realised import realised
+from antenna_pin.flexible.inertia import MassProperties, inertia_of, least_share, share_taken, shares_taken
+from antenna_pin.flexible.parts import ElasticPart, FlexibleKind, SphereShape
 
-__all__ = ["ModalData"]
+__all__ = ["ModalData", "balanced_rotor", "hinged", "realised", "sliding_mass"]
 
 Array = NDArray[np.float64]
+
+# --- modes as bodies on joints ------------------------------------------------------------------------------
+
+# Own second moments of a mass on a slide, as a share of those of so much of its link. They are free, since it
+# does not turn on the hub: small, so that its place decides, but not zero, which no body has.
+_OWN = 0.01
+# What is below this of the rest, lengths counted in the link's radius of gyration, is round-off of the data.
+_NOTHING = 1e-9
+# Of a mode that asks for more where it belongs, the body goes to where it takes less.
+_MUCH = 0.5
+# Among which the body that takes least is looked for: places, masses and shapes.
+_LEVERS, _LEAST_LEVER, _FACTORS, _FLATS = 9, 1e-3, (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0), (0.1, 0.5, 0.9)
+# Arms longer than so many radii of gyration gain nothing.
+_LONG = 1e3
+
+
+def sliding_mass(
+    name: str, link: MassProperties, mass: float, direction: Array, place: Array, omega: float, ratio: float
+) -> ElasticPart:
+    """Return a mass on a slide.
+
+    Args:
+        name: Of the part.
+        link: The whole link.
+        mass: [kg].
+        direction: (3,) unit, in the link's axes [-].
+        place: (3,) of the mass, in the link's frame [m].
+        omega: Natural angular frequency with the hub held [rad/s].
+        ratio: Damping ratio with the hub held [-].
+    """
+    own = inertia_of(_OWN * mass / link.mass * link.spread)
+    return ElasticPart(
+        name=name,
+        slides=True,
+        origin=place,
+        axis=direction,
+        body=MassProperties(mass, place, own),
+        stiffness=mass * omega**2,
+        damping=2.0 * ratio * omega * mass,
+    )
+
+
+def balanced_rotor(
+    name: str,
+    link: MassProperties,
+    inertia: float,
+    direction: Array,
+    place: Array,
+    omega: float,
+    ratio: float,
+) -> ElasticPart:
+    """Return a flat, balanced disc on a hinge through its centre; its turning moves no mass of the whole.
+
+    Its mass is free. It gets the share of the link's that it has of the link's inertia about its axis.
+
+    Args:
+        name: Of the part.
+        link: The whole link.
+        inertia: About the axis [kg m^2].
+        direction: (3,) unit axis, in the link's axes [-].
+        place: (3,) of the disc's centre, in the link's frame [m].
+        omega: Natural angular frequency with the hub held [rad/s].
+        ratio: Damping ratio with the hub held [-].
+    """
+    mass = link.mass * inertia / float(direction @ link.inertia @ direction)
+    across = np.eye(3) - np.outer(direction, direction)
+    spread = 0.5 * inertia * (across + _OWN * np.outer(direction, direction))
+    return ElasticPart(
+        name=name,
+        slides=False,
+        origin=place,
+        axis=direction,
+        body=MassProperties(mass, place, inertia_of(spread)),
+        stiffness=inertia * omega**2,
+        damping=2.0 * ratio * omega * inertia,
+    )
+
+
+def realised(
+    name: str,
+    link: MassProperties,
+    translation: Array,
+    rotation: Array,
+    omega: float,
+    ratio: float,
+    *,
+    least: bool = False,
+) -> ElasticPart:
+    """Return the body on a joint that acts on its hub as a mode does.
+
+    The mass sits where the mode's forces act. If that takes more than half of a moment of the link, or
+    ``least`` is asked for, it is the body that takes least of some hundreds between there and the link's mass
+    centre, on hinges of several arms.
+
+    Args:
+        name: Of the part.
+        link: The whole link.
+        translation: (3,) participation factors about the origin of the link's frame, in its axes [sqrt(kg)].
+        rotation: (3,) likewise [sqrt(kg) m].
+        omega: Natural angular frequency with the hub held [rad/s].
+        ratio: Damping ratio with the hub held [-].
+        least: Whether to take what takes the least of the link anyhow.
+    """
+    size, reach = float(np.linalg.norm(translation)), link.gyration
+    about_centre = rotation - np.cross(link.centre, translation)
+    turning = float(np.linalg.norm(about_centre))
+    if size * reach <= _NOTHING * turning:
+        return balanced_rotor(name, link, turning**2, about_centre / turning, link.centre, omega, ratio)
+    along = translation / size
+    pitch = float(along @ rotation)  # times size: the participation that a slide cannot have
+    across = about_centre - (along @ about_centre) * along
+    away = float(np.linalg.norm(across))
+    if not least:
+        part = _where_it_acts(name, link, translation, rotation, across, pitch, omega, ratio)
+        if share_taken(link, part.body) <= _MUCH:
+            return part
+    # No further than the radius of gyration from the link's mass centre, nearer than where it acts.
+    high = away + size * reach
+    low = min(max(abs(pitch), away - size * reach, _LEAST_LEVER * high), high)
+    here = _where_it_acts(name, link, translation, rotation, across, pitch, omega, ratio)
+    levers, factors, flats = (
+        grid.ravel()
+        for grid in np.meshgrid(
+            np.linspace(low, min(max(low, away), high), _LEVERS), _FACTORS, _FLATS, indexing="ij"
+        )
+    )
+    extras = factors * (levers * size / reach + (levers / reach) ** 2)
+    shares = shares_taken(link, _hinged_moments(link, translation, rotation, levers, extras, flats))
+    best = int(np.argmin(shares))
+    if share_taken(link, here.body) <= shares[best]:
+        return here
+    chosen = (float(levers[best]), float(extras[best]))
+    return hinged(name, link, translation, rotation, *chosen, omega, ratio, float(flats[best]))
+
+
+def _where_it_acts(
+    name: str,
+    link: MassProperties,
+    translation: Array,
+    rotation: Array,
+    across: Array,
+    pitch: float,
+    omega: float,
+    ratio: float,
+) -> ElasticPart:
+    """Return a mode as a mass where its forces act, on a slide, or on a hinge far away if it has a pitch."""
+    size, reach = float(np.linalg.norm(translation)), link.gyration
+    along = translation / size
+    if abs(pitch) <= _NOTHING * size * reach:
+        place = link.centre + np.cross(along, across) / size
+        return sliding_mass(name, link, size**2, along, place, omega, ratio)
+    arm = reach * min(math.sqrt(size * reach / abs(pitch)), _LONG)
+    extra = abs(pitch) * size / max(arm, reach)
+    return hinged(name, link, translation, rotation, abs(pitch), extra, omega, ratio)
+
+
+def hinged(
+    name: str,
+    link: MassProperties,
+    translation: Array,
+    rotation: Array,
+    lever: float,
+    extra: float,
+    omega: float,
+    ratio: float,
+    flat: float = 0.5,
+) -> ElasticPart:
+    """Return a mode as an unbalanced body on a hinge.
+
+    Args:
+        name: Of the part.
+        link: The whole link, whose mass centre the body is put towards.
+        translation: (3,) participation factors about the origin of the link's frame, not zero [sqrt(kg)].
+        rotation: (3,) likewise [sqrt(kg) m].
+        lever: w, the participation in rotation about the body's centre and across t [sqrt(kg) m].
+        extra: x, the body's mass beyond the mode's effective mass [kg].
+        omega: Natural angular frequency with the hub held [rad/s].
+        ratio: Damping ratio with the hub held [-].
+        flat: Which share of J_uu is of mass spread along t, the rest being across it [-].
+    """
+    axes, centres, masses, roots, spreads = _hinges(
+        link, translation, rotation, *(np.array([one]) for one in (lever, extra, flat))
+    )
+    axis, centre, mass, root, spread = axes[0], centres[0], float(masses[0]), float(roots[0]), spreads[0]
+    size = float(np.linalg.norm(translation))
+    along = translation / size
+    moment = root**2
+    return ElasticPart(
+        name=name,
+        slides=False,
+        origin=centre - size * lever / extra * np.cross(along, axis),
+        axis=axis,
+        body=MassProperties(mass, centre, inertia_of(spread)),
+        stiffness=moment * omega**2,
+        damping=2.0 * ratio * omega * moment,
+    )
+
+
+def _hinges(
+    link: MassProperties, translation: Array, rotation: Array, levers: Array, extras: Array, flats: Array
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Return for n hinges their axes, (n, 3), and of their bodies centres, masses, sqrt(D), second moments.
+
+    Args:
+        link: The whole link, whose mass centre the bodies are put towards.
+        translation: (3,) participation factors, as for :func:`hinged`.
+        rotation: (3,) likewise.
+        levers: w, (n,).
+        extras: x, (n,).
+        flats: (n,).
+    """
+    size = float(np.linalg.norm(translation))
+    along = translation / size
+    about_centre = rotation - np.cross(link.centre, translation)
+    across = about_centre - (along @ about_centre) * along
+    away = float(np.linalg.norm(across))
+    other = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
+    aside = across / away if away > 0.0 else other
+    far = away > 1e-9 * levers
+    axes = np.where(far[:, None], aside, other / np.linalg.norm(other))
+    # r_b across t is w u: from the link's centre, where it is `across`, by t x (across - w u) / t^2.
+    centres = link.centre + np.cross(along, across - levers[:, None] * axes) / size
+    masses = size**2 + extras
+    roots = levers * masses / extras  # sqrt(D)
+    spins, products = levers * roots, float(along @ rotation) * roots
+    normals = np.cross(axes, along)
+    thick = flats * spins  # second moments along t and n add up to J_uu
+    askew = axes[:, :, None] * along
+
+    def by(numbers: Array, squares: Array) -> Array:
+        return np.asarray(numbers[:, None, None] * squares)
+
+    spreads = (
+        by(thick, np.outer(along, along)[None])
+        + by(spins - thick, normals[:, :, None] * normals[:, None])
+        - by(products, askew + askew.transpose(0, 2, 1))
+        + by(products**2 / thick + _OWN * spins, axes[:, :, None] * axes[:, None])
+    )
+    return axes, centres, masses, roots, spreads
+
+
+def _hinged_moments(
+    link: MassProperties, translation: Array, rotation: Array, levers: Array, extras: Array, flats: Array
+) -> Array:
+    """Return the pseudo-inertias of the bodies of :func:`_hinges`, (n, 4, 4)."""
+    _, centres, masses, _, spreads = _hinges(link, translation, rotation, levers, extras, flats)
+    found = np.empty((len(masses), 4, 4))
+    found[:, :3, :3] = spreads + masses[:, None, None] * centres[:, :, None] * centres[:, None]
+    found[:, :3, 3] = found[:, 3, :3] = masses[:, None] * centres
+    found[:, 3, 3] = masses
+    return found
+
+
+# --- appendages ---------------------------------------------------------------------------------------------
 
 # What the numbers of a mode are called, in files too.
 _COLUMNS = ("tx", "ty", "tz", "rx", "ry", "rz")

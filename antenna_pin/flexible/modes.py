@@ -12,11 +12,11 @@ from antenna_pin.base.directions import A_DIRECTION, unit
 from antenna_pin.base.parameters import SWINGS, check, parameter
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
-from antenna_pin.flexible.kind import FlexibleKind
-from antenna_pin.flexible.part import ElasticPart, SphereShape, Takes
-from antenna_pin.flexible.realised import balanced_rotor, sliding_mass
+from antenna_pin.flexible.modal_data import balanced_rotor, sliding_mass
+from antenna_pin.flexible.parts import ElasticPart, FlexibleKind, SphereShape, Takes
 
 __all__ = ["EffectiveMode", "EffectiveModes"]
+
 
 # Radius of the ball that stands for a mass in pictures, over the link's radius of gyration.
 _BALL = 0.08

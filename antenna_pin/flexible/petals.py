@@ -1,4 +1,4 @@
-"""A segmented dish: petals of a paraboloid on root springs around a hub."""
+"""Segmented dish: petals of a paraboloid on root springs around a hub."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from antenna_pin.base.directions import A_DIRECTION, unit
 from antenna_pin.base.parameters import SWINGS, check, parameter
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
-from antenna_pin.flexible.kind import FlexibleKind
-from antenna_pin.flexible.part import (
+from antenna_pin.flexible.parts import (
     BoxShape,
     CylinderShape,
     Drawn,
     ElasticPart,
+    FlexibleKind,
     MeshShape,
     frame_with_z,
 )

@@ -1,4 +1,4 @@
-"""A rigid link as a hub with elastic parts."""
+"""Rigid link split into a hub and elastic parts."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 
 from antenna_pin.errors import MechanismError
 from antenna_pin.flexible.inertia import MassProperties, least_share, share_taken
-from antenna_pin.flexible.kind import FlexibleKind
-from antenna_pin.flexible.part import Drawn, ElasticPart
+from antenna_pin.flexible.parts import Drawn, ElasticPart, FlexibleKind
 
 __all__ = ["SplitLink", "split"]
+
 
 # A hub that has less than this of some moment of its link is one on paper only: round-off decides about it.
 _LEAST = 1e-9

@@ -228,7 +228,7 @@ def _with_modes(name: str, table: Any, folder: Path, source: Source) -> Any:
         return table
     if not isinstance(table["file"], str):
         return table | modal_stand_in()  # refused for its file
-    from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
+    from antenna_pin.flexible.modal_files import BadModalTableError, read_modal_table
 
     place = ("flexible", name, "file")
     text = _read_file(table["file"], folder, source, *place)

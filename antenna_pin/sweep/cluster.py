@@ -27,8 +27,8 @@ from typing import Any, TypeVar
 from antenna_pin.base.interruption import held_back, sheltered_processes
 from antenna_pin.base.lazy import take_back
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError
-from antenna_pin.sweep.here import Lost
-from antenna_pin.sweep.reach import (
+from antenna_pin.sweep.executor import Lost
+from antenna_pin.sweep.scheduler import (
     ANSWERS_WITHIN,
     ClusterLostError,
     check_address,
@@ -412,4 +412,4 @@ def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
 
 
 async def _wake() -> None:
-    await asyncio.to_thread(importlib.import_module, "antenna_pin.sweep.work")
+    await asyncio.to_thread(importlib.import_module, "antenna_pin.sweep.jobs")

@@ -15,11 +15,11 @@ import xarray as xr
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import OutputError, ScenarioError
-from antenna_pin.sweep.here import Executor, Here, Lost
-from antenna_pin.sweep.prepared import Prepared, prepare, trial
+from antenna_pin.sweep.executor import Executor, Here, Lost
+from antenna_pin.sweep.jobs import Done, Job, check_jobs, do_jobs
+from antenna_pin.sweep.preparation import Prepared, prepare, trial
 from antenna_pin.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
 from antenna_pin.sweep.study import Study
-from antenna_pin.sweep.work import Done, Job, check_jobs, do_jobs
 
 __all__ = ["Standing", "run_study"]
 

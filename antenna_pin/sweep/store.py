@@ -23,9 +23,9 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable, has_whole_seal, replacing, seal
 from antenna_pin.errors import FileFormatError, OutputError
 from antenna_pin.sweep.design import SAMPLE, Design
+from antenna_pin.sweep.jobs import Work
 from antenna_pin.sweep.journal import Journal, ReadJournal, deleted, read_journal
 from antenna_pin.sweep.study import Study
-from antenna_pin.sweep.work import Work
 from antenna_pin.trajectory.file import write
 from antenna_pin.trajectory.hdf5 import load_dataset
 

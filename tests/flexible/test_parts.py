@@ -16,7 +16,7 @@ from antenna_pin.assemble import build_system, urdf_variant
 from antenna_pin.errors import MechanismError
 from antenna_pin.flexible import EffectiveMode, MassProperties, Petals, petal_body, realised
 from antenna_pin.flexible.inertia import share_taken
-from antenna_pin.flexible.realised import hinged
+from antenna_pin.flexible.modal_data import hinged
 
 
 def rigid(name: str = "reflector") -> MassProperties:

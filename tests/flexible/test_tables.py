@@ -10,7 +10,7 @@ from value_classes import changeable, undocumented_units
 from antenna_pin import AntennaPinError, Scenario, build_system, load_scenario
 from antenna_pin.base import capacity
 from antenna_pin.errors import TooLargeError
-from antenna_pin.flexible.modal_text import BadModalTableError, read_modal_table
+from antenna_pin.flexible.modal_files import BadModalTableError, read_modal_table
 
 CSV = """# two modes
 frequency,damping_ratio,tx,ty,tz,rx,ry,rz

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from antenna_pin.sweep import load_study
-from antenna_pin.sweep.work import Done
+from antenna_pin.sweep.jobs import Done
 
 STUDY = """
 scenario = "impact_pair"

@@ -17,7 +17,7 @@ import urllib.request
 import psutil
 import pytest
 
-from antenna_pin.sweep import Cluster, Here, driver, reach, run_study
+from antenna_pin.sweep import Cluster, Here, driver, run_study, scheduler
 from antenna_pin.sweep.cluster import ClusterLostError
 
 PLAY = """
@@ -112,13 +112,13 @@ def test_a_stranger_on_this_machine_gives_no_orders(cluster):
     """Who has not the certificate of these very processes is refused by each of them, whatever uid it has."""
     about = cluster._client.scheduler_info()
     worker, told = next(iter(about["workers"].items()))
-    reach.check_scheduler(about["address"], cluster._security)
+    scheduler.check_scheduler(about["address"], cluster._security)
     with pytest.raises(ClusterLostError, match="got that of a Worker"):  # so that much it tells who has it
-        reach.check_scheduler(worker, cluster._security)
+        scheduler.check_scheduler(worker, cluster._security)
     for door in (about["address"], worker, told["nanny"]):
-        for address, security in ((door.replace("tls", "tcp"), None), (door, reach.own_security())):
+        for address, security in ((door.replace("tls", "tcp"), None), (door, scheduler.own_security())):
             with pytest.raises(ClusterLostError, match="must answer, got|of the authority|its refusal"):
-                reach.check_scheduler(address, security)
+                scheduler.check_scheduler(address, security)
 
 
 @pytest.mark.slow
@@ -182,7 +182,7 @@ class Closing:
 
 
 def _loaded():
-    return "antenna_pin.sweep.work" in sys.modules
+    return "antenna_pin.sweep.jobs" in sys.modules
 
 
 @pytest.fixture
@@ -258,7 +258,7 @@ def test_a_scheduler_by_tls_takes_those_with_its_certificates_only(write, tmp_pa
 @pytest.mark.parametrize("peer", ["silent", "closed", "of another kind", "nobody"])
 def test_what_is_no_scheduler_is_told_in_a_bounded_time(monkeypatch, certificate, peer, secure):
     """One that takes the connection and says nothing, that closes it, that speaks HTTP; and an empty port."""
-    monkeypatch.setattr(reach, "ANSWERS_WITHIN", 0.5)
+    monkeypatch.setattr(scheduler, "ANSWERS_WITHIN", 0.5)
     address = f"{'tls' if secure else 'tcp'}://127.0.0.1"
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))

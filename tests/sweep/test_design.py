@@ -11,7 +11,7 @@ from antenna_pin import load_scenario, run_study, simulate
 from antenna_pin.base.units import any_quantity
 from antenna_pin.cli._study_tables import said_of_time
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.sweep import design_of, load_study, prepared, run_seconds, work
+from antenna_pin.sweep import design_of, load_study, preparation, run_seconds
 from antenna_pin.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Counts, Outcome
 
@@ -377,13 +377,13 @@ def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
         counts = Counts(wall_seconds=slow, compile_seconds=40.0 * (len(made) == 1))
         return SimpleNamespace(counts=counts, outcome=Outcome.COMPLETED)
 
-    monkeypatch.setattr(prepared, "simulate", simulated)
-    monkeypatch.setattr(prepared, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    monkeypatch.setattr(preparation, "simulate", simulated)
+    monkeypatch.setattr(preparation, "time", SimpleNamespace(perf_counter=lambda: now[0]))
     exact = 0.1 + 2.0 * (1 + 4 + 8) / 3
-    assert run_seconds(prepared.prepare(study)) == pytest.approx((exact, exact, exact), rel=1e-12)
+    assert run_seconds(preparation.prepare(study)) == pytest.approx((exact, exact, exact), rel=1e-12)
     assert max(made) < 2e-3
     even, made[:] = False, []  # nothing takes time up to 0.3 ms: what comes then is within the bounds
-    found, true = run_seconds(prepared.prepare(study)), 0.1 + 2.0 * (0.7 + 3.7 + 7.7) / 3
+    found, true = run_seconds(preparation.prepare(study)), 0.1 + 2.0 * (0.7 + 3.7 + 7.7) / 3
     assert 2.0 * found.least < true <= found.most * (1.0 + 1e-12)
     said = said_of_time(3, found, 2)
     assert re.fullmatch(r"some [\d.]+ to [\d.]+ s a run, .* some [\d.]+.s to [\d.]+.s on 2 cores", said), said
@@ -392,7 +392,7 @@ def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
 def test_shipped_studies_can_be_built():
     """The first and the last run of each."""
     from antenna_pin.sweep import list_studies, prepare
-    from antenna_pin.sweep.work import check_jobs
+    from antenna_pin.sweep.jobs import check_jobs
 
     assert len(list_studies()) >= 1
     for name in list_studies():

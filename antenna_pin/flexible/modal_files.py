@@ -1,4 +1,4 @@
-"""Modal data from the tables that finite-element codes print, read by their headings.
+"""Modal data of structures from text: CSV, and tables printed by finite-element codes.
 
 NASTRAN, MYSTRAN, Abaqus, CalculiX: a table under (MODAL) PARTICIPATION FACTORS, letters spaced out or not.
 Below it a line names the columns, ``T1 T2 T3 R1 R2 R3`` or ``X-COMPONENT`` to ``Z-ROTATION``, in any order,
@@ -18,15 +18,72 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 
 from antenna_pin.base.numerals import decimal_in, whole_in
+from antenna_pin.base.parameters import RULES, SWINGS
+from antenna_pin.base.tables import BadTableError, column_of, headings, read_cells
 from antenna_pin.base.units import shown
-from antenna_pin.flexible.modal_table import (
-    BadModalTableError,
-    ModalTable,
-    checked_factors,
-    checked_frequency,
-)
+from antenna_pin.errors import FileFormatError
 
-__all__ = ["read_printed"]
+__all__ = [
+    "BadModalTableError",
+    "FACTORS",
+    "ModalTable",
+    "checked_factors",
+    "checked_frequency",
+    "read_modal_table",
+    "read_printed",
+]
+
+
+# --- modal tables -------------------------------------------------------------------------------------------
+
+#: Names of the participation factors of a mode: translation, then rotation.
+FACTORS = ("tx", "ty", "tz", "rx", "ry", "rz")
+
+
+class BadModalTableError(FileFormatError):
+    """Modal data that cannot be read, with the line."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModalTable:
+    """Modal data as a file gives them.
+
+    Attributes:
+        frequency: Of each mode [Hz].
+        participation: Six numbers for each mode, one mode after the other [sqrt(kg)], [sqrt(kg) m].
+        damping_ratio: Of each mode [-]; None where the file does not say.
+        lines: Of each mode's factors in the file, from 1.
+        reading: Headings and lines that the numbers were taken from, as text.
+    """
+
+    frequency: tuple[float, ...]
+    participation: tuple[float, ...]
+    damping_ratio: tuple[float, ...] | None
+    lines: tuple[int, ...]
+    reading: str
+
+
+def checked_factors(numbers: list[float], place: str) -> list[float]:
+    """Return the six factors of a mode, or refuse a mode that no hub feels."""
+    if not any(numbers):
+        raise BadModalTableError(
+            f"{place}: {FACTORS[0]} to {FACTORS[-1]} must be other than six zeros, which no hub feels; "
+            "leave the mode out"
+        )
+    return numbers
+
+
+def checked_frequency(frequency: float, place: str) -> float:
+    """Return the frequency of a mode [Hz], or refuse one that does not swing."""
+    if not frequency > 0.0:
+        raise BadModalTableError(
+            f"{place}: frequency must be positive, got {frequency:g} Hz; "
+            "a mode without one is a motion of the whole, which the link's joint has: hold the root"
+        )
+    return frequency
+
+
+# --- tables printed by finite-element codes -----------------------------------------------------------------
 
 _SHORT = re.compile(r"([0-9.])([+-][0-9]+)$")  # 1.25-3 for 1.25e-3
 _AXES = (
@@ -313,3 +370,49 @@ def _number(word: str, name: str, place: str) -> float:
     if number is None:
         raise BadModalTableError(f"{place}: {name} must be a finite number, got {shown(word.strip())}")
     return number
+
+
+# --- text files ---------------------------------------------------------------------------------------------
+
+_FREQUENCY, _DAMPING = "frequency", "damping_ratio"
+_UNITS = dict(zip(FACTORS, ("kg**0.5",) * 3 + ("kg**0.5*m",) * 3, strict=True))
+
+
+def read_modal_table(text: str) -> ModalTable:
+    """Return the modes of a file's text, CSV or a printed table.
+
+    Raises:
+        BadModalTableError: It is neither, or a line is not what it should be.
+    """
+    if _FREQUENCY not in [name.lower() for name in headings(text)]:
+        return read_printed(text, f"CSV with the header {_FREQUENCY},{_DAMPING},{','.join(FACTORS)}")
+    try:
+        return _of_csv(text)
+    except BadTableError as error:
+        raise BadModalTableError(str(error)) from None
+
+
+def _of_csv(text: str) -> ModalTable:
+    cells = read_cells(text, (_FREQUENCY, *FACTORS), optional=(_DAMPING,), headless=False)
+    frequency = column_of(cells, _FREQUENCY, "Hz")
+    columns = [column_of(cells, name, unit) for name, unit in _UNITS.items()]
+    damping = column_of(cells, _DAMPING, "1") if _DAMPING in cells.text else None
+    if not frequency:
+        raise BadModalTableError(
+            f"line {cells.header}: must have at least one mode below the header, got none"
+        )
+    participation: list[float] = []
+    before: dict[tuple[float, ...], int] = {}
+    for k, line in enumerate(cells.lines):
+        place, factors = f"line {line}", [column[k] for column in columns]
+        checked_frequency(frequency[k], place)
+        participation += checked_factors(factors, place)
+        if damping is not None and not RULES[SWINGS](damping[k]):
+            raise BadModalTableError(
+                f"{place}: {_DAMPING} must be {SWINGS}, got {damping[k]:g}; 2 % are 0.02"
+            )
+        first = before.setdefault((frequency[k], *factors), line)
+        if first != line:
+            raise BadModalTableError(f"{place}: a mode must stand once, got that of line {first} again")
+    reading = f"columns {', '.join(cells.text)} under line {cells.header}"
+    return ModalTable(frequency, tuple(participation), damping, tuple(cells.lines), reading)

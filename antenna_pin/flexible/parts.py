@@ -1,9 +1,11 @@
-"""Elastic parts of a flexible link: a body each, on a joint with a spring and a damper."""
+"""Elastic parts of flexible links, each a body on a joint with spring and damper, and their kinds."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ __all__ = [
     "CylinderShape",
     "Drawn",
     "ElasticPart",
+    "FlexibleKind",
     "MeshShape",
     "SphereShape",
     "Takes",
@@ -22,6 +25,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+# --- elastic parts ------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,3 +175,45 @@ def frame_with_z(axis: Array, origin: Array) -> Array:
     placement[:3, :3] = np.column_stack([x, np.cross(axis, x), axis])
     placement[:3, 3] = origin
     return placement
+
+
+# --- kinds of flexible links --------------------------------------------------------------------------------
+
+
+class FlexibleKind(Protocol):
+    """A way to make a link flexible."""
+
+    __slots__ = ()
+
+    @property
+    def frequencies(self) -> Mapping[str, float]:
+        """Natural frequencies with the hub held, by part, without the link's name [Hz]."""
+        ...
+
+    @property
+    def removes(self) -> tuple[str, ...]:
+        """Names of the link's shapes that are not drawn any more."""
+        return ()
+
+    @property
+    def hub_drawn(self) -> tuple[Drawn, ...]:
+        """What is drawn of the hub, beside the link's own shapes."""
+        return ()
+
+    def told_of(self, part: int, link: MassProperties) -> str:
+        """Return what a refusal is to say of a part beside its name: where its numbers stand, for instance.
+
+        Args:
+            part: Its place in :meth:`parts`.
+            link: The whole link.
+        """
+        return ""
+
+    def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
+        """Return the elastic parts of a link.
+
+        Args:
+            name: Of the flexible link; the parts' names begin with it.
+            link: The whole link.
+        """
+        ...

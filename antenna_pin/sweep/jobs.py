@@ -1,4 +1,4 @@
-"""Work on one run of a study, in any process: data in, data out."""
+"""Jobs of a study: one run as plain data, in any process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a study to work: its scenario with all files, its runs as jobs, and a trial before anything is run."""
+"""Preparation of a study: scenario with its files, jobs, and a trial run."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
 from antenna_pin.sweep.design import Design, design_of
+from antenna_pin.sweep.jobs import Job, Work, scenario_of
 from antenna_pin.sweep.measures import MEASURES
 from antenna_pin.sweep.responses import evaluate, source_of
 from antenna_pin.sweep.study import Study
-from antenna_pin.sweep.work import Job, Work, scenario_of
 from antenna_pin.trajectory import Trajectory, is_lean, library_versions
 
 __all__ = ["Prepared", "RunTime", "Trial", "prepare", "run_seconds", "trial"]
+
 
 _TRIAL_SHARE = 0.02  # of a run's duration
 _LONG_ENOUGH = 1.0  # [s] for a trial to tell the pace of a run

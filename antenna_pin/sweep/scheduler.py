@@ -1,4 +1,4 @@
-"""Reachability of a Dask scheduler at an address: in a bounded time, with a message of one line.
+"""Reachability of a Dask scheduler at an address, within a bounded time.
 
 Dask's own client waits for ever for a peer that takes the connection and keeps silent, and asks on the
 terminal for the passphrase of a key. So its scheduler is spoken to here first.
@@ -25,6 +25,7 @@ __all__ = [
     "security_of",
     "words_of",
 ]
+
 
 ANSWERS_WITHIN = 20.0  # [s]
 

@@ -1,4 +1,4 @@
-"""Runs made in this process, one after the other: what needs no cluster."""
+"""Executors of runs: the protocol, and this process, one run after the other."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Protocol, TypeVar
 
 __all__ = ["Executor", "Here", "Lost"]
+
 
 T = TypeVar("T")
 
