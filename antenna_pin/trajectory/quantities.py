@@ -267,7 +267,7 @@ for _one in rows(
     ("joint_mean_force", "N", "mean size of the contact force on the journal"),
     ("joint_rms_force", "N", "root mean square of the contact force on the journal"),
     ("joint_contact_share", "1", "share of the time with any contact"),
-    ("joint_episodes", "1", "number of contacts"),
+    ("joint_episodes", "1", "number of contacts", _COUNT),
     ("joint_impulse", "N s", "integral of all normal forces"),
     ("joint_dissipated", "J", "energy lost, normal and friction"),
     "settling: clearance_joint",
@@ -468,11 +468,7 @@ def table(
 
     known = TABLES[name]
     (dim,) = next(iter(known.values())).dims
-    found = {}
-    for key, values in columns.items():
-        one = known[key]
-        kind = bool if np.asarray(values).dtype == bool else int if one.form == "count" else float
-        found[key] = (dim, np.array(values, dtype=kind), one.attributes)
+    found = {key: (dim, np.array(values), known[key].attributes) for key, values in columns.items()}
     coords: dict[str, Any] = {} if dim in labels else {dim: np.arange(len(next(iter(columns.values()))))}
     for key, texts in labels.items():
         coords[key] = (dim, np.array(texts, dtype=object) if len(texts) else np.zeros(0, dtype="<U1"))
