@@ -297,7 +297,7 @@ for _one in rows(
     ("work", "J", "work since the start"),
     ("gross_work", "J", "integral of the size of the power"),
     "elastic motion: elastic_part",
-    ("frequency", "Hz", "frequency with the hub held", "="),
+    ("frequency", "Hz", "with the hub held"),
     ("peak_deflection", "rad|m", "largest size at a sample", ": peak deflection|peak deflection|peak"),
     ("time_of_peak", "s", "when it was", ": at"),
     ("rms_deflection", "rad|m", "root mean square", ": rms deflection|rms deflection|rms"),
@@ -429,7 +429,7 @@ def _size(value: Any) -> float:
     return math.hypot(*value.tolist()) if np.ndim(value) else float(value)
 
 
-def reduced(variable: Variable, columns: Mapping[str, Any], mine: Any, until: float) -> float | int:
+def reduced(variable: Variable, columns: Any, mine: Any, until: float) -> float | int:
     """Return a number of episodes.
 
     Args:

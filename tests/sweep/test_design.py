@@ -9,7 +9,7 @@ from scipy import stats
 
 from antenna_pin import load_scenario, run_study, simulate
 from antenna_pin.base.units import any_quantity
-from antenna_pin.cli._study_tables import said_of_time
+from antenna_pin.cli.study import said_of_time
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.sweep import design_of, load_study, prepared, run_seconds
 from antenna_pin.sweep.responses import ResponseSpec, evaluate
