@@ -25,7 +25,7 @@ from antenna_pin.base.units import unit_factor
 from antenna_pin.errors import MissingToolError, ScenarioError, UnknownNameError
 from antenna_pin.fit.layout import LayoutSpec
 from antenna_pin.fit.text_record import from_text
-from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
+from antenna_pin.trajectory.file import load_dataset, open_hdf5
 
 __all__ = ["SUFFIXES", "Columns", "read_columns"]
 

@@ -23,28 +23,19 @@ from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.pages import in_frame, policy, script
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.report import (
-    elastic,
     elements,
     fits,
-    gears,
     head,
     joints,
-    loops,
     motion,
     orbits,
-    order,
-    pointing,
     provenance,
     results,
-    sensitivities,
-    stops,
     words,
 )
-from antenna_pin.report._findings import Finding, Judged, Reported, origin, parted
-from antenna_pin.report._packed import Numbers
 from antenna_pin.report._page import Beside, Details, Embedded, Picture, Section, Table
-from antenna_pin.report._runs import ReportedRun, reported
-from antenna_pin.report.figures import DrawnFigure, drawn, glance
+from antenna_pin.report._runs import Finding, Judged, Reported, ReportedRun, every, origin, parted, reported
+from antenna_pin.report.figures import DrawnFigure, Numbers, drawn, glance
 from antenna_pin.report.joints import hardest_joint, joint_key
 
 __all__ = ["Report", "page", "report"]
@@ -99,7 +90,7 @@ class Placed:
         """Return figures in their sections, as many as there is room for.
 
         Args:
-            figures: In the catalogue's order.
+            figures: In the catalogue's orbits.
             runs: What they are of.
         """
         played = {name for run in runs for name in run.names("clearance_joint")}
@@ -247,7 +238,7 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
     """Return what runs bring; ``drawing``: how many processes draw figures, 0 for no figures."""
     scales = round_off_scales(*(run.data for run in found))
     placed = Placed.of(drawn(found, drawing) if drawing else (), found)
-    hardest, played = hardest_joint(found), joints.every(found, "clearance_joint")
+    hardest, played = hardest_joint(found), every(found, "clearance_joint")
     sections = [
         *(
             joints.with_play(
@@ -256,17 +247,17 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
             for name in played
         ),
         joints.without_play(found, scales, placed["joints"]),
-        loops.loops(found, placed["loops"]),
+        elements.loops(found, scales, placed["loops"]),
         elements.drives(found, scales, placed["drives"]),
         elements.controllers(found, placed["controllers"]),
         elements.springs(found, scales, placed["springs"]),
-        stops.stops_and_latches(found, scales, placed["stops"]),
-        gears.gears(found, placed["gears"]),
-        elastic.elastic_parts(found, placed["elastic"]),
+        elements.stops_and_latches(found, scales, placed["stops"]),
+        elements.gears(found, placed["gears"]),
+        elements.elastic_parts(found, placed["elastic"]),
         elements.forces(found, scales, placed["forces"]),
         joints.base(found, scales, placed["base"]),
         motion.deviations(found),
-        pointing.pointing(found, window, placed["pointing"]),
+        motion.pointing(found, window, placed["pointing"]),
         Section(key="figures", title="More figures", items=placed["figures"], notes=placed.notes),
     ]
     said = Section(key="what", title="What was run", parts=tuple(words.scenario_sections(found)), folded=True)
@@ -279,7 +270,7 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
     data = min(DATA, max(left - MOVING, 0.25 * left)) if recordings else DATA
     moves = False
     if recordings:
-        from antenna_pin.report.recordings import recordings as made
+        from antenna_pin.report.figures import recordings as made
 
         shown = made(found, left - min(data, placed.megabytes * 3.0))
         moves = bool(shown)
@@ -307,16 +298,16 @@ def _megabytes(section: Section) -> float:
 
 # The section of every kind of finding.
 _TELLS = {
-    "portrait": order.portrait,
-    "section": order.section,
-    "bifurcation": order.diagram,
+    "portrait": orbits.portrait,
+    "section": orbits.section,
+    "bifurcation": orbits.diagram,
     "orbit": orbits.orbit,
     "branch": orbits.branch,
     "exponents": orbits.exponents,
     "fit": fits.fit,
     "identifiability": fits.identifiability,
     "experiments": fits.experiments,
-    "sensitivity": sensitivities.sensitivity,
+    "sensitivity": orbits.sensitivity,
 }
 
 

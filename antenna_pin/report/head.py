@@ -29,8 +29,8 @@ from antenna_pin.report._page import (
     said_of_zeros,
     words,
 )
-from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
-from antenna_pin.report.joints import every, hardness
+from antenna_pin.report._runs import ReportedRun, every, ideal_of, labels_of
+from antenna_pin.report.joints import hardness
 
 __all__ = ["key_results"]
 

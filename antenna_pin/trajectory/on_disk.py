@@ -10,7 +10,7 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from antenna_pin.trajectory.hdf5 import open_hdf5
+from antenna_pin.trajectory.file import open_hdf5
 
 __all__ = ["Stored", "StoredFile"]
 
