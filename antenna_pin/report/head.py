@@ -10,7 +10,6 @@ from antenna_pin.analysis import (
     closure_loads,
     deviation_measures,
     drive_loads,
-    effort_unit,
     impacts,
     is_round_off,
     load_statistics,
@@ -29,8 +28,9 @@ from antenna_pin.report._page import (
     said_of_zeros,
     words,
 )
-from antenna_pin.report._runs import ReportedRun, every, ideal_of, labels_of
+from antenna_pin.report._runs import ReportedRun, every, ideal_of, labels_of, slides_in
 from antenna_pin.report.joints import hardness
+from antenna_pin.trajectory.quantities import TABLES
 
 __all__ = ["key_results"]
 
@@ -85,7 +85,7 @@ def _blows(runs: Sequence[ReportedRun]) -> Iterator[Row]:
             None if one is None else float(one["peak_force"].max()) if one.sizes["impact"] else 0.0
             for one in mine
         ]
-        yield quantities(f"largest force in {joint}", peaks, "N")
+        yield quantities(f"peak force in {joint}", peaks, "N")
     lost = [
         float(load_statistics(run.data)["joint_dissipated"].values.sum())
         if run.names("clearance_joint")
@@ -125,18 +125,16 @@ def _held(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterator[
     closures = [closure_loads(run.data) if run.names("closure") else None for run in runs]
     if any(one is not None for one in closures):
         forces = [None if one is None else float(np.nanmax(one["peak_force"].values)) for one in closures]
-        yield quantities("largest force of a closure", forces, "N", 4, scales)
+        yield quantities("peak force of a closure", forces, "N", 4, scales)
     for name in every(runs, "drive")[:1]:
-        own = next(run for run in runs if name in run.names("drive"))
-        unit = effort_unit(own.data, name)
+        of, slides = TABLES["drive loads"]["peak_effort"], slides_in(runs, "drive", name)
         efforts = [
             float(drive_loads(run.data)["peak_effort"].sel(drive=name))
             if name in run.names("drive")
             else None
             for run in runs
         ]
-        word = "force" if unit == "N" else "torque"
-        yield quantities(f"largest {word} of drive {name}", efforts, unit, 4, scales)
+        yield quantities(f"{of.words(slides)} of drive {name}", efforts, of.unit(slides), 4, scales)
 
 
 def _stopped(runs: Sequence[ReportedRun]) -> Iterator[Row]:

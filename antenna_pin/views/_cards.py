@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from antenna_pin.analysis import answer
 from antenna_pin.base.readable import number, readable
 from antenna_pin.scenario import scenario_toml
+from antenna_pin.trajectory.quantities import HEADINGS, RUN
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -378,15 +379,11 @@ def run_card(run: Trajectory) -> Card:
     if "conservation" in attributes:  # a whole result, not one that is being put together
         found, summary = answer(run), run.summary()
         facts[1:1] = [Fact("run", found.ended.partition(", ")[2]), *map(_fact, found.lines)]
-        rows = list(_motions(summary))
+        tables = [_named(summary[key]) for key in ("motion", "slides") if summary.get(key)]
+        joints = len(summary["motion"]) + len(summary.get("slides", ()))
         sketch = motion_sketch(data)
         folds[:0] = [
-            Fold(
-                "motion",
-                f"{len(rows)} joints",
-                table(rows[:_ROWS], ("", "at the end", "rate at the end", "largest acceleration")) + sketch,
-                bool(sketch),
-            ),
+            Fold("motion", f"{joints} joints", "".join(tables) + sketch, bool(sketch)),
             *_contacts(summary),
             Fold("kept", "energy and momentum", table(list(_kept(summary)))),
         ]
@@ -401,54 +398,34 @@ def _fact(line: Any) -> Fact:
     return Fact(line.about, line.text)
 
 
-def _motions(summary: Mapping[str, Any]) -> Iterator[list[Any]]:
-    for name, one in summary["motion"].items():
-        yield [
-            name,
-            measured(one["angle"], "rad"),
-            measured(one["rate"], "rad/s"),
-            measured(one["peak_acceleration"], "rad/s^2"),
-        ]
-    for name, one in summary.get("slides", {}).items():
-        yield [
-            name,
-            measured(one["position"], "m"),
-            measured(one["slide_rate"], "m/s"),
-            measured(one["peak_slide_acceleration"], "m/s^2"),
-        ]
-
-
-def _contacts(summary: Mapping[str, Any]) -> Iterator[Fold]:
-    contacts = summary["contacts"]
-    if not contacts:
-        return
+def _named(named: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return the table of a group of a summary."""
+    head = [HEADINGS[key] for key in next(iter(named.values()))]
     rows = [
         [
             name,
-            str(one["episodes"]),
-            measured(one["peak_force"], "N"),
-            measured(one["peak_depth"], "m"),
-            measured(one["largest_approach_speed"], "m/s"),
-            measured(one["dissipated"], "J"),
+            *(
+                str(value) if of.form == "count" else measured(value, of.unit(slides))
+                for value, (of, slides) in zip(one.values(), head, strict=True)
+            ),
         ]
-        for name, one in contacts.items()
+        for name, one in named.items()
     ]
-    head = ("", "impacts", "largest normal force", "greatest depth", "fastest approach", "energy lost")
-    peak = max(one["peak_force"] for one in contacts.values())
-    said = f"{len(contacts)}, largest normal force {readable(peak, 'N')}"
-    yield Fold("contacts", said, table(rows[:_ROWS], head))
+    return table(rows[:_ROWS], ("", *(of.words(slides) for of, slides in head)))
+
+
+def _contacts(summary: Mapping[str, Any]) -> Iterator[Fold]:
+    if contacts := summary["contacts"]:
+        peak = max(one["peak_force"] for one in contacts.values())
+        said = f"{len(contacts)}, {HEADINGS['peak_force'][0].words()} {readable(peak, 'N')}"
+        yield Fold("contacts", said, _named(contacts))
 
 
 def _kept(summary: Mapping[str, Any]) -> Iterator[list[Any]]:
     kept = summary["conservation"]
-    for key, name, unit in (
-        ("energy_error", "energy balance error", "J"),
-        ("energy_error_relative", "energy balance error, relative", "1"),
-        ("linear_momentum_drift_relative", "linear momentum drift, relative", "1"),
-        ("angular_momentum_drift_relative", "angular momentum drift, relative", "1"),
-    ):
+    for key in ("energy_error", *(name for name in kept if name.endswith("_relative"))):
         if kept.get(key) is not None:
-            yield [name, measured(kept[key], unit, 2)]
+            yield [RUN[key].words(), measured(kept[key], RUN[key].unit(), 2)]
 
 
 def _variables(data: xr.Dataset) -> str:
