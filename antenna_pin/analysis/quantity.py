@@ -2,13 +2,14 @@ r"""Any quantity of a run by one line of text, as sections, phase portraits and 
 
 The grammar::
 
-    quantity  = "time" | number | "|" number or vector "|" | signal
+    quantity  = "time" | number | "|" number or vector "|" | signal | function
     number    = variable                                  kinetic_energy
               | joint or contact "." short name           hinge.angle, elevation.radial+.gap
               | variable "[" label { "," label } "]"      motion_angle[elevation], v[base.wx]
               | vector "." component                      joint_force[s2].x, base_position.z
     vector    = variable [ "[" label "]" ]                joint_force[s2]
     signal    = a name of analysis.signals                s2 force x
+    function  = FILE.py ":" NAME | MODULE ":" NAME        own.py:crest  (antenna_pin.analysis.own)
 
 A variable is one of the result file over time, and labels stand in the order of its dimensions, time left
 out. The component of a vector or quaternion stands behind a dot, or as the last label. The label of a
@@ -40,6 +41,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.journal import clearance_shapes
+from antenna_pin.analysis.own import is_own, own_series
 from antenna_pin.analysis.shaken import base_wrench, shaken_link, shakes_of
 from antenna_pin.analysis.signals import signals
 from antenna_pin.base.arguments import takes
@@ -219,6 +221,11 @@ def quantity(run: RunLike, name: str) -> Quantity:
     time = sample_times(data, "quantity")
     if name.strip() == "time":
         return Quantity("time", time, time, "s", "time")
+    bare = name.strip().strip("|").strip()
+    if is_own(bare):
+        values, units = own_series(bare, run, len(time))
+        size = bare != name.strip()
+        return Quantity(name.strip(), time, np.abs(values) if size else values, units, name.strip())
     wanted = _in_full(data, name) or QuantityName.parse(name)
     if wanted.variable in DERIVED:
         return _derived(data, name, wanted)

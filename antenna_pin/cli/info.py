@@ -28,7 +28,7 @@ from antenna_pin.cli._common import (
     say_spin,
 )
 from antenna_pin.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
-from antenna_pin.cli._tables import Zeros, flat, print_summaries, print_summary, say_answer
+from antenna_pin.cli._tables import Zeros, flat, print_summaries, print_summary, say_answer, text_of
 
 if TYPE_CHECKING:
     from typing import Literal
@@ -221,6 +221,12 @@ def info(
         bool, typer.Option("--json", help="Print one JSON object per file, each on one line.")
     ] = False,
     csv: CsvOption = None,
+    quantities: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--quantity", metavar="FILE.py:NAME", help="A number by a function of a run. May be repeated."
+        ),
+    ] = None,
 ) -> None:
     """Say what results are: how they ended, what happened, what is kept; or what a scenario is.
 
@@ -240,14 +246,21 @@ def info(
         if given:
             refuse(f"{option}: is for scenarios only, and {files[0]} is a result; leave it out")
     runs = [(path, load_result(path, scenario=False)) for path in map(Path, files)]
+    from antenna_pin.analysis import own_numbers
+
+    own = [own_numbers(run, quantities) for _, run in runs] if quantities else [[] for _ in runs]
     if everything or as_json or target is not None:
         facts = [_facts(trajectory) for _, trajectory in runs]
     if target is not None:
-        flats = [{"file": str(path), **flat(each)} for (path, _), each in zip(runs, facts, strict=True)]
+        flats = [
+            {"file": str(path), **flat(each), **{one.heading: one.value for one in mine}}
+            for (path, _), each, mine in zip(runs, facts, own, strict=True)
+        ]
         write_csv(target, *rows_of(flats), silent=as_json)
     if as_json:
-        for (path, _), each in zip(runs, facts, strict=True):
-            say_json({"file": str(path), **each})
+        for (path, _), each, mine in zip(runs, facts, own, strict=True):
+            more = {"quantities": {one.name: one.value for one in mine}} if mine else {}
+            say_json({"file": str(path), **each, **more})
     if as_json or target is not None:
         return
     labels = labels_of([path for path, _ in runs])
@@ -258,9 +271,11 @@ def info(
         else:
             print_summaries(list(zip(labels, facts, strict=True)), zeros)
         zeros.say()
-    for label, (_, trajectory) in zip(labels, runs, strict=True):
+    for label, (_, trajectory), mine in zip(labels, runs, own, strict=True):
         if not everything:
             say_answer(trajectory, label if len(runs) > 1 else "")
+        for one in mine:
+            say(f"{label}: {one.heading} {text_of(one.value)}")
         _say_notes(label, trajectory, everything)
 
 

@@ -177,6 +177,7 @@ def report(
     recordings: bool = True,
     window: float | None = None,
     command: str | None = None,
+    quantities: Sequence[str] = (),
     processes: int = 1,
 ) -> Report:
     """Return a report on runs, which it compares, and on what motions come to.
@@ -195,6 +196,7 @@ def report(
         window: Length of the windows of pointing indices [s]; a tenth of the shortest run if left out.
         command: The command line that makes this report, for its provenance; found from the files if left
             out.
+        quantities: Functions of a run that return a number, as ``FILE.py:NAME``, shown with the key results.
         processes: How many draw figures, at most. More than one are forked from this one
             (:func:`antenna_pin.base.side_by_side.side_by_side`), which no other thread may be at work beside.
 
@@ -206,7 +208,9 @@ def report(
         raise InvalidParameterError("report", "window", "positive and finite [s]", window)
     given, findings = parted(runs)
     found = reported(given) if given or not findings else []
-    parts = _of_runs(found, processes if figures else 0, recordings, window) if found else _Parts()
+    parts = _Parts()
+    if found:
+        parts = _of_runs(found, processes if figures else 0, recordings, window, quantities)
     shown = {detail.text for part in parts.closing for detail in part.items if isinstance(detail, Details)}
     told = [_of_finding(k, one, figures, shown) for k, one in enumerate(findings, start=1)]
     files = [one.file for one in findings]
@@ -234,7 +238,13 @@ class _Parts:
     data: float = DATA  # what the numbers of figures may take [MB]
 
 
-def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: float | None) -> _Parts:
+def _of_runs(
+    found: list[ReportedRun],
+    drawing: int,
+    recordings: bool,
+    window: float | None,
+    quantities: Sequence[str],
+) -> _Parts:
     """Return what runs bring; ``drawing``: how many processes draw figures, 0 for no figures."""
     scales = round_off_scales(*(run.data for run in found))
     placed = Placed.of(drawn(found, drawing) if drawing else (), found)
@@ -283,7 +293,7 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
             notes=tuple(shown.notes),
         )
         sections.append(others)
-    return _Parts((head.key_results(found, scales, seen), *sections), closing, moves, data)
+    return _Parts((head.key_results(found, scales, seen, quantities), *sections), closing, moves, data)
 
 
 def _megabytes(section: Section) -> float:

@@ -13,6 +13,7 @@ from antenna_pin.analysis import (
     impacts,
     is_round_off,
     load_statistics,
+    own_numbers,
 )
 from antenna_pin.base.readable import readable
 from antenna_pin.errors import AntennaPinError
@@ -39,7 +40,10 @@ _JOINTS = 3
 
 
 def key_results(
-    runs: Sequence[ReportedRun], scales: Mapping[str, float], seen: Sequence[Embedded | Picture] = ()
+    runs: Sequence[ReportedRun],
+    scales: Mapping[str, float],
+    seen: Sequence[Embedded | Picture] = (),
+    own: Sequence[str] = (),
 ) -> Section:
     """Return the key numbers of all runs in one short table, columns being runs.
 
@@ -47,6 +51,7 @@ def key_results(
         runs: What is reported.
         scales: Of the runs, by which numbers are zero to round-off.
         seen: What stands beside the table.
+        own: Functions of a run, as ``FILE.py:NAME``.
     """
     rows = [
         quantities("simulated time", [run.end for run in runs], "s"),
@@ -54,6 +59,7 @@ def key_results(
         *_deviation(runs, scales),
         *_held(runs, scales),
         *_stopped(runs),
+        *_own(runs, own),
         quantities("energy balance, error over scale", [_error(run) for run in runs], "1", 3),
     ]
     table = Table(columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers", key="key-results")
@@ -63,6 +69,12 @@ def key_results(
         items=(Beside(table=table, seen=tuple(seen)),),
         meaning=said_of_zeros([table]),
     )
+
+
+def _own(runs: Sequence[ReportedRun], names: Sequence[str]) -> Iterator[Row]:
+    for each in zip(*(own_numbers(run.run, names) for run in runs), strict=True):
+        name = each[0].name.replace("_", " ")
+        yield quantities(name, [one.value for one in each], each[0].units)
 
 
 def _blows(runs: Sequence[ReportedRun]) -> Iterator[Row]:

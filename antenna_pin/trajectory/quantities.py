@@ -163,7 +163,6 @@ EPISODES: tuple[Variable, ...] = rows(
 _RUN = rows(
     "run: ",
     ("time", "s", "simulated time", "=", {"exact": False}),
-    ("gross_work", "J", "gross work of drives and forces", "=", {"exact": False}),
     ("accepted", "1", "steps accepted", "=", _COUNT),
     ("rejected", "1", "steps rejected", "=", _COUNT),
     ("relocated", "1", "steps cut to a change of contact", "=", _COUNT),
@@ -172,6 +171,7 @@ _RUN = rows(
     ("gap_difference", "m", "gaps, coal against closed form", "="),
     "conservation: ",
     ("energy_error", "J", "energy balance error", "="),
+    ("gross_work", "J", "gross work of drives and forces", "=", {"exact": False}),
     ("energy_scale", "J", "energy scale: largest of gross work, kinetic, stored", "="),
     ("energy_error_relative", "1", "energy balance error, relative", "="),
     ("energy_tolerance", "J", "energy balance error that is explained", "="),
