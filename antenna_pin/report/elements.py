@@ -105,7 +105,7 @@ def loops(runs: Sequence[ReportedRun], scales: _Scales, pictures: Sequence[Pictu
 def _held(runs: Sequence[ReportedRun]) -> Iterator[Row]:
     for heading, keys in (
         ("counts", ("freedoms", "closure_equations", "closure_rank", "motions", "mobility", "freedoms_left")),
-        ("largest residual", ("position_residual", "angle_residual", "velocity_residual", "rate_residual")),
+        ("residuals", ("position_residual", "angle_residual", "velocity_residual", "rate_residual")),
         ("corrections after each step", ("projection_energy",)),
     ):
         yield Row(heading)

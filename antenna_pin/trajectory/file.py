@@ -314,7 +314,7 @@ def read(source: Path) -> xr.Dataset:
 def _stored(source: Path) -> StoredFile:
     from antenna_pin.trajectory.on_disk import StoredFile
 
-    return StoredFile(source)
+    return StoredFile(source, open_hdf5)
 
 
 def _variables(file: Any, large: StoredFile | None) -> dict[str, xr.Variable]:

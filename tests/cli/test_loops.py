@@ -99,7 +99,7 @@ def test_info_tells_what_closures_and_motions_carried(cli, folder):
     for row in (
         "equations of closures",
         "freedoms that closures and motions leave",
-        "largest residual of closures and motions [rad/s]",
+        "largest rate residual of closures and motions [rad/s]",
         "energy that corrections put in [J]",
         "rocker_pin links",
         "rocker_pin peak force [N]",
