@@ -4,6 +4,7 @@ A thing of a known kind is one file and one line. Each is run as a user meets it
 needs none of what it would have to compile anew.
 """
 
+import csv
 import json
 import os
 import shutil
@@ -277,6 +278,63 @@ print(run.outcome.name, float(data.motion_angle[-1, 0]))
     assert float(angle) == pytest.approx(0.4, rel=1e-12)  # events are located to round-off in time
     assert run(copy, "plot", "fall.nc", "--out", ".", "--figure", "twice").split() == ["twice.png"]
     assert (copy / "twice.png").stat().st_size > 1000
+
+
+# --- a quantity of a whole run ---
+
+
+def test_a_quantity_is_one_line_and_stands_in_tables_files_and_studies(copy):
+    """A reduction of a series is recorded, and shown wherever quantities of a run are."""
+    insert(
+        copy,
+        "trajectory/quantities.py",
+        '"summary: sliding_joint"',
+        '    ("peak_rate", "rad/s", "largest size of its rate at a sample", peak("motion_rate")),',
+    )
+    swing(copy, 'stiffness = "10 N*m/rad"')
+    run(copy, "run", "swing.toml", "--out", "swing.nc", "--quiet")
+    largest = json.loads(run(copy, "info", "swing.nc", "--json"))["motion"]["hinge"]["peak_rate"]
+    assert largest > 0.0
+    run(copy, "info", "swing.nc", "--csv", "swing.csv")
+    with (copy / "swing.csv").open(newline="", encoding="utf-8") as file:
+        (row,) = csv.DictReader(file)
+    assert float(row["hinge peak rate [rad/s]"]) == largest
+    shown = run(copy, "info", "swing.nc", "--all")
+    assert "peak rate [rad/s]" in shown and f"{largest:.6g}" in shown
+    run(copy, "report", "swing.nc", "--out", "swing.html", "--no-figures", "--no-recordings")
+    assert "peak rate" in (copy / "swing.html").read_text(encoding="utf-8")
+    code = """
+from antenna_pin.simulation.variables import SIZES
+from antenna_pin.sweep.responses import ResponseSpec, evaluate
+from antenna_pin.trajectory import Trajectory
+
+run = Trajectory.load("swing.nc")
+response = ResponseSpec(measure="peak_rate", of="hinge")
+assert SIZES["peak_rate"] == "motion_rate"  # what sensitivities are of
+print(evaluate("rate", response, "", run, None, 0), response.unit, response.meaning, sep="; ")
+"""
+    assert run(copy, code=code).strip() == f"{largest}; rad/s; largest size of its rate at a sample, hinge"
+
+
+def test_a_quantity_of_contacts_is_one_line_and_needs_no_new_run(copy):
+    run(copy, "run", "impact_pair", "--duration", "2.5 ms", "--out", "pair.nc", "--quiet")
+    insert(
+        copy,
+        "trajectory/quantities.py",
+        '("impulse", "N s", "all normal impulses"',
+        '    ("longest_contact", "s", "longest contact", peak("duration")),',
+    )
+    contacts = json.loads(run(copy, "info", "pair.nc", "--json"))["contacts"]
+    longest = max(one["longest_contact"] for one in contacts.values())
+    assert 0.0 < longest < 2.5e-3
+    assert "longest contact [s]" in run(copy, "info", "pair.nc", "--all")
+    code = (
+        "from antenna_pin.sweep.measures import MEASURES; from antenna_pin.trajectory import Trajectory;"
+        "from antenna_pin.sweep.responses import ResponseSpec;"
+        "print(MEASURES['longest_contact'].find(Trajectory.load('pair.nc'),"
+        " ResponseSpec(measure='longest_contact'), None))"
+    )
+    assert float(run(copy, code=code)) == longest
 
 
 # --- a joint with play ---

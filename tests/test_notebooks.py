@@ -57,7 +57,7 @@ def test_it_runs_and_shows(path, tmp_path, monkeypatch):
     if path.stem != "look_at_a_run":
         return
     shown = {line: output.data for line, output in outputs if "data" in output}
-    assert "largest normal force" in shown["run"]["text/html"]
+    assert "peak force" in shown["run"]["text/html"]
     assert "image/png" in shown['run.plot("motion_acceleration", beside=ideal, joint="elevation")']
     for line in ("run.record(ideal=ideal)", 'run.record(view="joint")'):
         assert shown[line]["text/html"].startswith("<iframe srcdoc=")

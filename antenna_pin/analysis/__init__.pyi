@@ -63,6 +63,11 @@ from antenna_pin.analysis.long_spectra import long_spectrogram as long_spectrogr
 from antenna_pin.analysis.long_spectra import long_spectrum as long_spectrum
 from antenna_pin.analysis.numbers import numbers_of as numbers_of
 from antenna_pin.analysis.orbit import Orbit as Orbit
+from antenna_pin.analysis.own import is_own as is_own
+from antenna_pin.analysis.own import own_number as own_number
+from antenna_pin.analysis.own import own_numbers as own_numbers
+from antenna_pin.analysis.own import own_series as own_series
+from antenna_pin.analysis.own import own_source as own_source
 from antenna_pin.analysis.phase import Periods as Periods
 from antenna_pin.analysis.phase import PhasePortrait as PhasePortrait
 from antenna_pin.analysis.phase import open_portrait as open_portrait

@@ -187,12 +187,16 @@ def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
 
     gears = summary.get("gears", {})
     if gears:
-        peaks = {name: one.get("peak_torque", one.get("peak_force", 0.0)) for name, one in gears.items()}
-        name = max(peaks, key=lambda one: peaks[one])
-        unit = "N m" if "peak_torque" in gears[name] else "N"
+        # A lean result does not have them.
+        known = {name: one.get("peak_torque", one.get("peak_force")) for name, one in gears.items()}
+        peaks = {name: peak for name, peak in known.items() if peak is not None}
         touches = sum(one.get("touches", 0) for one in gears.values())
         apart = [one["time_apart"] for one in gears.values() if one.get("time_apart") is not None]
-        text = f"{_counted(touches, 'touch', 'touches')}, at most {readable(peaks[name], unit)} at {name}"
+        text = _counted(touches, "touch", "touches")
+        if peaks:
+            name = max(peaks, key=lambda one: peaks[one])
+            unit = "N m" if "peak_torque" in gears[name] else "N"
+            text += f", at most {readable(peaks[name], unit)} at {name}"
         yield Line("gears", text + (f"; apart for {readable(max(apart), 's')}" if apart else ""))
     controllers = summary.get("controllers", {})
     if controllers:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -9,18 +11,9 @@ from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.impacts import impacts
 from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import blow_counts, names_along
+from antenna_pin.trajectory.quantities import table as table_of
 
 __all__ = ["blow_statistics", "blows"]
-
-_UNITS = {
-    "onset": ("s", "first touch"),
-    "duration": ("s", "from first touch until no contact of the surfaces touches, or to the end of the run"),
-    "contacts": ("1", "contact episodes that it consists of"),
-    "approach_speed": ("m/s", "largest rate of depth at a first touch"),
-    "peak_force": ("N", "largest normal force of one contact"),
-    "impulse": ("N s", "integral of the normal forces' magnitudes"),
-    "dissipated": ("J", "energy lost, normal and friction"),
-}
 
 
 @takes()
@@ -47,27 +40,19 @@ def blows(run: RunLike, joint: str | None = None) -> xr.Dataset:
     order = np.unique(numbers, return_index=True)[1]
     own = [table.isel(impact=np.flatnonzero(numbers == numbers[k])) for k in order]
     ends = [part["onset"].values + part["duration"].values for part in own]
-    columns = {
+    columns: dict[str, Any] = {
         "onset": [part["onset"].values.min() for part in own],
         "duration": [end.max() - part["onset"].values.min() for end, part in zip(ends, own, strict=True)],
         "contacts": [part.sizes["impact"] for part in own],
         **{name: [part[name].values.max() for part in own] for name in ("approach_speed", "peak_force")},
         **{name: [part[name].values.sum() for part in own] for name in ("impulse", "dissipated")},
     }
-    ended = np.array([part["ended"].values.all() for part in own], dtype=bool)
+    columns["ended"] = np.array([part["ended"].values.all() for part in own], dtype=bool)
     labels = {
         "clearance_joint": table["clearance_joint"].values[order],
         "surface": table["surface"].values[order],
     }
-    return xr.Dataset(
-        {
-            name: ("blow", np.array(values), {"units": _UNITS[name][0], "long_name": _UNITS[name][1]})
-            for name, values in columns.items()
-        }
-        | {"ended": ("blow", ended, {"units": "1", "long_name": "whether it was over before the end"})},
-        coords={"blow": np.arange(len(own))} | {name: ("blow", one) for name, one in labels.items()},
-        attrs=table.attrs,
-    )
+    return table_of("blows", columns, labels, table.attrs)
 
 
 @takes()
@@ -77,7 +62,4 @@ def blow_statistics(run: RunLike) -> xr.Dataset:
     joints = names_along(data, "clearance_joint")
     counts = blow_counts(data) if joints else {}
     own = [sum(n for name, n in counts.items() if name.rpartition(".")[0] == joint) for joint in joints]
-    return xr.Dataset(
-        {"blows": ("clearance_joint", np.array(own, float), {"units": "1", "long_name": "number of blows"})},
-        coords={"clearance_joint": np.array(joints, dtype=object) if joints else np.zeros(0, dtype="<U1")},
-    )
+    return table_of("blow statistics", {"blows": np.array(own, float)}, {"clearance_joint": joints})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.sampled import time_rms
 from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import names_along
+from antenna_pin.trajectory.quantities import TABLES, slides_along, table
 
 __all__ = [
     "closure_loads",
@@ -53,29 +53,7 @@ def drives_of(run: RunLike) -> dict[str, dict[str, Any]]:
 @takes()
 def effort_unit(run: RunLike, drive: str) -> str:
     """Return the unit of a drive's effort: N at a joint that slides, N m at one that turns."""
-    return "N" if drives_of(run).get(drive, {}).get("slides") else "N m"
-
-
-_FORCES = {
-    "peak_force": ("N", "largest force at a sample"),
-    "time_of_peak_force": ("s", "when it was"),
-    "rms_force": ("N", "root mean square of the force"),
-    "peak_moment": ("N m", "largest moment at a sample"),
-    "rms_moment": ("N m", "root mean square of the moment"),
-}
-_TORQUES = {
-    "peak_torque": ("N m", "largest size of the torque on the follower at a sample (N if it slides)"),
-    "time_of_peak_torque": ("s", "when it was"),
-    "rms_torque": ("N m", "root mean square of the torque on the follower (N if it slides)"),
-}
-_EFFORTS = {
-    "peak_effort": ("N m", "largest size of the effort, between samples too (N if it slides)"),
-    "time_of_peak_effort": ("s", "when it was"),
-    "rms_effort": ("N m", "root mean square of the effort (N if it slides)"),
-    "peak_power": ("W", "largest size of the power at a sample"),
-    "work": ("J", "work since the start"),
-    "gross_work": ("J", "integral of the size of the power"),
-}
+    return "N" if slides_along(data_of(run), "drive").get(drive) else "N m"
 
 
 @takes()
@@ -101,7 +79,7 @@ def closure_loads(run: RunLike) -> xr.Dataset:
         at = float(time[int(np.argmax(force))])
         rms = float(time_rms(time, force)), float(time_rms(time, moment))
         rows.append([float(force.max()), at, rms[0], float(moment.max()), rms[1]])
-    return _table("closure", names_along(data, "closure"), rows, _FORCES)
+    return _table("closure loads", names_along(data, "closure"), rows)
 
 
 @takes()
@@ -124,7 +102,7 @@ def coupling_loads(run: RunLike) -> xr.Dataset:
         torque = np.asarray(data["coupling_torque"].sel(coupling=name).values, dtype=float)
         at = int(np.argmax(np.abs(torque)))
         rows.append([abs(float(torque[at])), float(time[at]), float(time_rms(time, torque))])
-    return _table("coupling", names_along(data, "coupling"), rows, _TORQUES)
+    return _table("coupling loads", names_along(data, "coupling"), rows)
 
 
 @takes()
@@ -156,7 +134,7 @@ def drive_loads(run: RunLike) -> xr.Dataset:
         if name in located:
             peak, at = (float(data[what].sel({dimension: name})) for what in (measure, f"time_of_{measure}"))
         rows.append([peak, at, float(time_rms(time, effort)), most, *totals])
-    return _table("drive", names_along(data, "drive"), rows, _EFFORTS)
+    return _table("drive loads", names_along(data, "drive"), rows)
 
 
 @takes()
@@ -173,14 +151,7 @@ def drive_power(run: RunLike, drive: str) -> Array | None:
     return np.asarray(effort * data[rate].sel({dimension: about["joint"]}).values)
 
 
-def _table(
-    dimension: str, names: list[str], rows: list[list[float]], columns: Mapping[str, tuple[str, str]]
-) -> xr.Dataset:
-    values = np.array(rows, dtype=float).reshape(len(names), len(columns))
-    return xr.Dataset(
-        {
-            column: ((dimension,), values[:, k], {"units": units, "long_name": meaning})
-            for k, (column, (units, meaning)) in enumerate(columns.items())
-        },
-        coords={dimension: np.array(names, dtype=object) if names else np.zeros(0, dtype="<U1")},
-    )
+def _table(name: str, labels: list[str], rows: list[list[float]]) -> xr.Dataset:
+    (dim,) = next(iter(TABLES[name].values())).dims
+    values = np.array(rows, dtype=float).reshape(len(labels), len(TABLES[name]))
+    return table(name, dict(zip(TABLES[name], values.T, strict=True)), {dim: labels})

@@ -14,6 +14,7 @@ from antenna_pin.analysis.sampled import time_rms
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number, readable
 from antenna_pin.trajectory import names_along
+from antenna_pin.trajectory.quantities import table
 
 __all__ = ["SPIN_WITHIN", "elastic_motion", "elastic_parts_of", "modal_energy", "said_of_spin"]
 
@@ -72,10 +73,7 @@ def elastic_motion(run: RunLike) -> xr.Dataset:
         "frequency": frequency,
         "spin_ratio": np.asarray(data["peak_spin"].values, dtype=float) / (2.0 * math.pi * frequency),
     }
-    return xr.Dataset(
-        {name: (("elastic_part",), values) for name, values in found.items()},
-        coords={"elastic_part": list(about)},
-    )
+    return table("elastic motion", found, {"elastic_part": list(about)})
 
 
 @takes()

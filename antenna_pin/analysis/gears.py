@@ -2,27 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
-from antenna_pin.analysis.stops import labelled_table
+from antenna_pin.analysis.stops import touch_table
 from antenna_pin.base.arguments import takes
-from antenna_pin.trajectory import Touch, elements_of, mesh_spans, mesh_touches
+from antenna_pin.trajectory import elements_of, mesh_spans, mesh_touches
+from antenna_pin.trajectory.quantities import TABLES, table
 
 __all__ = ["gear_contacts", "gear_impacts", "gears_of"]
-
-_TOUCH = {
-    "onset": ("s", "first touch"),
-    "release": ("s", "release; NaN: still touching"),
-    "approach_rate": ("rad/s", "rate of the deflection into contact at the onset (m/s)"),
-    "rebound_rate": ("rad/s", "rate out of it at the release; NaN: still touching (m/s)"),
-    "peak_effort": ("N m", "largest torque (a force [N])"),
-    "impulse": ("N m s", "integral of the torque; NaN: still touching (N s)"),
-    "loss": ("J", "energy lost; NaN: still touching"),
-}
-_SPAN = {"begin": ("s", "begin"), "end": ("s", "end")}
 
 
 @takes()
@@ -40,9 +28,7 @@ def gear_impacts(run: RunLike) -> xr.Dataset:
     """
     found = mesh_touches(data_of(run))
     labels = {"gear": [one.stop for one in found], "side": [one.side for one in found]}
-    names = [item.name for item in fields(Touch) if item.name in _TOUCH]
-    columns = {name: [getattr(one, name) for one in found] for name in names}
-    return labelled_table("touch", columns, _TOUCH, labels)
+    return touch_table(found, labels)
 
 
 @takes()
@@ -59,8 +45,8 @@ def gear_contacts(run: RunLike, gear: str) -> xr.Dataset:
     found = mesh_spans(data_of(run), gear)
     words = ("apart", "plus", "minus", "both")
     labels = {"sides": [words[one.plus + 2 * one.minus] for one in found]}
-    columns = {name: [float(getattr(one, name)) for one in found] for name in _SPAN}
-    return labelled_table("span", columns, _SPAN, labels)
+    columns = {name: [float(getattr(one, name)) for one in found] for name in TABLES["spans"]}
+    return table("spans", columns, labels)
 
 
 @takes()

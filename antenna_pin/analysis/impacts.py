@@ -9,21 +9,10 @@ from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_ti
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory import blow_numbers, contact_joints, contact_kinds, names_along
+from antenna_pin.trajectory.quantities import TABLES
+from antenna_pin.trajectory.quantities import table as table_of
 
 __all__ = ["impact_statistics", "impacts"]
-
-_UNITS = {
-    "onset": ("s", "first touch"),
-    "duration": ("s", "from first touch to release, or to the end of the run"),
-    "approach_speed": ("m/s", "rate of depth at first touch"),
-    "separation_speed": ("m/s", "rate of the gap at release; NaN: still touching"),
-    "restitution": ("1", "separation over approach speed; NaN: still touching or floored"),
-    "peak_force": ("N", "largest normal force"),
-    "peak_time": ("s", "when the force was largest"),
-    "peak_depth": ("m", "largest depth"),
-    "impulse": ("N s", "integral of the normal force"),
-    "dissipated": ("J", "energy lost, normal and friction"),
-}
 
 
 @takes()
@@ -52,8 +41,9 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
     data = data_of(run)
     joints = choose("impacts", "clearance joint", joint, names_along(data, "clearance_joint"))
     if not joints:
-        nothing = {name: np.zeros(0) for name in _UNITS}
-        return _table(nothing, np.zeros(0, bool), np.zeros(0, bool), [], data, np.zeros(0, np.int64))
+        nothing = {name: np.zeros(0) for name in TABLES["impacts"]}
+        flags = dict.fromkeys(("ended", "floored"), np.zeros(0, bool))
+        return _table(nothing | flags | {"blow": np.zeros(0, np.int64)}, [], data)
     time = sample_times(data, "impacts")
     contacts = names_along(data, "contact")
     index = np.asarray(variable(data, "episode_contact", "impacts").values, dtype=int)
@@ -83,7 +73,8 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
         "restitution": restitution,
         **{name: column[name] for name in ("peak_force", "peak_time", "peak_depth", "impulse", "dissipated")},
     }
-    return _table(values, ended, floored, [contacts[k] for k in index], data, blow_numbers(data)[rows])
+    values |= {"ended": ended, "floored": floored, "blow": blow_numbers(data)[rows]}
+    return _table(values, [contacts[k] for k in index], data)
 
 
 def _rates(data: xr.Dataset, samples: np.ndarray, contacts: np.ndarray) -> Array:
@@ -107,41 +98,14 @@ def _sample_at(time: Array, moments: Array) -> np.ndarray:
     return found
 
 
-def _table(
-    values: dict[str, Array],
-    ended: np.ndarray,
-    floored: np.ndarray,
-    contacts: list[str],
-    data: xr.Dataset,
-    blow: np.ndarray,
-) -> xr.Dataset:
-    variables: dict[str, tuple[str, np.ndarray, dict[str, str]]] = {
-        name: ("impact", values[name], {"units": units, "long_name": meaning})
-        for name, (units, meaning) in _UNITS.items()
+def _table(values: dict[str, Array], contacts: list[str], data: xr.Dataset) -> xr.Dataset:
+    kinds, joints = contact_kinds(data), contact_joints(data)
+    labels = {
+        "contact": contacts,
+        "surface": [kinds[name] for name in contacts],
+        "clearance_joint": [joints[name] for name in contacts],
     }
-    flag = {"units": "1"}
-    variables["ended"] = ("impact", ended, flag | {"long_name": "whether it was released before the end"})
-    variables["floored"] = ("impact", floored, flag | {"long_name": "whether the law saw its floor of speed"})
-    variables["blow"] = (
-        "impact",
-        blow,
-        flag | {"long_name": "number of the blow of the joint"},
-    )
-    labels = np.array(contacts, dtype=object) if contacts else np.zeros(0, dtype="<U1")
-    of_contact = contact_joints(data)
-    joints = [of_contact[name] for name in contacts]
-    kinds = contact_kinds(data)
-    surface = [kinds[name] for name in contacts]
-    return xr.Dataset(
-        variables,
-        coords={
-            "impact": np.arange(len(contacts)),
-            "contact": ("impact", labels),
-            "surface": ("impact", np.array(surface, dtype=object) if surface else labels),
-            "clearance_joint": ("impact", np.array(joints, dtype=object) if joints else labels),
-        },
-        attrs={"case": str(data.attrs.get("case", ""))},
-    )
+    return table_of("impacts", values, labels, {"case": str(data.attrs.get("case", ""))})
 
 
 @takes()
@@ -160,10 +124,10 @@ def impact_statistics(table: xr.Dataset) -> xr.Dataset:
     labels = table["contact"].values
     contacts = list(dict.fromkeys(str(name) for name in sorted(labels)))
     rows = [table.isel(impact=np.flatnonzero(labels == name)) for name in contacts]
-    columns: dict[str, tuple[str, str, list[float]]] = {
-        "impacts": ("1", "number of impacts", [own.sizes["impact"] for own in rows]),
-        "floored": ("1", "impacts slower than the law's floor", [int(own["floored"].sum()) for own in rows]),
-        "touching": ("1", "impacts that have not ended", [int((~own["ended"]).sum()) for own in rows]),
+    columns: dict[str, list[float]] = {
+        "impacts": [own.sizes["impact"] for own in rows],
+        "floored": [int(own["floored"].sum()) for own in rows],
+        "touching": [int((~own["ended"]).sum()) for own in rows],
     }
     for name, of, function in (
         ("median_approach_speed", "approach_speed", _median),
@@ -175,16 +139,8 @@ def impact_statistics(table: xr.Dataset) -> xr.Dataset:
         ("dissipated", "dissipated", np.sum),
     ):
         counted = [own if of != "duration" else own.where(own["ended"]) for own in rows]
-        units, meaning = _UNITS[of]
-        columns[name] = (units, meaning, [float(function(own[of].values)) for own in counted])
-    return xr.Dataset(
-        {
-            name: ("contact", np.array(values), {"units": units, "long_name": meaning})
-            for name, (units, meaning, values) in columns.items()
-        },
-        coords={"contact": np.array(contacts, dtype=object) if contacts else np.zeros(0, dtype="<U1")},
-        attrs=table.attrs,
-    )
+        columns[name] = [float(function(own[of].values)) for own in counted]
+    return table_of("impact statistics", columns, {"contact": contacts}, table.attrs)
 
 
 def _median(values: Array) -> float:

@@ -13,28 +13,9 @@ from antenna_pin.analysis.sampled import time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.settling import touching_intervals
 from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import contacts_of, names_along
+from antenna_pin.trajectory.quantities import TABLES, table
 
 __all__ = ["load_statistics"]
-
-_CONTACT = {
-    "peak_force": ("N", "largest normal force, of the dense output"),
-    "mean_force": ("N", "mean normal force over the whole time"),
-    "mean_force_in_contact": ("N", "mean normal force while touching; NaN: never"),
-    "rms_force": ("N", "root mean square of the normal force"),
-    "contact_share": ("1", "share of the time in contact"),
-    "episodes": ("1", "number of contacts"),
-    "impulse": ("N s", "integral of the normal force"),
-    "dissipated": ("J", "energy lost, normal and friction"),
-}
-_JOINT = {
-    "joint_peak_force": ("N", "largest contact force on the journal, of the samples"),
-    "joint_mean_force": ("N", "mean size of the contact force on the journal"),
-    "joint_rms_force": ("N", "root mean square of the contact force on the journal"),
-    "joint_contact_share": ("1", "share of the time with any contact"),
-    "joint_episodes": ("1", "number of contacts"),
-    "joint_impulse": ("N s", "integral of all normal forces"),
-    "joint_dissipated": ("J", "energy lost, normal and friction"),
-}
 
 
 @takes()
@@ -70,26 +51,21 @@ def load_statistics(
     shares = np.asarray(percent, dtype=float)
     of_contacts = [_contact(data, name, time, shares) for name in contacts]
     of_joints = [_joint(data, name, time, shares) for name in joints]
-    variables: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
-    for dim, rows, columns, prefix in (
-        ("contact", of_contacts, _CONTACT, ""),
-        ("clearance_joint", of_joints, _JOINT, "joint_"),
+    found = xr.Dataset(attrs={"case": str(data.attrs.get("case", ""))})
+    for name, dim, labels, rows in (
+        ("loads", "contact", contacts, of_contacts),
+        ("joint loads", "clearance_joint", joints, of_joints),
     ):
-        for k, (name, (units, meaning)) in enumerate(columns.items()):
-            attributes = {"units": units, "long_name": meaning}
-            column = np.array([row[0][k] for row in rows], dtype=int if "episodes" in name else float)
-            variables[name] = ((dim,), column, attributes)
-        variables[f"{prefix}force_percentile"] = (
-            (dim, "percent"),
-            np.array([row[1] for row in rows], dtype=float).reshape(len(rows), shares.size),
-            {"units": "N", "long_name": "force that is not exceeded for a percentage of the time"},
-        )
-    coords = {
-        "contact": np.array(contacts, dtype=object) if contacts else np.zeros(0, dtype="<U1"),
-        "clearance_joint": np.array(joints, dtype=object) if joints else np.zeros(0, dtype="<U1"),
-        "percent": shares,
-    }
-    return xr.Dataset(variables, coords=coords, attrs={"case": str(data.attrs.get("case", ""))})
+        columns = {
+            key: np.array([row[0][k] for row in rows], dtype=int if one.form == "count" else float)
+            for k, (key, one) in enumerate(TABLES[name].items())
+        }
+        found = found.merge(table(name, columns, {dim: labels}))
+        values = np.array([row[1] for row in rows], dtype=float).reshape(len(rows), shares.size)
+        about = {"units": "N", "long_name": "force that is not exceeded for a percentage of the time"}
+        prefix = "joint_" if name == "joint loads" else ""
+        found[f"{prefix}force_percentile"] = ((dim, "percent"), values, about)
+    return found.assign_coords(percent=shares)
 
 
 def _contact(data: xr.Dataset, contact: str, time: Array, percent: Array) -> tuple[list[float], Array]:

@@ -2,13 +2,14 @@ r"""Any quantity of a run by one line of text, as sections, phase portraits and 
 
 The grammar::
 
-    quantity  = "time" | number | "|" number or vector "|" | signal
+    quantity  = "time" | number | "|" number or vector "|" | signal | function
     number    = variable                                  kinetic_energy
               | joint or contact "." short name           hinge.angle, elevation.radial+.gap
               | variable "[" label { "," label } "]"      motion_angle[elevation], v[base.wx]
               | vector "." component                      joint_force[s2].x, base_position.z
     vector    = variable [ "[" label "]" ]                joint_force[s2]
     signal    = a name of analysis.signals                s2 force x
+    function  = FILE.py ":" NAME | MODULE ":" NAME        own.py:crest  (antenna_pin.analysis.own)
 
 A variable is one of the result file over time, and labels stand in the order of its dimensions, time left
 out. The component of a vector or quaternion stands behind a dot, or as the last label. The label of a
@@ -29,7 +30,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -39,9 +40,8 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
-from antenna_pin.analysis.closures import couplings_of, drives_of, effort_unit
-from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.journal import clearance_shapes
+from antenna_pin.analysis.own import is_own, own_series
 from antenna_pin.analysis.shaken import base_wrench, shaken_link, shakes_of
 from antenna_pin.analysis.signals import signals
 from antenna_pin.base.arguments import takes
@@ -49,6 +49,8 @@ from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import link_motion
 from antenna_pin.trajectory import names_along
+from antenna_pin.trajectory.quantities import slides_along
+from antenna_pin.trajectory.schema import VARIABLES
 
 __all__ = ["Quantity", "QuantityName", "quantities", "quantity"]
 
@@ -219,6 +221,11 @@ def quantity(run: RunLike, name: str) -> Quantity:
     time = sample_times(data, "quantity")
     if name.strip() == "time":
         return Quantity("time", time, time, "s", "time")
+    bare = name.strip().strip("|").strip()
+    if is_own(bare):
+        values, units = own_series(bare, run, len(time))
+        size = bare != name.strip()
+        return Quantity(name.strip(), time, np.abs(values) if size else values, units, name.strip())
     wanted = _in_full(data, name) or QuantityName.parse(name)
     if wanted.variable in DERIVED:
         return _derived(data, name, wanted)
@@ -415,16 +422,10 @@ def _units(data: xr.Dataset, variable: str, labels: Sequence[str]) -> str:
     label = labels[0] if labels else ""
     if variable in _ORDER:
         return _unit_of_coordinate(data, label, _ORDER[variable]) or units
-    if variable == "drive_torque":
-        return effort_unit(data, label)
-    about: Mapping[str, Mapping[str, object]] = {}
-    if variable in ("control_reference", "control_error"):
-        about = drives_of(data)
-    elif variable == "deflection":
-        about = elastic_parts_of(data)
-    elif variable == "coupling_torque":
-        return "N" if couplings_of(data).get(label, {}).get("slides") else units
-    return "m" if about.get(label, {}).get("slides") else units
+    known = VARIABLES.get(variable)
+    if known is None or not known.sliding or len(known.dims) < 2:
+        return units
+    return known.unit(slides_along(data, known.dims[1]).get(label, False))
 
 
 def _unit_of_coordinate(data: xr.Dataset, label: str, order: int) -> str:

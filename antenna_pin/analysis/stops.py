@@ -2,34 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from collections.abc import Mapping, Sequence
 
-import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.base.arguments import takes
-from antenna_pin.trajectory import ModeChange, Touch, elements_of, latch_changes, touches
+from antenna_pin.trajectory import Touch, elements_of, latch_changes, touches
+from antenna_pin.trajectory.quantities import TABLES, table
 
-__all__ = ["labelled_table", "latch_events", "stop_impacts", "stops_and_latches"]
-
-_TOUCH = {
-    "onset": ("s", "first touch"),
-    "release": ("s", "release; NaN: still touching"),
-    "approach_rate": ("rad/s", "rate into the stop at the onset (m/s)"),
-    "rebound_rate": ("rad/s", "rate out of it at the release; NaN: still touching (m/s)"),
-    "peak_effort": ("N m", "largest torque; infinite in a blow (a force [N])"),
-    "impulse": ("N m s", "integral of the torque's size; NaN: still touching (N s)"),
-    "loss": ("J", "energy lost; NaN: still touching"),
-}
-_CHANGE = {
-    "time": ("s", "when"),
-    "angle": ("rad", "of the joint (a way [m])"),
-    "rate": ("rad/s", "of the joint before (m/s)"),
-    "loss": ("J", "energy lost by it"),
-    "impulse": ("N m s", "on the child by it (N s)"),
-    "energy": ("J", "of the joint's own motion before: what a lock would take"),
-}
+__all__ = ["latch_events", "stop_impacts", "stops_and_latches", "touch_table"]
 
 
 @takes()
@@ -49,9 +31,7 @@ def stop_impacts(run: RunLike) -> xr.Dataset:
     """
     found = touches(data_of(run))
     labels = {"stop": [one.stop for one in found], "side": [one.side for one in found]}
-    names = [item.name for item in fields(Touch) if item.name in _TOUCH]
-    columns = {name: [getattr(one, name) for one in found] for name in names}
-    return labelled_table("touch", columns, _TOUCH, labels)
+    return touch_table(found, labels)
 
 
 @takes()
@@ -68,8 +48,8 @@ def latch_events(run: RunLike) -> xr.Dataset:
     """
     found = latch_changes(data_of(run))
     labels = {"latch": [one.element for one in found], "what": [one.what for one in found]}
-    columns = {name: [getattr(one, name) for one in found] for name in ModeChange._fields if name in _CHANGE}
-    return labelled_table("latch_event", columns, _CHANGE, labels)
+    columns = {name: [getattr(one, name) for one in found] for name in TABLES["latch events"]}
+    return table("latch events", columns, labels)
 
 
 @takes()
@@ -80,25 +60,8 @@ def stops_and_latches(run: RunLike) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return stops, latches
 
 
-def labelled_table(
-    dimension: str,
-    columns: dict[str, list[float]],
-    units: dict[str, tuple[str, str]],
-    labels: dict[str, list[str]],
-) -> xr.Dataset:
-    """Return columns of numbers over a dimension, with their units and meanings, and labels beside them."""
-    count = len(next(iter(columns.values())))
-    return xr.Dataset(
-        {
-            name: (dimension, np.array(values, dtype=float), {"units": unit, "long_name": said})
-            for name, values in columns.items()
-            for unit, said in [units[name]]
-        },
-        coords={
-            dimension: np.arange(count),
-            **{
-                name: (dimension, np.array(values, dtype=object) if values else np.zeros(0, dtype="<U1"))
-                for name, values in labels.items()
-            },
-        },
+def touch_table(found: Sequence[Touch], labels: Mapping[str, Sequence[str]]) -> xr.Dataset:
+    """Return touches as a table, with labels beside them."""
+    return table(
+        "touches", {name: [getattr(one, name) for one in found] for name in TABLES["touches"]}, labels
     )

@@ -52,17 +52,17 @@ VIEWS = {
     "Trajectory.analyse": "numbers.RunNumbers",
     "Study.plot": "studies.StudyFigures",
     "Study.report": "studies.reported",
-    "Orbit.plot": "orbits.plotted",
-    "Orbit.report": "orbits.reported",
-    "Modes.plot": "modes.plotted",
-    "Modes.record": "modes.recorded",
+    "Orbit.plot": "studies.orbit_plotted",
+    "Orbit.report": "studies.orbit_reported",
+    "Modes.plot": "studies.modes_plotted",
+    "Modes.record": "studies.modes_recorded",
     "Trajectory.item": "numbers.item_of",
     "Trajectory.card": "_cards.run_card",
     "Scenario.card": "_cards.scenario_card",
     "Study.card": "_cards.study_card",
     "Modes.card": "_cards.modes_card",
     "Orbit.card": "_cards.orbit_card",
-    "System.card": "systems.system_card",
+    "System.card": "_cards.system_card",
 }
 
 

@@ -27,7 +27,6 @@ from antenna_pin.cli import (
     export,
     figures,
     fit,
-    impacts,
     info,
     lyapunov,
     modes,
@@ -52,9 +51,8 @@ from antenna_pin.cli._common import (
     told_interruption,
     told_unwritable,
 )
-from antenna_pin.cli._numbers import with_plain_numbers
 from antenna_pin.cli._progress import said_at_work
-from antenna_pin.cli._usage import OneLineGroup
+from antenna_pin.cli._usage import OneLineGroup, with_plain_numbers
 
 __all__ = ["app", "main"]
 
@@ -126,7 +124,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "run": run.run,
     "info": info.info,
     "analyse": analyse.analyse,
-    "impacts": impacts.impacts,
+    "impacts": analyse.impacts,
     "pointing": pointing.pointing,
     "modes": modes.modes,
     "phase": phase.phase,

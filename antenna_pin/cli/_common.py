@@ -35,6 +35,27 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.trajectory import Trajectory
 
+
+PackagePathOption = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--package-path",
+        metavar="DIR",
+        help="Folder with packages of package:// names, before ROS_PACKAGE_PATH. May be repeated.",
+    ),
+]
+
+
+def package_folders(given: list[Path] | None) -> list[Path]:
+    """Return the folders of the option as absolute paths, or end the command where one is none."""
+    for folder in given or ():
+        if not folder.is_dir():
+            refuse(
+                f"--package-path {folder}: must be a folder, got {'a file' if folder.exists() else 'none'}"
+            )
+    return [folder.absolute() for folder in given or ()]
+
+
 REFUSED, ENDED_EARLY, UNBALANCED, DOUBTFUL = 2, 3, 4, 5
 
 #: To which the number of the signal is added that has stopped a command.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,24 +12,67 @@ import typer
 
 from antenna_pin.base import tables
 from antenna_pin.base.files import replacing
-from antenna_pin.cli._common import figure_folder, figure_formats, writable_file
+from antenna_pin.cli._common import figure_folder, figure_formats, figure_target, writable_file
+from antenna_pin.cli._usage import command_of
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
 __all__ = [
     "CsvOption",
     "JsonOption",
+    "PlotOption",
+    "TableOption",
     "csv_target",
     "exported",
     "figures_asked",
     "parts_of",
     "plain",
     "rows_of",
+    "save_both",
     "save_figures",
     "say_json",
+    "targets_of",
     "write_csv",
 ]
+
+
+TableOption = Annotated[
+    Path | None, typer.Option("--out", metavar="FILE", help="Dataset of the result, NAME.nc.")
+]
+PlotOption = Annotated[
+    Path | None, typer.Option("--plot", metavar="FILE", help="Figure of the result: png, pdf or svg.")
+]
+
+
+def targets_of(out: Path | None, plot: Path | None) -> tuple[Path | None, Path | None]:
+    """Return the files of a dataset and a figure, or say what keeps them from being some."""
+    return None if out is None else writable_file(out, ".nc"), figure_target(plot, "figure", "--plot")
+
+
+def save_both(
+    table: xr.Dataset,
+    drawn: Callable[[], Figure],
+    targets: tuple[Path | None, Path | None],
+    context: typer.Context,
+    silent: bool = False,
+) -> None:
+    """Write a dataset, with the command that made it, and a figure of it, what is asked for, and say so."""
+    out, plot = targets
+    table.attrs["command"] = command_of(context)
+    if out is not None:
+        from antenna_pin.trajectory import save_table
+
+        save_table(table, out)
+    if plot is not None:
+        from antenna_pin.plot import save_figure
+
+        save_figure(drawn(), plot.with_suffix(""), [plot.suffix[1:]])
+    for target in targets if not silent else ():
+        if target is not None:
+            typer.echo(f"saved {target}")
+
 
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")

@@ -5,174 +5,386 @@ from __future__ import annotations
 import math
 import shutil
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from antenna_pin.cli._layout import Table, laid_out
+from antenna_pin.cli._common import say
+from antenna_pin.errors import printable
 
-# How the entries of a summary are called in a table, and their units; others keep their own names.
-_ENTRIES = {
-    "time": ("simulated time", "s"),
-    "accepted": ("steps accepted", ""),
-    "rejected": ("steps rejected", ""),
-    "relocated": ("steps cut to a change of contact", ""),
-    "wall_seconds": ("wall time", "s"),
-    "compile_seconds": ("wall time of compiling, once", "s"),
-    "energy_error": ("energy balance error", "J"),
-    "energy_scale": ("energy scale: largest of gross work, kinetic, stored", "J"),
-    "energy_error_relative": ("energy balance error, relative", "-"),
-    "energy_tolerance": ("energy balance error that is explained", "J"),
-    "gross_work": ("gross work of drives and forces", "J"),
-    "linear_momentum_drift": ("linear momentum drift", "kg m/s"),
-    "linear_momentum_scale": ("linear momentum scale", "kg m/s"),
-    "linear_momentum_drift_relative": ("linear momentum drift, relative", "-"),
-    "linear_momentum_tolerance": ("linear momentum drift that is explained", "kg m/s"),
-    "angular_momentum_drift": ("angular momentum drift", "kg m²/s"),
-    "angular_momentum_scale": ("angular momentum scale", "kg m²/s"),
-    "angular_momentum_drift_relative": ("angular momentum drift, relative", "-"),
-    "angular_momentum_tolerance": ("angular momentum drift that is explained", "kg m²/s"),
-    "gap_difference": ("gaps, coal against closed form", "m"),
-    "angle": ("angle at the end", "rad"),
-    "rate": ("rate at the end", "rad/s"),
-    "peak_acceleration": ("peak acceleration", "rad/s²"),
-    "position": ("position at the end", "m"),
-    "slide_rate": ("rate at the end", "m/s"),
-    "peak_slide_acceleration": ("peak acceleration", "m/s²"),
-    "peak_force": ("peak force", "N"),
-    "peak_depth": ("peak depth", "m"),
-    "largest_approach_speed": ("largest approach speed", "m/s"),
-    "impulse": ("impulse", "N s"),
-    "angular_impulse": ("angular impulse about the origin", "N m s"),
-    "dissipated": ("energy lost", "J"),
-    "closure_equations": ("equations of closures", ""),
-    "couplings": ("those of couplings", ""),
-    "closure_rank": ("independent equations of closures", ""),
-    "rank": ("independent equations, those of motions among them", ""),
-    "freedoms": ("freedoms of the tree", ""),
-    "mobility": ("mobility: freedoms that closures leave", ""),
-    "freedoms_left": ("freedoms that closures and motions leave", ""),
-    "position_residual": ("largest residual of closures and motions", "m"),
-    "angle_residual": ("largest residual of closures and motions", "rad"),
-    "velocity_residual": ("largest residual of closures and motions", "m/s"),
-    "rate_residual": ("largest residual of closures and motions", "rad/s"),
-    "projection_energy": ("energy that corrections put in", "J"),
-    "peak_moment": ("peak moment", "N m"),
-    "peak_torque": ("peak torque", "N m"),
-    "work": ("work", "J"),
-    "peak_deflection": ("peak deflection", "rad"),
-    "peak_shift": ("peak deflection", "m"),
-    "peak_elastic_energy": ("peak energy in the spring", "J"),
-    "touches": ("touches", ""),
-    "fastest_touch": ("fastest touch", "rad/s, m/s"),
-    "largest_blow": ("largest impulse", "N m s, N s"),
-    "time_apart": ("time without contact", "s"),
-    "time_slack": ("time with a slack strand", "s"),
-    "captures": ("captures", ""),
-    "refusals": ("refusals", ""),
-    "largest_energy_refused": ("largest energy refused", "J"),
-    "last_capture": ("last capture", "s"),
-    "let_go": ("let go", ""),
-    "ticks": ("instants", ""),
-    "saturated": ("instants at limits", ""),
-    "element_loss": ("energy lost", "J"),
-    "elastic_loss": ("energy lost in the damper", "J"),
-}
+if TYPE_CHECKING:
+    from antenna_pin.trajectory import Trajectory
+    from antenna_pin.trajectory.columns import Variable
+
+__all__ = ["Table", "laid_out", "say_answer"]
+
+
+# What the first column is not narrowed below as long as that saves a block, in characters.
+_LABEL = 30
+# Between two columns, and before the first.
+_GAP = 3
+_EDGE = 1
+# Longer names of columns are cut anywhere: they are files and laws, not numbers.
+_LONGEST_NAME = 24
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """A table as text.
+
+    Attributes:
+        title: Above the table; none if empty.
+        head: Names of the columns; a line break in one stays one.
+        rows: Texts of the cells, each row as long as the head.
+        numbers: Whether all columns but the first hold numbers, which stand at the right.
+        sparse: Whether rows are left out of a block that has nothing but dashes for them.
+    """
+
+    title: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    numbers: bool = True
+    sparse: bool = False
+
+
+def laid_out(table: Table, width: int) -> list[str]:
+    """Return the lines of a table, an empty one after each block.
+
+    Control characters are shown, not sent: titles and names are those of files.
+
+    Args:
+        table: The table.
+        width: Characters that a line should keep to. Where a single word is longer, the line is.
+    """
+    table = replace(
+        table,
+        title=_shown(table.title),
+        head=[_shown(name) for name in table.head],
+        rows=[[_shown(cell) for cell in row] for row in table.rows],
+    )
+    lines = _wrapped(table.title, max(width, 1))
+    columns = [
+        _Column(_folded(name), [row[place] for row in table.rows]) for place, name in enumerate(table.head)
+    ]
+    for block in _blocks(columns, width):
+        shown = [k for k in range(len(table.rows)) if not (table.sparse and block.is_empty(k))]
+        if block.widths is None:
+            lines += [*_records(block, shown, width), ""]
+        else:
+            lines += [*_block_lines(block, shown, table.numbers), ""]
+    return lines
+
+
+def _shown(text: str) -> str:
+    """Return a text with its control characters as Python writes them, but for ends of lines."""
+    return text if text.isprintable() else "\n".join(map(printable, text.split("\n")))
+
+
+class _Column:
+    """A column with the width it would like to have and the one that its longest word asks for."""
+
+    def __init__(self, name: str, cells: Sequence[str]) -> None:
+        from rich.cells import cell_len
+
+        texts = [name, *cells]
+        self.name, self.cells = name, cells
+        self.natural = max((cell_len(line) for text in texts for line in text.split("\n")), default=0)
+        self.least = max((cell_len(word) for text in texts for word in text.split()), default=0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """Columns that stand side by side, and how wide; no widths where not even two do."""
+
+    columns: Sequence[_Column]
+    widths: Sequence[int] | None
+
+    def is_empty(self, row: int) -> bool:
+        """Whether a row has nothing but its label."""
+        return all(column.cells[row] in ("", "-") for column in self.columns[1:])
+
+
+def _blocks(columns: Sequence[_Column], width: int) -> list[_Block]:
+    """Return the columns in as few blocks as there can be, the first column in each."""
+    label, *others = columns
+    if not others:
+        return [_Block(columns, [min(label.natural, max(label.least, width - _EDGE))])]
+    whole = [column.natural for column in columns]
+    if _total(whole) <= width:
+        return [_Block(columns, whole)]
+    least = min(label.natural, max(label.least, _LABEL))
+    if _total([least, *(column.least for column in others)]) <= width:
+        return [_fitted(columns, least, width)]
+    found = _packed(label, others, least, width)
+    if found is None and least > label.least:
+        least = label.least
+        found = _packed(label, others, least, width)
+    return [_Block(columns, None)] if found is None else [_fitted(block, least, width) for block in found]
+
+
+def _packed(label: _Column, others: Sequence[_Column], least: int, width: int) -> list[list[_Column]] | None:
+    """Return the columns in blocks that keep to the width, evenly filled; None where one does not fit."""
+    if any(_total([least, column.least]) > width for column in others):
+        return None
+    for count in range(1, len(others) + 1):
+        cuts = [round(k * len(others) / count) for k in range(count + 1)]
+        blocks = [[label, *others[first:last]] for first, last in pairwise(cuts)]
+        if all(_total([least, *(column.least for column in block[1:])]) <= width for block in blocks):
+            return blocks
+    raise AssertionError("a block of one column fits")
+
+
+def _fitted(columns: Sequence[_Column], least: int, width: int) -> _Block:
+    """Return the columns with the widest narrowed until they fit, none below its longest word."""
+    floors = [least, *(column.least for column in columns[1:])]
+    widths = [column.natural for column in columns]
+    while (excess := _total(widths) - width) > 0:
+        room = [have - floor for have, floor in zip(widths, floors, strict=True)]
+        if not any(room):
+            break
+        place = max((k for k in range(len(widths)) if room[k]), key=lambda k: widths[k])
+        next_widest = max((w for k, w in enumerate(widths) if w < widths[place]), default=0)
+        widths[place] -= max(1, min(excess, room[place], widths[place] - next_widest))
+    return _Block(columns, widths)
+
+
+def _total(widths: Sequence[int]) -> int:
+    return _EDGE + sum(widths) + _GAP * (len(widths) - 1)
+
+
+def _block_lines(block: _Block, shown: Sequence[int], numbers: bool) -> list[str]:
+    """Return head, rule and rows of a block."""
+    assert block.widths is not None
+    names = [column.name for column in block.columns]
+    lines = _row(names, block.widths, numbers) if any(names) else []
+    lines.append(" " + "─" * (_total(block.widths) - _EDGE))
+    for k in shown:
+        lines += _row([column.cells[k] for column in block.columns], block.widths, numbers)
+    return lines
+
+
+def _row(cells: Sequence[str], widths: Sequence[int], numbers: bool) -> list[str]:
+    """Return the lines of one row."""
+    from rich.cells import cell_len
+
+    texts = [_wrapped(cell, width) for cell, width in zip(cells, widths, strict=True)]
+    lines = []
+    for k in range(max(map(len, texts), default=0)):
+        parts = []
+        for place, (text, width) in enumerate(zip(texts, widths, strict=True)):
+            part = text[k] if k < len(text) else ""
+            space = " " * (width - cell_len(part))
+            parts.append(space + part if numbers and place else part + space)
+        lines.append((" " * _EDGE + (" " * _GAP).join(parts)).rstrip())
+    return lines
+
+
+def _records(block: _Block, shown: Sequence[int], width: int) -> list[str]:
+    """Return every row as its label and, below it, the name and the text of each cell."""
+    label, *others = block.columns
+    lines = []
+    for k in shown:
+        lines += _wrapped(label.cells[k] or "-", max(width, 1))
+        for column in others:
+            name = " ".join(column.name.split())
+            pair = f"{name}: {column.cells[k]}" if name else column.cells[k]
+            lines += [f"  {line}" for line in _wrapped(pair, max(width - 2, 1))]
+    return lines
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    """Return a text in lines that break between words; a word that is longer than a line has its own."""
+    from rich.cells import cell_len
+
+    lines: list[str] = []
+    for part in text.split("\n") if text else ():
+        if cell_len(part) <= width:
+            lines.append(part)
+            continue
+        line = ""
+        for word in part.split():
+            if line and cell_len(line) + 1 + cell_len(word) > width:
+                lines.append(line)
+                line = word
+            else:
+                line = f"{line} {word}" if line else word
+        lines.append(line)
+    return lines
+
+
+def _folded(name: str) -> str:
+    """Return the name of a column with its longest words cut into lines."""
+    parts = []
+    for word in name.split(" "):
+        if "\n" in word or len(word) <= _LONGEST_NAME:
+            parts.append(word)
+        else:
+            parts.append("\n".join(word[k : k + _LONGEST_NAME] for k in range(0, len(word), _LONGEST_NAME)))
+    return " ".join(parts)
+
+
+class Zeros:
+    """Tells what is zero to round-off by the scales of some runs, and says so once.
+
+    Args:
+        runs: The runs whose numbers stand together.
+    """
+
+    def __init__(self, runs: Iterable[Trajectory]) -> None:
+        """Look at the runs."""
+        from antenna_pin.analysis import round_off_scales
+
+        self._scales: Mapping[str, float] = round_off_scales(*(run.data for run in runs))
+        self._met = False
+
+    def is_zero(self, value: Any, unit: str) -> bool:
+        """Whether a number is zero to round-off."""
+        from antenna_pin.analysis import is_round_off
+
+        return isinstance(value, int | float) and is_round_off(value, unit, self._scales)
+
+    def text(self, value: Any, of: Variable | None, slides: bool | None = False) -> str:
+        """Return a number of a quantity in a table; ``slides``: whether of what slides, None if unknown."""
+        if of is None or of.exact or of.form == "count" or not self.is_zero(value, of.unit(slides)):
+            return text_of(value)
+        self._met = True
+        return "≈ 0"
+
+    def say(self) -> None:
+        """Say what the sign means, where it was met."""
+        if self._met:
+            from antenna_pin.analysis import ROUND_OFF_WORDS
+
+            typer.echo(ROUND_OFF_WORDS)
+        self._met = False
+
+
+_ANSWER_ROWS = 11  # in all; a line on where the file is comes after them
+
+
+def say_answer(trajectory: Trajectory, label: str = "") -> None:
+    """Print a run at a glance, in eleven rows of a screen of any usual width.
+
+    Where they do not do, the lines that take most lose what matters least of what they say.
+
+    Args:
+        trajectory: The run.
+        label: What to call it first; nothing if it is the only one.
+    """
+    from antenna_pin.analysis import answer
+
+    found = answer(trajectory)
+    told = found.title if not label or found.title.endswith(f"case {label}") else f"{label}: {found.title}"
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else _PAGE
+    widest = max(len(line.about) for line in found.lines)
+    head = _text_rows(f"{told}: {found.ended}", width, " " * 4)
+    parts = [line.text.split("; ") for line in found.lines]
+    room = max(width - widest - 4, 30)
+    rows = [_text_rows("; ".join(part), room) for part in parts]
+    while sum(map(len, rows)) + len(head) > _ANSWER_ROWS:
+        longest = max((len(row), len(part)) for row, part in zip(rows, parts, strict=True))
+        if longest[1] < 2:
+            break
+        for k, (row, part) in enumerate(zip(rows, parts, strict=True)):
+            if (len(row), len(part)) == longest:
+                part.pop()
+                rows[k] = _text_rows("; ".join(part), room)
+    for text in head:
+        say(text)
+    for line, (first, *more) in zip(found.lines, rows, strict=True):
+        about = f"  {line.about:<{widest}}  "
+        say(about + first)
+        for text in more:
+            say(" " * len(about) + text)
+
+
+def _text_rows(text: str, width: int, further: str = "") -> list[str]:
+    """Return a text in rows; ``further``: what all but the first begin with."""
+    return textwrap.wrap(
+        text, width, subsequent_indent=further, break_long_words=False, break_on_hyphens=False
+    )
+
+
 # What stands where an entry has no number, but for a dash.
-_WITHOUT = {"energy balance error, relative [-]": "nothing moves"}
+_WITHOUT = {"energy_error_relative": "nothing moves"}
 # Entries that tables leave out: what they say is said in a sentence.
 _SAID = ("title", "message", "redundant", "singular", "energy_scale_of")
 # Entries that they leave out where they are zero.
 _UNLESS_ZERO = ("compile_seconds",)
-# Groups of a summary whose entries are named things, each a row: what they are called.
-_NAMED = {
-    "motion": "joints",
-    "slides": "sliding joints",
-    "contacts": "contacts",
-    "elastic_parts": "elastic parts",
-    "closures": "closures",
-    "motions": "motions",
-    "couplings": "couplings",
-    "bearings": "bearings",
-    "stops": "stops",
-    "latches": "latches",
-    "gears": "gears",
-    "forces": "forces",
-    "controllers": "controllers",
-    "blows": "surfaces",
-}
 # Groups of a summary whose name says nothing that their entries do not say.
-_PLAIN_GROUPS = (
-    "counts",
-    "conservation",
-    "motion",
-    "slides",
-    "contacts",
-    "blows",
-    "elastic_parts",
-    "constraints",
-    "closures",
-    "motions",
-    "couplings",
-    "bearings",
-    "forces",
-)
+_PLAIN_GROUPS = ("counts", "conservation", "constraints")
 
 
-def print_summaries(
-    summaries: Sequence[tuple[str, Mapping[str, Any]]], text: Callable[[Any, str], str] | None = None
-) -> None:
+def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]], zeros: Zeros) -> None:
     """Print summaries side by side as far as the lines are long, the others below; one row per figure.
 
     Args:
         summaries: Labels and summaries.
-        text: Returns a number of a row as it stands there.
+        zeros: Judge of what is zero to round-off.
     """
-    told = text or (lambda value, name: text_of(value))
-
-    def cell(column: Mapping[str, Any], row: str) -> str:
-        lacks = row in column and column[row] is None
-        return _WITHOUT[row] if lacks and row in _WITHOUT else told(column.get(row), row)
-
-    columns = [dict(_rows(summary)) for _, summary in summaries]
+    columns = [{name: (key, value) for name, key, value in _rows(one)} for _, one in summaries]
     titles = dict.fromkeys(str(summary.get("title", "")) for _, summary in summaries)
     rows = []
     for row in dict.fromkeys(name for column in columns for name in column):
-        rows.append([row, *(cell(column, row) for column in columns)])
+        found = (column.get(row, ("", None)) for column in columns)
+        rows.append(
+            [row, *(_WITHOUT.get(key, "-") if v is None else _cell(v, key, zeros) for key, v in found)]
+        )
     head = ["", *(label for label, _ in summaries)]
     _print(Table(title="; ".join(filter(None, titles)), head=head, rows=rows, sparse=True), pipe=_PAGE)
 
 
-def print_summary(
-    label: str, summary: Mapping[str, Any], text: Callable[[Any, str], str] | None = None
-) -> None:
+def print_summary(label: str, summary: Mapping[str, Any], zeros: Zeros) -> None:
     """Print all of one summary: a table of the run, then one for each kind of thing, a row for each of them.
 
     Args:
         label: Of the run.
         summary: The summary.
-        text: Returns a number of a row as it stands there.
+        zeros: Judge of what is zero to round-off.
     """
-    told = text or (lambda value, name: text_of(value))
-    print_summaries([(label, {key: one for key, one in summary.items() if key not in _NAMED})], text)
-    for key, title in _NAMED.items():
-        named = summary.get(key)
-        if not named:
-            continue
-        entries = list(dict.fromkeys(entry for one in named.values() for entry in one))
-        units = {entry: _named(entry) for entry in entries}
-        head = (title, *units.values())
-        rows = [
-            [name, *(told(one.get(entry), units[entry]) for entry in entries)] for name, one in named.items()
-        ]
-        print_rows("", head, rows)
+    from antenna_pin.trajectory.quantities import GROUPS, heading_of
+
+    print_summaries([(label, {key: one for key, one in summary.items() if key not in GROUPS})], zeros)
+    for key, group in GROUPS.items():
+        if named := summary.get(key):
+            entries = list(dict.fromkeys(entry for one in named.values() for entry in one))
+            rows = [
+                [name, *(_cell(one.get(entry), entry, zeros) for entry in entries)]
+                for name, one in named.items()
+            ]
+            print_rows("", (group.title, *map(heading_of, entries)), rows)
 
 
-def _named(entry: str) -> str:
-    """Return the name of an entry in tables, with its unit."""
-    name, unit = _ENTRIES.get(entry, (entry.replace("_", " "), ""))
-    return name + (f" [{unit}]" if unit else "")
+def _cell(value: Any, key: str, zeros: Zeros) -> str:
+    from antenna_pin.trajectory.quantities import HEADINGS
+
+    return zeros.text(value, *HEADINGS.get(key, (None,)))
+
+
+def print_table(title: str, name: str, found: Sequence[Mapping[str, Any]], zeros: Zeros) -> None:
+    """Print a table of the catalogue.
+
+    Args:
+        title: Its title.
+        name: Of the table.
+        found: Its rows, each with its ``name``, or what it is ``of``, and ``units`` that depend on it.
+        zeros: Judge of what is zero to round-off.
+    """
+    from antenna_pin.trajectory.quantities import TABLES
+
+    columns = TABLES[name]
+    head = [one.words() if one.sliding else one.heading() for one in columns.values()]
+    rows = []
+    for one in found:
+        slides = one.get("units") in [column.sliding for column in columns.values() if column.sliding]
+        unit = f" [{one['units']}]" if "units" in one else ""
+        cells = (zeros.text(one[key], column, slides) for key, column in columns.items())
+        rows.append([f"{one.get('name', one['of'])}{unit}", *cells])
+    print_rows(title, ("", *head), rows)
 
 
 def print_rows(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> None:
@@ -192,18 +404,21 @@ def _print(table: Table, pipe: int) -> None:
 
 def flat(summary: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries of a summary by the names that a table has for them, with units."""
-    return dict(_rows(summary))
+    return {name: value for name, _, value in _rows(summary)}
 
 
-def _rows(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield name and value of every entry of a summary, those of a group after its name."""
+def _rows(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[str, str, Any]]:
+    """Yield name, key and value of every entry of a summary, those of a group after its name."""
+    from antenna_pin.trajectory.quantities import GROUPS, heading_of
+
     for key, value in summary.items():
         if key in _SAID or (key in _UNLESS_ZERO and not value):
             continue
         if isinstance(value, dict):
-            yield from _rows(value, group if key in _PLAIN_GROUPS else f"{group}{key} ")
+            plain = key in _PLAIN_GROUPS or (key in GROUPS and not GROUPS[key].prefix)
+            yield from _rows(value, group if plain else f"{group}{key} ")
         else:
-            yield f"{group}{_named(key)}", value
+            yield f"{group}{heading_of(key)}", key, value
 
 
 def text_of(value: Any) -> str:

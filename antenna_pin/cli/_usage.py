@@ -6,14 +6,102 @@ import contextlib
 import errno
 import functools
 import os
+import re
 import shlex
-from collections.abc import Iterator
-from typing import Any
+import typing
+from collections.abc import Callable, Iterator
+from typing import Any, ParamSpec, TypeVar
 
 import typer
 from typer.core import TyperGroup
+from typer.models import ParameterInfo
 
+from antenna_pin.base.numerals import DECIMAL, bare, decimal_in, whole_in
 from antenna_pin.cli._common import REFUSED, complain, told_interruption
+from antenna_pin.cli._tables import length_text
+from antenna_pin.errors import InvalidParameterError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_READERS: dict[Any, Callable[[str], float | None]] = {float: decimal_in, int: whole_in}
+
+
+def with_plain_numbers(command: Callable[P, R]) -> Callable[P, R]:
+    """Return a command whose options that are numbers take what else is taken for one, and nothing more."""
+    # Evaluated here for good: each evaluation makes the options anew.
+    command.__annotations__ = typing.get_type_hints(command, include_extras=True)
+    for hint in command.__annotations__.values():
+        info = next((one for one in typing.get_args(hint) if isinstance(one, ParameterInfo)), None)
+        kind = next((one for one in (hint, *_parts(hint)) if one in _READERS), None)
+        if info is not None and kind is not None and info.parser is None:
+            info.parser, info.min = _reader(kind, info.min), None
+    return command
+
+
+def _parts(hint: Any) -> tuple[Any, ...]:
+    inner = typing.get_args(hint)
+    return (*inner, *(part for one in inner for part in typing.get_args(one)))
+
+
+def _reader(kind: type[float], least: float | None) -> Callable[[Any], float]:
+    def read(value: Any) -> float:
+        number = _READERS[kind](value) if isinstance(value, str) else value
+        if number is None:
+            raise typer.BadParameter(f"{value!r} is not a valid {kind.__name__}")
+        if least is not None and number < least:
+            raise typer.BadParameter(f"{value} is not in the range x>={least}")
+        return kind(number)
+
+    read.__name__ = kind.__name__  # which the help shows
+    return read
+
+
+def positive_quantity(text: str, unit: str, option: str, place: str = "contact") -> float:
+    """Return what an option says in SI units, or refuse what is not positive."""
+    from antenna_pin.base.units import quantity
+
+    value = quantity(bare(text), unit, option)
+    if not value > 0.0:
+        raise InvalidParameterError(place, option, "positive", text)
+    return value
+
+
+def clearance_of(text: str, bearing_radius: float, place: str) -> float:
+    """Return the radial clearance [m], or refuse what is not positive and below the bearing's radius [m]."""
+    value = positive_quantity(text, "m", "--radial-clearance")
+    if not value < bearing_radius:
+        raise InvalidParameterError(
+            place, "--radial-clearance", f"below the bearing's radius, {length_text(bearing_radius)}", text
+        )
+    return value
+
+
+def vector_in(text: str) -> tuple[float, float, float] | None:
+    """Return the three numbers of ``X,Y,Z``; None if the text is something else."""
+    numbers = [decimal_in(part) for part in text.split(",")]
+    x, y, z = numbers if len(numbers) == 3 else (None, None, None)
+    return None if x is None or y is None or z is None else (x, y, z)
+
+
+def list_of(text: str, unit: str, option: str, positive: bool = True) -> tuple[float, ...]:
+    """Return the quantities of a list; one unit at its end counts for all, as in ``0.1,1,5 um``."""
+    from antenna_pin.base.units import quantity
+
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    if not parts:
+        raise InvalidParameterError("contact", option, "one value or more, separated by commas", text)
+    shared = re.fullmatch(rf"{DECIMAL}\s*([a-zA-Zµμ].*)", parts[-1])
+    if (
+        shared
+        and isinstance(bare(parts[-1]), str)
+        and all(isinstance(bare(part), float) for part in parts[:-1])
+    ):
+        parts[:-1] = [f"{part} {shared.group(1)}" for part in parts[:-1]]
+    if positive:
+        return tuple(positive_quantity(part, unit, option) for part in parts)
+    return tuple(quantity(bare(part), unit, option) for part in parts)
+
 
 _WORDS = "antenna_pin.words"
 

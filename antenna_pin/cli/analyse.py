@@ -2,41 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from antenna_pin.base.numerals import bare
-from antenna_pin.cli._common import label_of, load_result, say
-from antenna_pin.cli._elastic import print_elastic
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of
-from antenna_pin.cli._loops import print_loops
-from antenna_pin.cli._tables import print_rows, text_of
-from antenna_pin.cli._zeros import Zeros
+from antenna_pin.cli._common import complain, label_of, load_result, refuse, say
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of, say_json, write_csv
+from antenna_pin.cli._tables import Zeros, print_rows, print_table, text_of
 
 ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
 JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all of them if left out.")]
 
-# Rows of the table of contacts: where each entry comes from, and what it is called.
-_ROWS = (
-    ("loads", "episodes", "impacts"),
-    ("blows", "blows", "blows of the joint, ends that meet at once being one"),
-    ("impacts", "floored", "impacts below the law's floor of speed"),
-    ("impacts", "touching", "still touching at the end"),
-    ("impacts", "median_approach_speed", "median approach speed [m/s]"),
-    ("impacts", "largest_approach_speed", "largest approach speed [m/s]"),
-    ("impacts", "median_restitution", "median restitution delivered [-]"),
-    ("impacts", "median_duration", "median duration [s]"),
-    ("loads", "contact_share", "share of the time in contact [-]"),
-    ("loads", "peak_force", "peak force [N]"),
-    ("loads", "mean_force", "mean force [N]"),
-    ("loads", "mean_force_in_contact", "mean force in contact [N]"),
-    ("loads", "rms_force", "rms force [N]"),
-    ("loads", "impulse", "impulse [N s]"),
-    ("loads", "dissipated", "energy lost [J]"),
-)
 _PEAKS = 3
 # What a CSV file has, one row for each number.
 _PARTS = (
@@ -106,9 +85,9 @@ def _print(label: str, found: dict[str, Any], zeros: Zeros) -> None:
         _print_contacts(label, found, zeros)
         _print_settling(label, found["settling"])
     if "constraints" in found:
-        print_loops(label, found, zeros)
+        _print_loops(label, found, zeros)
     if "elastic" in found:
-        print_elastic(label, found["elastic"])
+        print_table(f"{label}: deflections of flexible links", "elastic motion", found["elastic"], zeros)
     rows = [
         [
             f"{one['of']} [{one['units']}]",
@@ -131,33 +110,58 @@ def _print(label: str, found: dict[str, Any], zeros: Zeros) -> None:
 
 def _print_contacts(label: str, found: dict[str, Any], zeros: Zeros) -> None:
     """Print impacts and loads, one column per joint and contact."""
+    from antenna_pin.trajectory.quantities import TABLES
+
     columns = [str(one["of"]) for one in found["loads"]]
     entries = {kind: {one["of"]: one for one in found[kind]} for kind in ("impacts", "blows", "loads")}
+    loads = dict(TABLES["loads"])
+    others = [one for name, one in TABLES["impact statistics"].items() if name not in {*loads, "impacts"}]
+    order = [("loads", loads.pop("episodes"))]
+    order += [("blows", one) for one in TABLES["blow statistics"].values()]
+    order += [("impacts", one) for one in others]
+    order += [("loads", one) for one in sorted(loads.values(), key=lambda one: one.form != "share")]
     rows = [
-        [text, *(zeros.text(entries[kind].get(column, {}).get(name), text) for column in columns)]
-        for kind, name, text in _ROWS
+        [of.heading(), *(zeros.text(entries[kind].get(one, {}).get(of.name), of) for one in columns)]
+        for kind, of in order
     ]
     for percent in found["loads"][0]["force_percentile"]:
         forces = [entries["loads"][column]["force_percentile"][percent] for column in columns]
         name = f"force not exceeded for {percent} % of the time [N]"
-        rows.append([name, *(zeros.text(force, name) for force in forces)])
+        rows.append([name, *(zeros.text(force, loads["peak_force"]) for force in forces)])
     print_rows(f"{label}: impacts and load", ("", *columns), rows)
 
 
+def _print_loops(label: str, found: Mapping[str, Any], zeros: Zeros) -> None:
+    """Print what closures, couplings and drives carried, and how many equations they are."""
+    from antenna_pin.analysis import said_of_constraints, said_of_singular
+
+    drives = [
+        one | {"name": f"{'motion' if one['motion'] else 'drive'} {one['of']}"} for one in found["drives"]
+    ]
+    for title, name, rows in (
+        ("forces of closures", "closure loads", found["closures"]),
+        ("torques of couplings, on followers", "coupling loads", found["couplings"]),
+        ("what drives exert", "drive loads", drives),
+    ):
+        if rows:
+            print_table(f"{label}: {title}", name, rows, zeros)
+    for text in (said_of_constraints(found["constraints"]), said_of_singular(found["constraints"])):
+        if text:
+            typer.echo(text)
+    typer.echo()
+
+
 def _print_settling(label: str, found: Sequence[dict[str, Any]]) -> None:
+    from antenna_pin.trajectory.quantities import TABLES
+
     rows = [
         [
             f"apart for no more than {1e3 * found[0]['longest_gap']:g} ms from [s]",
             *(text_of(one["time"]) if one["time"] is not None else "never" for one in found),
         ]
     ]
-    for name, text in (
-        ("share_before", "share of the time in contact before [-]"),
-        ("share_after", "share of the time in contact after [-]"),
-        ("decay_rate", "decay of approach speeds [1/s]"),
-        ("decay_r2", "R2 of an exponential decay [-]"),
-    ):
-        rows.append([text, *(text_of(one[name]) for one in found)])
+    for name in ("share_before", "share_after", "decay_rate", "decay_r2"):
+        rows.append([TABLES["settling"][name].heading(), *(text_of(one[name]) for one in found)])
         if name == "decay_rate":
             rows[-1][1:] = ["no decay" if one["decays"] is False else text_of(one[name]) for one in found]
     print_rows(f"{label}: settling into lasting contact", ("", *(one["joint"] for one in found)), rows)
@@ -166,3 +170,69 @@ def _print_settling(label: str, found: Sequence[dict[str, Any]]) -> None:
             typer.echo(f"{one['joint']} does not settle: {one['note']}")
         elif one["driven"]:
             typer.echo(f"{one['joint']} is driven: it may part again after the run, as its load turns")
+
+
+_FLAGS = ("ended", "floored")
+
+
+def impacts(
+    file: ResultArgument,
+    joint: JointOption = None,
+    strongest: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="List only the N impacts of largest force.")
+    ] = None,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """List the impacts of a run, or export them.
+
+    An impact is one contact's; those of the same surfaces that overlap, as at both ends of a bore that are
+    met at once, are one blow of the joint, and bear its number.
+    """
+    target = csv_target(csv)
+    run = load_result(file, scenario=False)
+    if not run.data.sizes.get("clearance_joint", 0):
+        refuse(f"{file}: the run has no joint with clearance and so no impacts; take a case that has one")
+
+    import numpy as np
+
+    from antenna_pin.analysis import impacts as table_of
+    from antenna_pin.trajectory import blow_counts, surfaces
+    from antenna_pin.trajectory.quantities import TABLES
+
+    table = table_of(run, joint)
+    if strongest is not None:
+        order = np.argsort(-table["peak_force"].values, kind="stable")[:strongest]
+        table = table.isel(impact=np.sort(order))
+    known = {name: one for name, one in TABLES["impacts"].items() if name not in ("blow", *_FLAGS)}
+    columns, flags = ([table[name].values for name in names] for names in (known, _FLAGS))
+    head = ("contact", "blow", *(one.heading() for one in known.values()), *_FLAGS)
+    names = table["contact"].values, table["blow"].values
+    if as_json:
+        each = zip(*names, *columns, *flags, strict=True)
+        keys = ("contact", "blow", *known, *_FLAGS)
+        found = [dict(zip(keys, values, strict=True)) for values in each]
+        say_json({"file": str(file), "impacts": found})
+    if target is None and not as_json:
+        rows = [
+            [
+                str(contact),
+                str(blow),
+                *(text_of(float(x)) for x in row),
+                *("yes" if x else "no" for x in marks),
+            ]
+            for contact, blow, row, marks in zip(
+                *names, zip(*columns, strict=True), zip(*flags, strict=True), strict=True
+            )
+        ]
+        if not rows:
+            complain(f"{file}: no impacts")
+            return
+        narrow = [name.replace(" [", "\n[") for name in head]
+        print_rows(f"{label_of(run, file)}: impacts", narrow, rows)
+        for surface, count in blow_counts(run.data).items() if strongest is None else ():
+            mine = surfaces(run.data)[run.data["episode_contact"].values] == surface
+            if count and joint in (None, surface.rpartition(".")[0]):
+                say(f"blows of {surface}: {count}, of {int(mine.sum())} contacts")
+    if target is not None:
+        write_csv(target, head, zip(*names, *columns, *flags, strict=True), silent=as_json)

@@ -19,9 +19,10 @@ from antenna_pin.cli._common import (
     refuse,
     say,
 )
+from antenna_pin.cli._export import PlotOption, save_both, targets_of
 from antenna_pin.cli._progress import diagram_bar
-from antenna_pin.cli._saved import PlotOption, save_both, targets_of
-from antenna_pin.cli._sections import (
+from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli.poincare import (
     COUNT,
     DIRECTION,
     PHASE,
@@ -32,7 +33,6 @@ from antenna_pin.cli._sections import (
     MostOption,
     TransientOption,
 )
-from antenna_pin.cli._tables import print_rows
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -22,8 +22,8 @@ from antenna_pin.cli._export import (
     figures_asked,
     save_figures,
 )
-from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import length_text, percent_text, print_rows
+from antenna_pin.cli._usage import positive_quantity
 
 if TYPE_CHECKING:
     from antenna_pin.law_studies import ExperimentFindings, ExperimentFit

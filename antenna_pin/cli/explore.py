@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from antenna_pin.cli._common import CaseOption, ScenarioArgument, SetOption, complain, load, say
-from antenna_pin.cli._opening import browser_for_pages, opened_by_file
 from antenna_pin.cli._progress import waiting_for_the_user
+from antenna_pin.cli.view import browser_for_pages, opened_by_file
 from antenna_pin.errors import MissingToolError
 
 

@@ -23,8 +23,8 @@ from antenna_pin.cli._common import (
     writable_file,
 )
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
-from antenna_pin.cli._quantities import vector_in
 from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli._usage import vector_in
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:

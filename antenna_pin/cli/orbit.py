@@ -11,24 +11,31 @@ import typer
 
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.interruption import Ended, ended_by
-from antenna_pin.cli._branch import (
-    AmplitudeOption,
-    ArcOption,
-    MostOrbitsOption,
-    OverOption,
-    ValuesOption,
-    ends_of,
-    facts_of,
-    print_branch,
-    rows_of_branch,
+from antenna_pin.base.numerals import bare
+from antenna_pin.cli._common import (
+    CaseOption,
+    SetOption,
+    Width,
+    WidthOption,
+    load,
+    not_interrupted,
+    refuse,
+    say,
 )
-from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
+from antenna_pin.cli._export import (
+    CsvOption,
+    JsonOption,
+    PlotOption,
+    TableOption,
+    csv_target,
+    exported,
+    plain,
+    save_both,
+    targets_of,
+)
 from antenna_pin.cli._progress import branch_bar
-from antenna_pin.cli._quantities import positive_quantity
-from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
-from antenna_pin.cli._saved_orbit import AtOption, begun_from, is_saved, saved_branch
 from antenna_pin.cli._tables import power_above, print_rows
+from antenna_pin.cli._usage import positive_quantity
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -38,7 +45,178 @@ if TYPE_CHECKING:
     from antenna_pin.nonlinear import Orbit, Point
     from antenna_pin.scenario import Scenario
 
-__all__ = ["PeriodOption", "orbit", "period_of"]
+__all__ = ["AtOption", "PeriodOption", "begun_from", "is_saved", "orbit", "period_of", "saved_branch"]
+
+
+OverOption = Annotated[
+    str | None,
+    typer.Option(metavar="KEY", help="Follow the orbit over a key of the scenario, as in --set."),
+]
+ValuesOption = Annotated[
+    str | None, typer.Option(metavar="FIRST:LAST", help="Range of --over, as '1 N*m:3 N*m'; given with it.")
+]
+AmplitudeOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--quantity",
+        "-q",
+        metavar="NAME",
+        help="Whose amplitude over a period to note along --over. May be repeated.",
+    ),
+]
+ArcOption = Annotated[
+    float, typer.Option(help="First step along --over, in error scales and of the parameter's whole range.")
+]
+MostOrbitsOption = Annotated[int, typer.Option("--most", metavar="N", help="Orbits along --over at most.")]
+
+
+def ends_of(text: str | None, over: str, known: Scenario) -> tuple[float, float, str]:
+    """Return the ends of a range of a key, in SI units, and its unit ("" if none is said)."""
+    from antenna_pin.base.units import any_quantity
+
+    rule = "given with --over as FIRST:LAST, such as '1 N*m:3 N*m'"
+    parts = [] if text is None else [bare(part.strip()) for part in text.split(":")]
+    found = [any_quantity(part) for part in parts]
+    if len(found) != 2 or None in found:
+        raise InvalidParameterError("orbit", "--values", rule, said="nothing" if text is None else text)
+    (first, one), (last, other) = (end for end in found if end is not None)
+    if one and other and one != other:
+        raise InvalidParameterError("orbit", "--values", "of one unit from first to last", text)
+    for part in parts:
+        known.with_overrides({over: part})  # says what is wrong with key or unit
+    return first, last, one or other
+
+
+def facts_of(branch: xr.Dataset) -> dict[str, Any]:
+    """Return a branch as plain data."""
+    facts: dict[str, Any] = plain(
+        {
+            "parameter": branch.attrs["parameter"],
+            "message": branch.attrs["message"],
+            "orbits": rows_of_branch(branch),
+            "bifurcations": [
+                {"kind": str(kind), "value": float(at), "doubt": float(doubt), "after": int(after)}
+                for kind, at, doubt, after in zip(
+                    *(branch[name].values for name in ("kind", "at", "at_doubt", "after")), strict=True
+                )
+            ],
+        }
+    )
+    return facts
+
+
+def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
+    """Return a row for each orbit of a branch."""
+    import numpy as np
+
+    parts = (np.nan_to_num(branch[f"multiplier_{part}"].values) for part in ("real", "imaginary"))
+    real, imaginary = (part if part.shape[1] else np.zeros((len(part), 1)) for part in parts)
+    unit = branch["value"].attrs["units"]
+    rows = []
+    for k in range(branch.sizes["point"]):
+        row = {
+            f"{branch.attrs['parameter']} [{unit or 'SI'}]": float(branch["value"].values[k]),
+            "stability": str(branch["stability"].values[k]),
+            "period [s]": float(branch["period"].values[k]),
+            "largest multiplier, real [-]": float(real[k, 0]),
+            "largest multiplier, imaginary [-]": float(imaginary[k, 0]),
+            "largest multiplier, size [-]": float(np.hypot(real[k, 0], imaginary[k, 0])),
+            "doubt [-]": float(branch["doubt"].values[k]),
+        }
+        for q, name in enumerate(branch["quantity"].values if "quantity" in branch else ()):
+            row[f"amplitude of {name} [{branch['amplitude_unit'].values[q]}]"] = float(
+                branch["amplitude"].values[q, k]
+            )
+        rows.append(plain(row))
+    return rows
+
+
+def print_branch(branch: xr.Dataset) -> None:
+    """Print where a branch is stable, and what happens to it."""
+    from antenna_pin.analysis import said_of_multiplier, stability_spans, unexplained_changes
+    from antenna_pin.base.readable import printed_unit
+
+    unit = printed_unit(str(branch["value"].attrs["units"]))
+    head = f"{branch.attrs['parameter']} [{unit}]" if unit else str(branch.attrs["parameter"])
+    say(f"{branch.sizes['point']} orbits: {branch.attrs['message']}")
+    rows = [
+        [
+            one.stability,
+            f"{one.first:.6g}",
+            f"{one.last:.6g}",
+            str(one.orbits),
+            said_of_multiplier(one.largest[1]),
+        ]
+        for one in stability_spans(branch)
+    ]
+    print_rows(f"Orbits over {head}", ["", "from", "to", "orbits", "largest multiplier"], rows)
+    for before, behind in unexplained_changes(branch):
+        say(f"between {before:.6g} and {behind:.6g} a multiplier passes 1; another branch may cross there")
+    if not branch.sizes["bifurcation"]:
+        say("no fold, branch point, flip, torus or graze between them")
+        return
+    parts = [branch[name].values for name in ("kind", "at", "at_doubt")]
+    rows = [[str(kind), f"{at:.9g}", f"{doubt:.2g}"] for kind, at, doubt in zip(*parts, strict=True)]
+    print_rows("What happens to them", ["", head, "known to"], rows)
+
+
+AtOption = Annotated[
+    int | None,
+    typer.Option("--at", metavar="N", help="Which orbit of a saved branch to begin with; the first is 1."),
+]
+
+
+def is_saved(name: str) -> bool:
+    """Whether a name is that of a file of an orbit or a branch, rather than of a scenario."""
+    return name.endswith(".nc")
+
+
+def saved_branch(name: str) -> xr.Dataset | None:
+    """Return the branch of a file; None if it holds an orbit.
+
+    Raises:
+        FileFormatError: It is not there, or of something else.
+    """
+    from antenna_pin.nonlinear import open_branch
+    from antenna_pin.trajectory import FORMATS, format_of
+
+    if Path(name).is_file() and format_of(name) == FORMATS["orbit"]:
+        return None
+    return open_branch(name)
+
+
+def begun_from(name: str, at: int | None, settings: list[str] | None) -> tuple[Scenario, State]:
+    """Return the scenario of a saved orbit, with the changes of the command line, and the orbit's start.
+
+    Raises:
+        AntennaPinError: The file is not there, is of something else, or what is changed cannot be.
+    """
+    from antenna_pin.base.state import State
+    from antenna_pin.nonlinear import open_orbit
+    from antenna_pin.scenario import Scenario
+
+    table = saved_branch(name)
+    changes: dict[str, object] = {}
+    if table is None:
+        if at is not None:
+            refuse(f"{name}: is one orbit; --at is of branches")
+        table = open_orbit(name)
+    else:
+        count = table.sizes["point"]
+        if at is None or not 1 <= at <= count:
+            got = "none" if at is None else str(at)
+            refuse(f"{name}: --at must be from 1 to {count}, the orbits of the branch, got {got}")
+        table = table.isel(point=at - 1)
+        changes[str(table.attrs["parameter"])] = float(table["value"])
+    if not table.attrs["scenario"]:
+        refuse(f"{name}: is of a system built in Python; go on there, from State.from_json of its state")
+    known = Scenario.model_validate_json(table.attrs["scenario"])
+    if changes:
+        known = known.with_overrides(changes)
+    if settings:
+        known = known.with_overrides(settings)
+    return known, State.from_json(str(table["state"].item()))
+
 
 PeriodOption = Annotated[
     str | None, typer.Option(metavar="TIME", help="Period; that of the drives if left out.")

@@ -11,7 +11,7 @@ import typer
 
 from antenna_pin.base.numerals import bare
 from antenna_pin.cli._common import FIGURES, Width, WidthOption, load_result, not_interrupted, say
-from antenna_pin.cli._saved import PlotOption, save_both, targets_of
+from antenna_pin.cli._export import PlotOption, save_both, targets_of
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:

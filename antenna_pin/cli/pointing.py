@@ -13,8 +13,8 @@ import typer
 from antenna_pin.base.numerals import bare
 from antenna_pin.cli._common import FilesArgument, label_of, load_result, refuse, say
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
-from antenna_pin.cli._quantities import vector_in
 from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli._usage import vector_in
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:

@@ -24,6 +24,12 @@ def report(
     title: Annotated[str | None, typer.Option(help="Title; that of the runs if left out.")] = None,
     figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
     recordings: Annotated[bool, typer.Option(help="Embed 3D recordings, which play in a browser.")] = True,
+    quantities: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--quantity", metavar="FILE.py:NAME", help="A key number by a function of a run. May be repeated."
+        ),
+    ] = None,
     window: Annotated[
         str | None,
         typer.Option(
@@ -40,6 +46,7 @@ def report(
     words += [] if title is None else ["--title", title]
     words += [] if figures else ["--no-figures"]
     words += [] if recordings else ["--no-recordings"]
+    words += [word for one in quantities or () for word in ("--quantity", one)]
     words += [] if window is None else ["--window", window]
 
     from antenna_pin.base.units import quantity
@@ -53,6 +60,7 @@ def report(
         figures=figures,
         recordings=recordings,
         window=length,
+        quantities=quantities or (),
         command=shlex.join(words),
         processes=processes_to_draw(),
     )

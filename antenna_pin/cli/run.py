@@ -13,7 +13,6 @@ import typer
 
 from antenna_pin.base.interruption import ended_by
 from antenna_pin.base.numerals import decimal_in
-from antenna_pin.cli._answers import say_answer
 from antenna_pin.cli._common import (
     ENDED_EARLY,
     SIGNALLED,
@@ -36,8 +35,8 @@ from antenna_pin.cli._common import (
 )
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, rows_of, say_json, write_csv
 from antenna_pin.cli._progress import progress_bar
-from antenna_pin.cli._quantities import positive_quantity
-from antenna_pin.cli._tables import flat
+from antenna_pin.cli._tables import flat, say_answer
+from antenna_pin.cli._usage import positive_quantity
 from antenna_pin.errors import AssumedWarning, LedgerOpenWarning
 
 if TYPE_CHECKING:

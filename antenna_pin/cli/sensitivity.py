@@ -10,10 +10,19 @@ import typer
 
 from antenna_pin.base.capacity import check_count
 from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
-from antenna_pin.cli._quantities import positive_quantity
-from antenna_pin.cli._saved import PlotOption, TableOption, save_both, targets_of
+from antenna_pin.cli._export import (
+    CsvOption,
+    JsonOption,
+    PlotOption,
+    TableOption,
+    csv_target,
+    exported,
+    plain,
+    save_both,
+    targets_of,
+)
 from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli._usage import positive_quantity
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 
 if TYPE_CHECKING:

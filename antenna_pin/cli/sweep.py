@@ -10,8 +10,8 @@ import typer
 
 from antenna_pin.cli._common import complain, refuse, say
 from antenna_pin.cli._progress import study_bar
-from antenna_pin.cli._study_tables import is_grid, print_grid, print_outcomes, run_rows, said_of_time
 from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli.study import is_grid, print_grid, print_outcomes, run_rows, said_of_time
 
 if TYPE_CHECKING:
     from antenna_pin.sweep import Executor, Study

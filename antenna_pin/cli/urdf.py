@@ -11,14 +11,15 @@ import typer
 from antenna_pin.cli._common import (
     REFUSED,
     CaseOption,
+    PackagePathOption,
     SetOption,
     load,
+    package_folders,
     refuse,
     say,
     stem,
     writable_file,
 )
-from antenna_pin.cli._packages import PackagePathOption, package_folders
 
 if TYPE_CHECKING:
     from antenna_pin.mechanism import Mechanism, Urdf, WrittenUrdf

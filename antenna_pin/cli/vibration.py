@@ -14,8 +14,8 @@ import typer
 from antenna_pin.base.numerals import bare, decimal_in
 from antenna_pin.cli._common import Width, WidthOption, figure_target, label_of, load_result
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
-from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import number_text, print_rows
+from antenna_pin.cli._usage import positive_quantity
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:

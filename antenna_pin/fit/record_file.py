@@ -29,7 +29,7 @@ from antenna_pin.base.tables import BadTableError, TextLayout, UnknownColumnErro
 from antenna_pin.base.units import shown, unit_factor
 from antenna_pin.errors import MissingToolError, ScenarioError, UnknownNameError
 from antenna_pin.fit.specs import LayoutSpec
-from antenna_pin.trajectory.hdf5 import load_dataset, open_hdf5
+from antenna_pin.trajectory.file import load_dataset, open_hdf5
 
 __all__ = ["read_columns"]
 

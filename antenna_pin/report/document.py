@@ -23,28 +23,19 @@ from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.pages import in_frame, policy, script
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.report import (
-    elastic,
     elements,
     fits,
-    gears,
     head,
     joints,
-    loops,
     motion,
     orbits,
-    order,
-    pointing,
     provenance,
     results,
-    sensitivities,
-    stops,
     words,
 )
-from antenna_pin.report._findings import Finding, Judged, Reported, origin, parted
-from antenna_pin.report._packed import Numbers
 from antenna_pin.report._page import Beside, Details, Embedded, Picture, Section, Table
-from antenna_pin.report._runs import ReportedRun, reported
-from antenna_pin.report.figures import DrawnFigure, drawn, glance
+from antenna_pin.report._runs import Finding, Judged, Reported, ReportedRun, every, origin, parted, reported
+from antenna_pin.report.figures import DrawnFigure, Numbers, drawn, glance
 from antenna_pin.report.joints import hardest_joint, joint_key
 
 __all__ = ["Report", "page", "report"]
@@ -99,7 +90,7 @@ class Placed:
         """Return figures in their sections, as many as there is room for.
 
         Args:
-            figures: In the catalogue's order.
+            figures: In the catalogue's orbits.
             runs: What they are of.
         """
         played = {name for run in runs for name in run.names("clearance_joint")}
@@ -186,6 +177,7 @@ def report(
     recordings: bool = True,
     window: float | None = None,
     command: str | None = None,
+    quantities: Sequence[str] = (),
     processes: int = 1,
 ) -> Report:
     """Return a report on runs, which it compares, and on what motions come to.
@@ -204,6 +196,7 @@ def report(
         window: Length of the windows of pointing indices [s]; a tenth of the shortest run if left out.
         command: The command line that makes this report, for its provenance; found from the files if left
             out.
+        quantities: Functions of a run that return a number, as ``FILE.py:NAME``, shown with the key results.
         processes: How many draw figures, at most. More than one are forked from this one
             (:func:`antenna_pin.base.side_by_side.side_by_side`), which no other thread may be at work beside.
 
@@ -215,7 +208,9 @@ def report(
         raise InvalidParameterError("report", "window", "positive and finite [s]", window)
     given, findings = parted(runs)
     found = reported(given) if given or not findings else []
-    parts = _of_runs(found, processes if figures else 0, recordings, window) if found else _Parts()
+    parts = _Parts()
+    if found:
+        parts = _of_runs(found, processes if figures else 0, recordings, window, quantities)
     shown = {detail.text for part in parts.closing for detail in part.items if isinstance(detail, Details)}
     told = [_of_finding(k, one, figures, shown) for k, one in enumerate(findings, start=1)]
     files = [one.file for one in findings]
@@ -243,11 +238,17 @@ class _Parts:
     data: float = DATA  # what the numbers of figures may take [MB]
 
 
-def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: float | None) -> _Parts:
+def _of_runs(
+    found: list[ReportedRun],
+    drawing: int,
+    recordings: bool,
+    window: float | None,
+    quantities: Sequence[str],
+) -> _Parts:
     """Return what runs bring; ``drawing``: how many processes draw figures, 0 for no figures."""
     scales = round_off_scales(*(run.data for run in found))
     placed = Placed.of(drawn(found, drawing) if drawing else (), found)
-    hardest, played = hardest_joint(found), joints.every(found, "clearance_joint")
+    hardest, played = hardest_joint(found), every(found, "clearance_joint")
     sections = [
         *(
             joints.with_play(
@@ -256,17 +257,17 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
             for name in played
         ),
         joints.without_play(found, scales, placed["joints"]),
-        loops.loops(found, placed["loops"]),
+        elements.loops(found, scales, placed["loops"]),
         elements.drives(found, scales, placed["drives"]),
         elements.controllers(found, placed["controllers"]),
         elements.springs(found, scales, placed["springs"]),
-        stops.stops_and_latches(found, scales, placed["stops"]),
-        gears.gears(found, placed["gears"]),
-        elastic.elastic_parts(found, placed["elastic"]),
+        elements.stops_and_latches(found, scales, placed["stops"]),
+        elements.gears(found, placed["gears"]),
+        elements.elastic_parts(found, placed["elastic"]),
         elements.forces(found, scales, placed["forces"]),
         joints.base(found, scales, placed["base"]),
         motion.deviations(found),
-        pointing.pointing(found, window, placed["pointing"]),
+        motion.pointing(found, window, placed["pointing"]),
         Section(key="figures", title="More figures", items=placed["figures"], notes=placed.notes),
     ]
     said = Section(key="what", title="What was run", parts=tuple(words.scenario_sections(found)), folded=True)
@@ -279,7 +280,7 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
     data = min(DATA, max(left - MOVING, 0.25 * left)) if recordings else DATA
     moves = False
     if recordings:
-        from antenna_pin.report.recordings import recordings as made
+        from antenna_pin.report.figures import recordings as made
 
         shown = made(found, left - min(data, placed.megabytes * 3.0))
         moves = bool(shown)
@@ -292,7 +293,7 @@ def _of_runs(found: list[ReportedRun], drawing: int, recordings: bool, window: f
             notes=tuple(shown.notes),
         )
         sections.append(others)
-    return _Parts((head.key_results(found, scales, seen), *sections), closing, moves, data)
+    return _Parts((head.key_results(found, scales, seen, quantities), *sections), closing, moves, data)
 
 
 def _megabytes(section: Section) -> float:
@@ -307,16 +308,16 @@ def _megabytes(section: Section) -> float:
 
 # The section of every kind of finding.
 _TELLS = {
-    "portrait": order.portrait,
-    "section": order.section,
-    "bifurcation": order.diagram,
+    "portrait": orbits.portrait,
+    "section": orbits.section,
+    "bifurcation": orbits.diagram,
     "orbit": orbits.orbit,
     "branch": orbits.branch,
     "exponents": orbits.exponents,
     "fit": fits.fit,
     "identifiability": fits.identifiability,
     "experiments": fits.experiments,
-    "sensitivity": sensitivities.sensitivity,
+    "sensitivity": orbits.sensitivity,
 }
 
 

@@ -14,8 +14,8 @@ from antenna_pin.fit.confidence_bands import BEYOND_CHANCE
 from antenna_pin.fit.profile_likelihood import interval_text, profile_interval
 from antenna_pin.fit.uncertainty import autocorrelation, is_correlated
 from antenna_pin.plot import correlations, table_figures
-from antenna_pin.report._findings import Finding, Judged
 from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table
+from antenna_pin.report._runs import Finding, Judged
 from antenna_pin.report.figures import picture
 
 __all__ = ["experiments", "fit", "identifiability"]

@@ -10,10 +10,10 @@ from antenna_pin.analysis import (
     closure_loads,
     deviation_measures,
     drive_loads,
-    effort_unit,
     impacts,
     is_round_off,
     load_statistics,
+    own_numbers,
 )
 from antenna_pin.base.readable import readable
 from antenna_pin.errors import AntennaPinError
@@ -29,8 +29,9 @@ from antenna_pin.report._page import (
     said_of_zeros,
     words,
 )
-from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
-from antenna_pin.report.joints import every, hardness
+from antenna_pin.report._runs import ReportedRun, every, ideal_of, labels_of, slides_in
+from antenna_pin.report.joints import hardness
+from antenna_pin.trajectory.quantities import TABLES
 
 __all__ = ["key_results"]
 
@@ -39,7 +40,10 @@ _JOINTS = 3
 
 
 def key_results(
-    runs: Sequence[ReportedRun], scales: Mapping[str, float], seen: Sequence[Embedded | Picture] = ()
+    runs: Sequence[ReportedRun],
+    scales: Mapping[str, float],
+    seen: Sequence[Embedded | Picture] = (),
+    own: Sequence[str] = (),
 ) -> Section:
     """Return the key numbers of all runs in one short table, columns being runs.
 
@@ -47,6 +51,7 @@ def key_results(
         runs: What is reported.
         scales: Of the runs, by which numbers are zero to round-off.
         seen: What stands beside the table.
+        own: Functions of a run, as ``FILE.py:NAME``.
     """
     rows = [
         quantities("simulated time", [run.end for run in runs], "s"),
@@ -54,6 +59,7 @@ def key_results(
         *_deviation(runs, scales),
         *_held(runs, scales),
         *_stopped(runs),
+        *_own(runs, own),
         quantities("energy balance, error over scale", [_error(run) for run in runs], "1", 3),
     ]
     table = Table(columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers", key="key-results")
@@ -63,6 +69,12 @@ def key_results(
         items=(Beside(table=table, seen=tuple(seen)),),
         meaning=said_of_zeros([table]),
     )
+
+
+def _own(runs: Sequence[ReportedRun], names: Sequence[str]) -> Iterator[Row]:
+    for each in zip(*(own_numbers(run.run, names) for run in runs), strict=True):
+        name = each[0].name.replace("_", " ")
+        yield quantities(name, [one.value for one in each], each[0].units)
 
 
 def _blows(runs: Sequence[ReportedRun]) -> Iterator[Row]:
@@ -85,7 +97,7 @@ def _blows(runs: Sequence[ReportedRun]) -> Iterator[Row]:
             None if one is None else float(one["peak_force"].max()) if one.sizes["impact"] else 0.0
             for one in mine
         ]
-        yield quantities(f"largest force in {joint}", peaks, "N")
+        yield quantities(f"peak force in {joint}", peaks, "N")
     lost = [
         float(load_statistics(run.data)["joint_dissipated"].values.sum())
         if run.names("clearance_joint")
@@ -125,18 +137,16 @@ def _held(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterator[
     closures = [closure_loads(run.data) if run.names("closure") else None for run in runs]
     if any(one is not None for one in closures):
         forces = [None if one is None else float(np.nanmax(one["peak_force"].values)) for one in closures]
-        yield quantities("largest force of a closure", forces, "N", 4, scales)
+        yield quantities("peak force of a closure", forces, "N", 4, scales)
     for name in every(runs, "drive")[:1]:
-        own = next(run for run in runs if name in run.names("drive"))
-        unit = effort_unit(own.data, name)
+        of, slides = TABLES["drive loads"]["peak_effort"], slides_in(runs, "drive", name)
         efforts = [
             float(drive_loads(run.data)["peak_effort"].sel(drive=name))
             if name in run.names("drive")
             else None
             for run in runs
         ]
-        word = "force" if unit == "N" else "torque"
-        yield quantities(f"largest {word} of drive {name}", efforts, unit, 4, scales)
+        yield quantities(f"{of.words(slides)} of drive {name}", efforts, of.unit(slides), 4, scales)
 
 
 def _stopped(runs: Sequence[ReportedRun]) -> Iterator[Row]:

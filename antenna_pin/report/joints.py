@@ -1,4 +1,4 @@
-"""A section for each joint with play, and one for those without: motion, contacts, and what analyses find."""
+"""A section for each joint with play, and one for those without: motion, impacts, loads, settling."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import xarray as xr
 
-from antenna_pin.analysis import blocks, impacts, load_statistics, settling
+from antenna_pin.analysis import Settling, blocks, impacts, load_statistics, settling
+from antenna_pin.base.readable import number, readable
 from antenna_pin.report._page import (
     Beside,
+    Details,
     Embedded,
     Picture,
     Row,
@@ -18,17 +21,202 @@ from antenna_pin.report._page import (
     counts,
     quantities,
     said_of_zeros,
-    shares_row,
+    words,
 )
-from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
-from antenna_pin.report.contacts import contact_details, every_impact
+from antenna_pin.report._runs import ReportedRun, every, ideal_of, labels_of, row_of, rows_along
+from antenna_pin.trajectory import contact_joints
+from antenna_pin.trajectory.columns import Variable
+from antenna_pin.trajectory.quantities import CONTACTS, SUMMARIES, TABLES, reduced
 
-__all__ = ["base", "every", "hardest_joint", "hardness", "joint_key", "with_play", "without_play"]
+__all__ = ["base", "beside", "hardest_joint", "hardness", "joint_key", "with_play", "without_play"]
+
+#: Rows of the tables of largest impacts.
+LARGEST = 8
+#: Rows of a whole table of impacts; the file holds the rest.
+MOST = 2000
 
 
-def every(runs: Sequence[ReportedRun], dimension: str) -> list[str]:
-    """Return the labels along a dimension of any of the runs, each once."""
-    return list(dict.fromkeys(name for run in runs for name in run.names(dimension)))
+# --- impacts ---
+
+_HIDDEN = ("separation_speed", "ended", "floored", "blow")
+_IMPACTS = [one for name, one in TABLES["impacts"].items() if name not in _HIDDEN]
+
+
+def contact_details(runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]) -> Details:
+    """Return statistics of the impacts in a joint, the hardest, its loads, and when it settled."""
+    found = [impacts(run.data, joint) for run in runs]
+    tables = [_impact_summary(runs, found, joint)]
+    for run, table in zip(runs, found, strict=True):
+        if table.sizes["impact"]:
+            order = np.argsort(-table["peak_force"].values, kind="stable")[:LARGEST]
+            hardest = table.isel(impact=order)
+            key = f"largest-impacts-{joint}-{run.label}"
+            tables.append(_impact_table(hardest, f"Hardest impacts of {run.label}", key))
+    loads, of_loads = _loads(runs, joint, scales)
+    settled, of_settling = _settlings(runs, joint)
+    return Details(
+        title=f"Impacts, loads and settling of {joint}",
+        tables=(*tables, *loads, *settled),
+        notes=(_ROWS, *of_loads, *of_settling),
+    )
+
+
+def every_impact(runs: Sequence[ReportedRun], joint: str) -> Iterator[Details]:
+    """Yield all impacts in a joint of each run."""
+    for run in runs:
+        table = impacts(run.data, joint)
+        count = table.sizes["impact"]
+        if count:
+            shown = _impact_table(
+                table.isel(impact=slice(0, MOST)), "", f"impacts-{joint}-{run.label}", dense=True
+            )
+            rest = f", the first {MOST}" if count > MOST else ""
+            yield Details(title=f"All {count} impacts in {joint} of {run.label}{rest}", tables=(shown,))
+
+
+_ROWS = (
+    "One row per contact, from first touch to release. Contacts of the same surfaces that overlap, "
+    "as at both ends of a bore that are met at once, are one blow of the joint. Restitution is the "
+    "speed of separation over that of approach, at these very instants; a dash where the contact had "
+    "not ended, or closed slower than the law's floor of speed. Values above 1 occur where two "
+    "contacts push each other."
+)
+
+
+def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset], joint: str) -> Table:
+    def column(name: str, of: Callable[[np.ndarray], float]) -> list[float | None]:
+        found: list[float | None] = []
+        for table in tables:
+            values = table[name].values
+            values = values[np.isfinite(values)]
+            found.append(float(of(values)) if values.size else None)
+        return found
+
+    statistics = TABLES["impact statistics"]
+    rows = [
+        row_of(statistics["impacts"], [table.sizes["impact"] for table in tables]),
+        counts("blows", (len(set(table["blow"].values.tolist())) for table in tables)),
+        row_of(statistics["touching"], [int(np.count_nonzero(~table["ended"].values)) for table in tables]),
+        row_of(statistics["floored"], [int(np.count_nonzero(table["floored"].values)) for table in tables]),
+    ]
+    for one in _IMPACTS:
+        if one.units != "s" or one.name == "duration":
+            for word, of in (("median", np.median), ("largest", np.max)):
+                if one.name != "restitution" or word == "median":
+                    values = column(one.name, of)
+                    rows.append(quantities(f"{one.words()}, {word}", values, one.unit(), one.digits))
+    return Table(
+        columns=("", *labels_of(runs)),
+        rows=tuple(rows),
+        caption="Impacts in numbers",
+        key=f"impact-summary-{joint}",
+    )
+
+
+def _impact_table(table: xr.Dataset, caption: str, key: str, dense: bool = False) -> Table:
+    columns = [row_of(one, table[one.name].values.tolist()) for one in _IMPACTS]
+    heads = (f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns)
+    cells = zip(*(c.cells for c in columns), strict=True)
+    rows = tuple(Row(str(name), line) for name, line in zip(table["contact"].values, cells, strict=True))
+    return Table(columns=("contact", *heads), rows=rows, caption=caption, key=key, dense=dense)
+
+
+# --- loads ---
+
+
+def _loads(
+    runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]
+) -> tuple[tuple[Table, ...], tuple[str, ...]]:
+    """Return statistics of the forces in a joint with play: of the whole, and of each contact."""
+    found = [load_statistics(run.data, joint) for run in runs]
+    columns = ("", *labels_of(runs))
+    contacts = list(dict.fromkeys(str(name) for one in found for name in one["contact"].values))
+    whole = Table(
+        columns=columns,
+        rows=tuple(_load_rows(found, "clearance_joint", joint, scales)),
+        caption="Size of the whole contact force on the journal",
+        key=f"loads-{joint}",
+    )
+    each = Table(
+        columns=columns,
+        rows=tuple(row for name in contacts for row in _load_rows(found, "contact", name, scales)),
+        caption="Normal force of each contact",
+        key=f"loads-contacts-{joint}",
+    )
+    notes = (
+        "Percentiles of the time: a force that is not exceeded for so much of it. The force on the "
+        "journal may be far below those of its contacts, which press from opposite sides when the "
+        "journal is tilted.",
+        *said_of_zeros((whole, each)),
+    )
+    return (whole, each), notes
+
+
+def _load_rows(
+    found: Sequence[xr.Dataset], dimension: str, name: str, scales: Mapping[str, float]
+) -> Iterator[Row]:
+    prefix = "joint_" if dimension == "clearance_joint" else ""
+    mine = [one.sel({dimension: name}) if name in one[dimension].values else None for one in found]
+
+    def column(key: str) -> list[float | None]:
+        values = (None if one is None else float(one[prefix + key]) for one in mine)
+        return [value if value is not None and np.isfinite(value) else None for value in values]
+
+    known = {
+        key: of for key, of in TABLES["loads"].items() if prefix + key in TABLES["joint loads"] or not prefix
+    }
+    yield Row(name)
+    for key, of in known.items():
+        if key.endswith(("force", "contact")):
+            yield row_of(of, column(key), scales=scales)
+    percents = next(one for one in mine if one is not None)["percent"].values
+    for k, percent in enumerate(percents):
+        values = [None if one is None else float(one[f"{prefix}force_percentile"][k]) for one in mine]
+        yield quantities(f"{number(float(percent))} % of the time", values, "N", 3, scales)
+    yield row_of(known["contact_share"], column("contact_share"))
+
+
+# --- settling ---
+
+
+def _settlings(runs: Sequence[ReportedRun], joint: str) -> tuple[tuple[Table, ...], tuple[str, ...]]:
+    """Return when impacts in a joint turned into lasting contact."""
+    found = [next((one for one in settling(run.data, joint)), None) for run in runs]
+    known = [one for one in found if one is not None]
+    if not known:
+        return (), ()
+    table = Table(
+        columns=("", *labels_of(runs)),
+        rows=tuple(_settling_rows(joint, found)),
+        caption="When impacts turn into lasting contact",
+        key=f"settling-{joint}",
+    )
+    note = (
+        "Settled: from this time on its contacts are never all apart for longer than "
+        f"{readable(known[0].longest_gap, 's')}. Rate of decay: of the straight line through the logarithm "
+        "of the approach speeds over time, where that explains half of what they do."
+    )
+    if any(one.driven and not one.note for one in known):
+        note += " Driven, so that they may part again as its load turns."
+    return (table,), (note,)
+
+
+def _settling_rows(joint: str, found: Sequence[Settling | None]) -> Iterator[Row]:
+    yield Row(joint)
+    for name, of in TABLES["settling"].items():
+        if name == "decay_rate":
+            values = [one.decay_rate if one is not None and one.decays else None for one in found]
+        else:
+            values = [None if one is None else getattr(one, name) for one in found]
+        yield row_of(of, values)
+        if name == "time" and any(one is not None and one.note for one in found):
+            yield words("why it has not settled", ("" if one is None else one.note for one in found))
+        if name == "decay_rate" and any(one is not None and one.decays is False for one in found):
+            said = ("no decay" if one is not None and one.decays is False else "" for one in found)
+            yield words("approach speeds over time", said)
+
+
+# --- joints ---
 
 
 def joint_key(joint: str) -> str:
@@ -124,29 +312,16 @@ def without_play(
 
 
 def _motion(runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]) -> Iterator[Row]:
-    slides = joint in every(runs, "sliding_joint")
-    dimension, variable = ("sliding_joint", "slide") if slides else ("joint", "motion")
-    unit = "m" if slides else "rad"
-
-    def column(pick: Callable[[ReportedRun, int], float]) -> list[float | None]:
-        return [
-            pick(run, run.names(dimension).index(joint)) if joint in run.names(dimension) else None
-            for run in runs
-        ]
-
-    if joint not in every(runs, dimension):
+    dim = "sliding_joint" if joint in every(runs, "sliding_joint") else "joint"
+    if joint not in every(runs, dim):
         return
-    place = "position" if slides else "angle"
-    ends = (
-        column(lambda run, k, of=of: _last(run, f"{variable}_{of}", k))  # type: ignore[misc]
-        for of in (place, "rate")
-    )
-    for name, values, of in zip((place, "rate"), ends, (unit, f"{unit}/s"), strict=True):
-        yield quantities(f"{name} at the end", values, of, 5, scales)
-    peaks = column(lambda run, k: _largest(run, f"{variable}_acceleration", k))
-    yield quantities("largest acceleration", peaks, f"{unit}/s^2", scales=scales)
+    known = [one for one in SUMMARIES if one.dims == (dim,)]
+    rows = list(rows_along(runs, dim, joint, [run.data for run in runs], known, scales))
+    yield from rows
     ideal = ideal_of(runs)
-    if ideal is not None and joint in ideal.names(dimension):
+    if ideal is not None and joint in ideal.names(dim):
+        top = next(row for row, one in zip(rows, known, strict=True) if one.name.startswith("peak"))
+        peaks = [cell.value for cell in top.cells]
         own = peaks[list(runs).index(ideal)]
         ratios = [peak / own if peak is not None and own else None for peak in peaks]
         yield quantities("the same over the ideal joint's", ratios, "1", 3)
@@ -158,20 +333,23 @@ def _contact(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
         load_statistics(run.data, joint) if joint in run.names("clearance_joint") else None for run in runs
     ]
 
-    def largest(name: str) -> list[float | None]:
-        return [None if t is None else float(t[name].max()) if t.sizes["impact"] else 0.0 for t in tables]
+    def number(run: ReportedRun, of: Variable) -> float | None:
+        if joint not in run.names("clearance_joint"):
+            return None
+        owners = list(contact_joints(run.data).values())
+        mine = np.isin(
+            run.data["episode_contact"].values, [k for k, one in enumerate(owners) if one == joint]
+        )
+        return reduced(of, run.data, mine, float(run.data.attrs["end_time"]))
 
-    def total(name: str) -> list[float | None]:
-        return [None if found is None else float(found[f"joint_{name}"].values[0]) for found in loads]
-
-    yield counts("contacts", (None if t is None else t.sizes["impact"] for t in tables))
-    yield counts("blows", (None if t is None else len(set(t["blow"].values.tolist())) for t in tables))
-    yield quantities("largest normal force", largest("peak_force"), "N")
-    yield quantities("greatest depth", largest("peak_depth"), "m")
-    yield quantities("fastest approach", largest("approach_speed"), "m/s")
-    yield quantities("impulse", total("impulse"), "N s")
-    yield quantities("energy lost", total("dissipated"), "J")
-    yield shares_row("share of time in contact", total("contact_share"))
+    blows = (None if t is None else len(set(t["blow"].values.tolist())) for t in tables)
+    shares = [None if one is None else float(one["joint_contact_share"].values[0]) for one in loads]
+    for of in CONTACTS:
+        if of.key():
+            yield row_of(of, [number(run, of) for run in runs])
+        if of.form == "count":
+            yield counts("blows", blows)
+    yield row_of(TABLES["loads"]["contact_share"], shares)
 
 
 def _settled(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
@@ -182,14 +360,6 @@ def _settled(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
     times = [None if one is None else one.time for one in found]
     if any(time is not None for time in times):
         yield quantities("lasting contact from", times, "s", 3)
-
-
-def _last(run: ReportedRun, name: str, k: int) -> float:
-    return float(run.data[name][-1, k])
-
-
-def _largest(run: ReportedRun, name: str, k: int) -> float:
-    return max(float(np.abs(part[name].values[:, k]).max()) for part in blocks(run.data))
 
 
 # --- base ---

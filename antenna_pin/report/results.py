@@ -13,8 +13,9 @@ from antenna_pin.analysis import (
     said_of_spin,
 )
 from antenna_pin.base.readable import number, readable
-from antenna_pin.report._page import Details, Picture, Row, Section, Table, quantities
-from antenna_pin.report._runs import ReportedRun, labels_of
+from antenna_pin.report._page import Details, Picture, Section, Table
+from antenna_pin.report._runs import ReportedRun, labels_of, row_of
+from antenna_pin.trajectory.quantities import RUN
 
 __all__ = ["CONSERVED_WITHIN", "Status", "conservation", "statuses", "warnings"]
 
@@ -137,28 +138,14 @@ def conservation(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) 
     """Return how well each run kept what must be kept."""
     kept = [run.conserved for run in runs]
 
-    def row(name: str, key: str, unit: str = "1") -> Row:
-        return quantities(name, [found.get(key) for found in kept], unit, 3)
-
     rows = [
-        Row("energy"),
-        row("error of the balance", "energy_error", "J"),
-        row("gross work of drives and forces", "gross_work", "J"),
-        row("scale: largest of gross work, kinetic and stored energy", "energy_scale", "J"),
-        row("error over scale", "energy_error_relative"),
-        row("error that the tolerance explains", "energy_tolerance", "J"),
-        Row("linear momentum"),
-        row("drift", "linear_momentum_drift", "kg m/s"),
-        row("scale", "linear_momentum_scale", "kg m/s"),
-        row("drift over scale", "linear_momentum_drift_relative"),
-        Row("angular momentum, about the mass centre"),
-        row("drift", "angular_momentum_drift", "kg m^2/s"),
-        row("scale", "angular_momentum_scale", "kg m^2/s"),
-        row("drift over scale", "angular_momentum_drift_relative"),
+        row_of(of, [found.get(of.name) for found in kept])
+        for of in RUN.values()
+        if of.source == "conservation"
     ]
     if any(run.names("contact") for run in runs):
         gaps = [float(run.data.attrs["gap_difference"]) if run.names("contact") else None for run in runs]
-        rows += [Row("contact geometry"), quantities("gaps, coal against closed form", gaps, "m", 3)]
+        rows.append(row_of(RUN["gap_difference"], gaps))
     table = Table(
         columns=("", *labels_of(runs)),
         rows=tuple(rows),

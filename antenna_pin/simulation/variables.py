@@ -24,6 +24,7 @@ from antenna_pin.dynamics import (
 )
 from antenna_pin.elements import BristleFriction, Motion, Motor
 from antenna_pin.simulation.loop import Run
+from antenna_pin.trajectory.quantities import SUMMARIES
 
 __all__ = [
     "MOTORS_SINCE_BEGIN",
@@ -386,43 +387,14 @@ def _motion(block: SampleBlock) -> Values:
     }
 
 
+def _reductions(by: str) -> dict[str, str]:
+    return {one.name: one.reduced.of for one in SUMMARIES if one.reduced and one.reduced.by == by}
+
+
 #: Totals, the last values of these series.
-TOTALS = {
-    "final_angle": "motion_angle",
-    "final_rate": "motion_rate",
-    "final_position": "slide_position",
-    "final_slide_rate": "slide_rate",
-    "total_work": "drive_work",
-    "total_gross_work": "drive_gross_work",
-    "total_normal_loss": "dissipation_normal",
-    "total_friction_loss": "dissipation_friction",
-    "total_damper_loss": "dissipation_damper",
-    "total_elastic_loss": "dissipation_elastic",
-    "total_element_loss": "element_loss",
-    "total_force_work": "force_work",
-    "total_force_gross_work": "force_gross_work",
-    "total_force_loss": "force_loss",
-    "total_impulse": "force_impulse",
-    "total_angular_impulse": "force_angular_impulse",
-}
-
-
+TOTALS = _reductions("end")
 #: Peaks, the largest sizes of these series at samples: of vectors their length.
-SIZES = {
-    "peak_effort": "drive_torque",
-    "peak_closure_force": "closure_force",
-    "peak_closure_moment": "closure_moment",
-    "peak_coupling_torque": "coupling_torque",
-    "peak_acceleration": "motion_acceleration",
-    "peak_slide_acceleration": "slide_acceleration",
-    "peak_deflection": "deflection",
-    "peak_elastic_energy": "elastic_energy",
-    "peak_bearing_force": "bearing_force",
-    "peak_bearing_moment": "bearing_moment",
-    "peak_applied_force": "applied_force",
-    "peak_applied_torque": "applied_torque",
-    "peak_energy_error": "energy_error",
-}
+SIZES = {**_reductions("peak"), "peak_energy_error": "energy_error"}
 
 
 def sizes_of(block: SampleBlock, values: Values) -> Values:

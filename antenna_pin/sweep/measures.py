@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from antenna_pin.analysis import base_motion, deviation, error_components, pointing_error, pointing_indices
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.trajectory import Trajectory, blow_numbers, contact_joints, names_along
-from antenna_pin.trajectory.schema import VARIABLES
+from antenna_pin.trajectory.columns import Variable
+from antenna_pin.trajectory.quantities import CONTACTS, RUN, SUMMARIES, reduced
 
 __all__ = ["MEASURES", "Asked", "Measure"]
 
@@ -51,6 +52,7 @@ class Measure:
         find: Returns it.
         series: Whether it needs the series that a lean result leaves out.
         compares: Whether it needs the study's reference.
+        sliding: Whether its unit is another where what it belongs to slides.
     """
 
     name: str
@@ -60,9 +62,10 @@ class Measure:
     find: Found
     series: bool = False
     compares: bool = False
+    sliding: bool = False
 
 
-def _of_episodes(name: str, over: Callable[[Array], float]) -> Found:
+def _of_episodes(of: Variable) -> Found:
     def find(run: Trajectory, spec: Asked, _: Trajectory | None) -> float:
         if "contact" not in run.data.sizes:
             raise UnknownNameError(spec.measure or "", "contact", spec.of or "any", ())
@@ -71,11 +74,7 @@ def _of_episodes(name: str, over: Callable[[Array], float]) -> Found:
         mine = (
             slice(None) if spec.of is None else np.isin(data["episode_contact"].values, _contacts(run, spec))
         )
-        if name == "duration":
-            end = float(run.data.attrs["end_time"])
-            release = np.nan_to_num(np.asarray(data["release_time"].values, dtype=float), nan=end)
-            return over((release - data["onset_time"].values)[mine])
-        return over(np.asarray(data[name].values, dtype=float)[mine])
+        return float(reduced(of, data, mine, float(run.data.attrs["end_time"])))
 
     return find
 
@@ -182,44 +181,15 @@ def _base_turn(run: Trajectory, spec: Asked, _: Trajectory | None) -> float:
     return float((attitude[0].inv() * attitude).magnitude().max())
 
 
-def _largest(values: Array) -> float:
-    return float(values.max()) if values.size else 0.0
-
-
-def _sum(values: Array) -> float:
-    return float(values.sum())
-
-
 def _all() -> dict[str, Measure]:
-    found = [
-        Measure("peak_force", "N", "largest normal force", "contact", _of_episodes("peak_force", _largest)),
-        Measure("peak_depth", "m", "largest depth", "contact", _of_episodes("peak_depth", _largest)),
-        Measure(
-            "approach_speed",
-            "m/s",
-            "largest speed at first touch",
-            "contact",
-            _of_episodes("approach_speed", _largest),
-        ),
-        Measure("impulse", "N s", "all normal impulses", "contact", _of_episodes("impulse", _sum)),
-        Measure("dissipated", "J", "energy lost in contacts", "contact", _of_episodes("dissipated", _sum)),
-        Measure(
-            "impacts",
-            "1",
-            "number of contacts",
-            "contact",
-            _of_episodes("peak_force", lambda values: float(values.size)),
-        ),
+    found = [Measure(one.name, one.units, one.meaning, "contact", _of_episodes(one)) for one in CONTACTS]
+    found += [
+        Measure(one.name, one.units, one.meaning, "", _conserved(one.name))
+        for one in RUN.values()
+        if one.source == "conservation"
+    ]
+    found += [
         Measure("blows", "1", "number of blows, overlapping contacts being one", "contact", _blows),
-        Measure(
-            "contact_time",
-            "s",
-            "time in contact, each contact counted",
-            "contact",
-            _of_episodes("duration", _sum),
-        ),
-        Measure("energy_error", "J", "largest error of the energy ledger", "", _conserved("energy_error")),
-        Measure("gross_work", "J", "integral of the drives' |power|", "", _conserved("gross_work")),
         Measure("base_turn", "rad", "largest turn of the base from its start", "", _base_turn, series=True),
         Measure(
             "pointing",
@@ -243,10 +213,11 @@ def _all() -> dict[str, Measure]:
                 compares=True,
             )
         )
-    for variable in VARIABLES.values():
-        if variable.source == "summary" and len(variable.dims) == 1:
-            find = _of_labels(variable.name, variable.dims[0])
-            found.append(Measure(variable.name, variable.units, variable.meaning, variable.dims[0], find))
+    for one in SUMMARIES:
+        if len(one.dims) == 1:
+            (dim,) = one.dims
+            find = _of_labels(one.name, dim)
+            found.append(Measure(one.name, one.units, one.meaning, dim, find, sliding=bool(one.sliding)))
     return {measure.name: measure for measure in found}
 
 

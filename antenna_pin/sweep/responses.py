@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-import copy
-import dataclasses
-import importlib
-import inspect
-import math
-import types
-from collections.abc import Callable, Mapping
-from functools import lru_cache
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import BeforeValidator, model_validator
 
-from antenna_pin.base.answers import check_takes, number_in
-from antenna_pin.base.arguments import unknown_type
-from antenna_pin.errors import InvalidParameterError, ScenarioError
+from antenna_pin.analysis import own_number, own_source
 from antenna_pin.scenario.spec import PositiveTime, Quantity, Spec, refuse, refuse_name
 from antenna_pin.sweep.measures import MEASURES
 
@@ -51,7 +41,7 @@ class ResponseSpec(Spec):
         drift_spacing: Of ``pointing``: from one window of the PDE to the other.
         period: Of ``pointing``: length of the observation periods.
         confidence: Of ``pointing``'s level [-].
-        units: Of a function's number; of ``peak_effort`` and ``peak_deflection`` where the joint slides.
+        units: Of a function's number; of a measure of what turns or slides, where it slides.
         title: What it is called in figures; its name if left out.
     """
 
@@ -101,7 +91,7 @@ class ResponseSpec(Spec):
         if self.measure not in MEASURES:
             refuse_name("measure", self.measure, MEASURES, "measure")
         allowed = {"of"} if MEASURES[self.measure].of else set()
-        if self.measure in ("peak_effort", "peak_deflection"):
+        if MEASURES[self.measure].sliding:
             allowed |= {"units"}  # of a joint that slides they are others
         if self.measure == "pointing":
             allowed = {
@@ -144,64 +134,7 @@ def source_of(response: ResponseSpec, folder: Path, name: str) -> str:
     Raises:
         ScenarioError: There is no such file or module, or no such function in it.
     """
-    if response.function is None:
-        return ""
-    place, _, function = response.function.rpartition(":")
-    if not place.endswith(".py"):
-        _imported(place, function, name)
-        return ""
-    try:
-        text = (folder / place).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        words = error.strerror if isinstance(error, OSError) else str(error)
-        raise ScenarioError(
-            f"responses.{name}: function must name a file that can be read from {folder}, got {place}: "
-            f"{words}"
-        ) from None
-    _made(text, place, function, name)
-    return text
-
-
-def _imported(place: str, function: str, name: str) -> Callable[..., Any]:
-    try:
-        module = importlib.import_module(place)
-    except (Exception, SystemExit) as error:
-        raise ScenarioError(f"responses.{name}: module {place} cannot be imported: {error!r}") from None
-    return _function(vars(module), function, place, name)
-
-
-@lru_cache(maxsize=64)
-def _made(text: str, place: str, function: str, name: str) -> Callable[..., Any]:
-    module = types.ModuleType(Path(place).stem)
-    try:
-        exec(compile(text, place, "exec"), vars(module))
-    except (Exception, SystemExit) as error:
-        raise ScenarioError(f"responses.{name}: {place} cannot be run: {error!r}") from None
-    return _function(vars(module), function, place, name)
-
-
-def _function(names: Mapping[str, Any], function: str, place: str, name: str) -> Callable[..., Any]:
-    found = names.get(function)
-    if not callable(found):
-        known = sorted(key for key, value in names.items() if callable(value) and not key.startswith("_"))
-        raise ScenarioError(
-            f"responses.{name}: {place} must have a function {function!r}, it has "
-            f"{', '.join(known) or 'none'}"
-        )
-    made: Callable[..., Any] = found
-    try:
-        check_takes(f"responses.{name}", function, made, "run", *asked_besides(made))
-    except InvalidParameterError as error:
-        raise ScenarioError(str(error)) from None
-    return made
-
-
-def asked_besides(function: Callable[..., Any]) -> tuple[str, ...]:
-    """Return what a function of a run is asked besides it: the run's seed, if it takes one."""
-    try:
-        return tuple(one for one in ("seed",) if one in inspect.signature(function).parameters)
-    except (TypeError, ValueError):  # some of those in C do not say
-        return ()
+    return "" if response.function is None else own_source(response.function, folder, f"responses.{name}")
 
 
 def evaluate(
@@ -229,32 +162,4 @@ def evaluate(
     if response.measure is not None:
         return MEASURES[response.measure].find(run, response, reference if response.compares else None)
     assert response.function is not None
-    place, _, function = response.function.rpartition(":")
-    called = _made(source, place, function, name) if source else _imported(place, function, name)
-    more = dict.fromkeys(asked_besides(called), seed)
-    try:
-        value = called(_for_reading(run), **more)
-    except SystemExit as error:  # it would end the process that makes the runs
-        raise ScenarioError(f"{response.function} must return a number, got the exit {error}") from None
-    except ValueError as error:
-        if "ssignment destination" not in str(error):  # as NumPy and xarray begin
-            raise
-        raise ScenarioError(
-            f"{response.function} must leave the run as it is, for other responses are of it too; let it "
-            "change a copy, run.data.copy(deep=True)"
-        ) from None
-    number = number_in(value)
-    if number is None or math.isinf(number):
-        raise ScenarioError(f"{response.function} must return a number, got {unknown_type(value)}")
-    return number
-
-
-def _for_reading(run: Trajectory) -> Trajectory:
-    """Return a run that looks like another and cannot change it: the next response is of the same numbers."""
-    data = run.data.copy(deep=False)
-    for variable in data.variables.values():
-        values = variable._data  # a part of a large file is read anew each time
-        if isinstance(values, np.ndarray):
-            variable._data = values.view()
-            variable._data.flags.writeable = False
-    return dataclasses.replace(run, data=data, end=copy.deepcopy(run.end))
+    return own_number(response.function, source, f"responses.{name}", run, seed)

@@ -26,8 +26,7 @@ from antenna_pin.sweep.design import SAMPLE, Design
 from antenna_pin.sweep.jobs import Work
 from antenna_pin.sweep.journal import Journal, ReadJournal, deleted, read_journal
 from antenna_pin.sweep.study import Study
-from antenna_pin.trajectory.file import write
-from antenna_pin.trajectory.hdf5 import load_dataset
+from antenna_pin.trajectory.file import load_dataset, write
 
 __all__ = ["LOST", "SUFFIX", "Identity", "Store", "identity_of", "open_study"]
 

@@ -14,7 +14,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ANY", "ROUND_OFF", "Breach", "Coordinate", "Rule", "Variable", "first_not_finite", "rows"]
+__all__ = [
+    "ANY",
+    "ROUND_OFF",
+    "Breach",
+    "Coordinate",
+    "Reduction",
+    "Rule",
+    "Variable",
+    "end",
+    "first_not_finite",
+    "peak",
+    "rows",
+    "total",
+]
 
 Numbers = NDArray[Any]
 
@@ -128,6 +141,7 @@ class Rule:
 
 #: Any finite number.
 ANY = Rule()
+_SIZE = Rule(least=0.0)
 
 
 class Breach(NamedTuple):
@@ -176,22 +190,44 @@ class Coordinate:
     meaning: str
 
 
-@dataclass(frozen=True, slots=True)
-class Variable:
-    """One variable of a result.
+class Reduction(NamedTuple):
+    """Number of a whole run that follows from a series, or from contact episodes.
 
     Attributes:
-        name: Of the variable.
+        by: ``end``, the last value; ``peak``, the largest size; of episodes ``peak``, ``sum`` or ``count``.
+        of: Variable that is reduced.
+    """
+
+    by: str
+    of: str
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """One quantity of a result, or of a table that follows from one.
+
+    Texts with bars hold alternatives: what turns, what slides, and both in one column.
+
+    Attributes:
+        name: Of the quantity.
         dims: Its dimensions, in order; it is there if they are.
         units: Of its values, as text; "1" if none.
         meaning: Its long name.
         source: Where it comes from, of each sample: the ``state``, its ``derivative`` (the equations of
             motion), the ``contact`` of journals and bearings, the ``ledger`` of works and losses that the
             state holds, the ``audit`` of energies and momenta, the ``motion`` of joints with one axis; of the
-            whole run: its ``episodes`` of contact and events, and a ``summary`` of series.
+            whole run: its ``episodes`` of contact and events, and a ``summary`` of series. Of a derived
+            table: its name.
         rule: What its numbers may be.
         flags: What its numbers stand for, if they are codes.
         free_base: Whether it is there with a free base only.
+        sliding: Unit where what it belongs to slides; "" for the same.
+        label: Heading in tables; from the name if empty.
+        entry: Key in summaries; the name if empty, "-" for none.
+        reduced: What it is reduced from; None of what is recorded itself.
+        form: ``count`` of a whole number, ``share`` of a share of the time.
+        exact: Whether round-off is what it measures, so that it is never zero to round-off.
+        digits: Significant digits in reports.
     """
 
     name: str
@@ -202,6 +238,13 @@ class Variable:
     rule: Rule = ANY
     flags: tuple[tuple[int, str], ...] = ()
     free_base: bool = False
+    sliding: str = ""
+    label: str = ""
+    entry: str = ""
+    reduced: Reduction | None = None
+    form: str = ""
+    exact: bool = False
+    digits: int = 4
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -212,19 +255,77 @@ class Variable:
             found["flag_meanings"] = " ".join(word for _, word in self.flags)
         return found
 
+    def unit(self, slides: bool | None = False) -> str:
+        """Return the unit of what turns or slides; of None, both."""
+        if slides is None and self.sliding:
+            return f"{self.units}, {self.sliding}"
+        return self.sliding if slides and self.sliding else self.units
 
-def rows(
-    of: str, *found: tuple[str, str, str] | tuple[str, str, str, Rule], **more: Any
-) -> tuple[Variable, ...]:
-    """Return variables of one source along the same dimensions: names, units, meanings and rules.
+    def words(self, slides: bool | None = None) -> str:
+        """Return the heading of what turns or slides; of None, of a column of both."""
+        return _alternative(self.label or self.name.replace("_", " "), slides)
+
+    def key(self, slides: bool = False) -> str:
+        """Return the key in summaries of what turns or slides; "" for none."""
+        entry = self.entry or self.name
+        return "" if entry == "-" else _alternative(entry, slides)
+
+    def heading(self, slides: bool | None = None) -> str:
+        """Return heading and unit, as ``peak force [N]``."""
+        unit = self.unit(slides).replace("^2", "²")
+        if unit == "1":
+            unit = "" if self.form == "count" else "-"
+        return self.words(slides) + (f" [{unit}]" if unit else "")
+
+
+def _alternative(text: str, slides: bool | None) -> str:
+    """Return the part of a text with bars for what turns (False), slides (True) or both (None)."""
+    parts = text.split("|")
+    return parts[min({False: 0, True: 1, None: 2}[slides], len(parts) - 1)]
+
+
+def rows(*found: str | tuple[Any, ...], **more: Any) -> tuple[Variable, ...]:
+    """Return quantities, block by block.
 
     Args:
-        of: The source, and behind a colon the dimensions.
-        *found: One for each.
+        *found: Of each block its source and, behind a colon, its dimensions; then a tuple for each quantity:
+            name, unit (behind a bar that of what slides), meaning, and in any order a :class:`Rule`, a
+            :class:`Reduction`, a text ``entry: label`` (either may be left out; ``=`` for a label that is the
+            meaning), and further fields in a dictionary.
         **more: What else holds for all.
     """
-    source, dims = of.split(": ")
-    return tuple(
-        Variable(name, tuple(dims.split()), units, meaning, source, rule[0] if rule else ANY, **more)
-        for name, units, meaning, *rule in found
-    )
+    made, source, dims = [], "", ""
+    for row in found:
+        if isinstance(row, str):
+            source, dims = row.split(": ")
+            continue
+        name, units, meaning, *rest = row
+        turning, _, sliding = units.partition("|")
+        fields: dict[str, Any] = dict(more, sliding=sliding)
+        for one in rest:
+            if one == "=":
+                fields["label"] = meaning
+            elif isinstance(one, str):
+                entry, _, label = one.partition(": ")
+                fields |= {"entry": entry, "label": label or entry.replace("_", " ").strip("-")}
+            elif isinstance(one, Reduction):
+                fields = {"rule": _SIZE if one.by == "peak" else ANY} | fields | {"reduced": one}
+            else:
+                fields |= {"rule": one} if isinstance(one, Rule) else one
+        made.append(Variable(name, tuple(dims.split()), turning, meaning, source, **fields))
+    return tuple(made)
+
+
+def peak(of: str) -> Reduction:
+    """Return the largest size of a series at a sample, or of an episode's number."""
+    return Reduction("peak", of)
+
+
+def end(of: str) -> Reduction:
+    """Return the last value of a series."""
+    return Reduction("end", of)
+
+
+def total(of: str) -> Reduction:
+    """Return the sum over episodes."""
+    return Reduction("sum", of)

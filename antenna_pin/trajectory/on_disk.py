@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,6 @@ import numpy as np
 import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
-
-from antenna_pin.trajectory.hdf5 import open_hdf5
 
 __all__ = ["Stored", "StoredFile"]
 
@@ -22,18 +21,19 @@ class StoredFile:
 
     Args:
         path: Of the file.
+        opened: Returns the open file, or refuses it.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, opened: Callable[[Path], Any]) -> None:
         """Open it."""
-        self._path = path
-        self.file: Any = open_hdf5(path)
+        self._path, self._opened = path, opened
+        self.file: Any = opened(path)
 
-    def __getstate__(self) -> Path:
-        return self._path
+    def __getstate__(self) -> tuple[Path, Callable[[Path], Any]]:
+        return self._path, self._opened
 
-    def __setstate__(self, path: Path) -> None:
-        self.__init__(path)  # type: ignore[misc]
+    def __setstate__(self, state: tuple[Path, Callable[[Path], Any]]) -> None:
+        self.__init__(*state)  # type: ignore[misc]
 
     def __deepcopy__(self, memo: object) -> StoredFile:
         return self

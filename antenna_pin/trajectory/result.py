@@ -6,6 +6,7 @@ import importlib.metadata
 import json
 import os
 import platform
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -18,9 +19,11 @@ from antenna_pin.base.views import Recorder, Reporter, RunFigures, RunNumbers, V
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
-from antenna_pin.trajectory.labelled import Content, Unlabelled
+from antenna_pin.trajectory.labelled import Column, Content, Unlabelled
 from antenna_pin.trajectory.outcome import ENDED_WELL, Counts, Outcome
-from antenna_pin.trajectory.summary import summary_of
+from antenna_pin.trajectory.quantities import GROUPS, entries_of, reduced
+from antenna_pin.trajectory.read import names_along
+from antenna_pin.trajectory.touches import blow_counts, met_by_elements, met_by_meshes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,7 +32,8 @@ if TYPE_CHECKING:
 
     from antenna_pin.scenario import Scenario
 
-__all__ = ["RunEvent", "Trajectory", "library_versions", "open_run"]
+__all__ = ["RunEvent", "Trajectory", "columns_of", "library_versions", "open_run", "summary_of"]
+
 
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
 
@@ -263,3 +267,95 @@ def _scenario(text: str) -> Scenario:
     from antenna_pin.scenario import Scenario
 
     return Scenario.model_validate_json(text)
+
+
+def columns_of(run: Trajectory) -> dict[str, Column]:
+    """Return all variables of a result by name, coordinates too; xarray is asked where it has them."""
+    unlabelled: Unlabelled | None = getattr(run, "_unlabelled", None)
+    if unlabelled is None:
+        found = run.data.variables.items()
+        return {str(name): Column(tuple(map(str, one.dims)), one.values, one.attrs) for name, one in found}
+    coordinates, variables = unlabelled.columns()
+    return {**variables, **coordinates}
+
+
+def summary_of(data: xr.Dataset, ended: Mapping[str, Any], constraints: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a run in plain numbers (SI units).
+
+    Args:
+        data: Of the run.
+        ended: Its ``outcome``, ``message`` and ``counts``.
+        constraints: What holds it; {} if nothing.
+    """
+    title = data.attrs.get("title", "")
+    result: dict[str, Any] = {
+        "title": title,
+        "case": data.attrs.get("case", ""),
+        "outcome": ended["outcome"],
+        "message": ended["message"],
+        "time": float(data.attrs["end_time"]),
+        "samples": int(data.attrs["samples"]),
+        "counts": ended["counts"],
+        "conservation": json.loads(data.attrs["conservation"]),
+        "gap_difference": float(data.attrs["gap_difference"]),
+        "motion": entries_of(data, "joint"),
+        "contacts": {},
+    }
+    result |= {
+        key: entries_of(data, GROUPS[key].dim)
+        for key in ("slides", "elastic_parts")
+        if GROUPS[key].dim in data.sizes
+    }
+    if constraints:
+        result["constraints"] = constraints
+        result["closures"] = _closures(data)
+        result["motions"] = _motions(data)
+    if "coupling" in data.sizes:
+        result["couplings"] = _couplings(data)
+    result |= met_by_elements(data)
+    if gears := met_by_meshes(data):
+        result["gears"] = gears
+    result |= {
+        key: entries_of(data, GROUPS[key].dim)
+        for key in ("controllers", "bearings", "forces")
+        if GROUPS[key].dim in data.sizes
+    }
+    if "contact" not in data.sizes:
+        return result
+    index, end = data["episode_contact"].values, float(data.attrs["end_time"])
+    result["contacts"] = {
+        name: {
+            one.key(): reduced(one, data, index == number, end)
+            for one in GROUPS["contacts"].variables
+            if one.key()
+        }
+        for number, name in enumerate(names_along(data, "contact"))
+    }
+    result["blows"] = {name: {"blows": count} for name, count in blow_counts(data).items()}
+    return result
+
+
+def _closures(data: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return what each closure joins and carried at most."""
+    about, carried = json.loads(data.attrs["closures"]), entries_of(data, "closure")
+    return {
+        name: {"kind": one["kind"], "links": [one["first_body"], one["second_body"]], **carried[name]}
+        for name, one in about.items()
+    }
+
+
+def _couplings(data: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return what each coupling joins, and its largest force where the follower slides, else torque."""
+    about, carried = json.loads(data.attrs["couplings"]), entries_of(data, "coupling")
+    return {
+        name: {"joints": [one["follower"], one["leader"]], **carried[name]} for name, one in about.items()
+    }
+
+
+def _motions(data: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return what it took to hold each prescribed motion: a force where the joint slides, else a torque."""
+    about, works = json.loads(data.attrs["drives"]), entries_of(data, "drive")
+    return {
+        name: {"joint": about[name]["joint"], **one, "work": works[name]["work"]}
+        for name, one in entries_of(data, "motion").items()
+    }

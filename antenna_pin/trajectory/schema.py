@@ -11,13 +11,8 @@ import math
 from collections.abc import Collection, Iterator
 
 from antenna_pin.geometry import AxialScenario, RadialScenario
-from antenna_pin.trajectory.columns import Coordinate, Rule, Variable
-from antenna_pin.trajectory.columns import rows as _rows
-from antenna_pin.trajectory.force_columns import FORCES
-from antenna_pin.trajectory.happenings import HAPPENINGS, ORDERED
-from antenna_pin.trajectory.happenings import LOST as _LOST
-from antenna_pin.trajectory.happenings import SIZE as _SIZE
-from antenna_pin.trajectory.happenings import TOTAL as _TOTAL
+from antenna_pin.trajectory.columns import Coordinate, Rule, Variable, rows
+from antenna_pin.trajectory.quantities import COUPLED, EPISODES, LOST, ORDERED, SIZE, SUMMARIES, TOTAL
 
 __all__ = ["COORDINATES", "DIMENSIONS", "TIME", "VARIABLES", "variables_of"]
 
@@ -77,88 +72,87 @@ def _scenario_rows(name: str, kinds: type[RadialScenario | AxialScenario]) -> tu
     flags = tuple((int(kind.value), kind.name.lower()) for kind in kinds)
     rule = Rule(only=tuple(float(value) for value, _ in flags))
     row = (f"{name}_scenario", "1", f"contact scenario, {name}", rule)
-    return _rows("contact: time clearance_joint", row, flags=flags)
+    return rows("contact: time clearance_joint", row, flags=flags)
 
 
 _APART = "bodies without the base"
-_COUPLED = "torque of the coupling on its follower (a force [N] if it slides)"
 
 # State, accelerations and loads at the samples.
 _STATES: tuple[Variable, ...] = (
-    *_rows("state: time configuration", ("q", "m, rad or 1", "configuration, Pinocchio's order")),
-    *_rows("state: time coordinate", ("v", "m/s or rad/s", "generalized velocity, body axes")),
-    *_rows("derivative: time coordinate", ("a", "m/s^2 or rad/s^2", "generalized acceleration, body axes")),
-    *_rows(
+    *rows("state: time configuration", ("q", "m, rad or 1", "configuration, Pinocchio's order")),
+    *rows("state: time coordinate", ("v", "m/s or rad/s", "generalized velocity, body axes")),
+    *rows("derivative: time coordinate", ("a", "m/s^2 or rad/s^2", "generalized acceleration, body axes")),
+    *rows(
         "state: time axis",
         ("base_position", "m", "base in the world"),
         ("base_velocity", "m/s", "base, in its own axes"),
         ("base_angular_velocity", "rad/s", "base, in its own axes"),
         free_base=True,
     ),
-    *_rows(
+    *rows(
         "state: time quaternion",
         ("base_attitude", "1", "base in the world, quaternion", _UNIT),
         free_base=True,
     ),
-    *_rows(
+    *rows(
         "derivative: time drive",
-        ("drive_torque", "N m", "torque of the drive (a force [N] if it slides)"),
+        ("drive_torque", "N m|N", "torque of the drive (a force [N] if it slides)"),
     ),
-    *_rows(
+    *rows(
         "derivative: time motor",
         ("motor_current", "A", "current of the winding"),
         ("motor_electric_energy", "J", "energy from the supply since the start"),
-        ("motor_heat", "J", "heat of the winding since the start", _TOTAL),
+        ("motor_heat", "J", "heat of the winding since the start", TOTAL),
     ),
-    *_rows(
+    *rows(
         "derivative: time controller",
-        ("control_reference", "rad", "angle that the controller follows (a way [m] if it slides)"),
-        ("control_error", "rad", "reference less the joint's angle (way [m])"),
+        ("control_reference", "rad|m", "angle that the controller follows (a way [m] if it slides)"),
+        ("control_error", "rad|m", "reference less the joint's angle (way [m])"),
     ),
-    *_rows(
+    *rows(
         "derivative: time point_spring",
-        ("spring_length", "m", "distance of the spring's points", _SIZE),
+        ("spring_length", "m", "distance of the spring's points", SIZE),
         ("spring_tension", "N", "force of spring and damper that draws the points together"),
     ),
-    *_rows(
+    *rows(
         "derivative: time point_spring axis",
         ("spring_force", "N", "force of the spring on its second link, world axes"),
     ),
-    *_rows(
+    *rows(
         "derivative: time closure axis",
         ("closure_force", "N", "force of the closure on its second link, axes of its first side"),
         ("closure_moment", "N m", "its moment about the second side's point"),
     ),
-    *_rows("derivative: time coupling", ("coupling_torque", "N m", _COUPLED)),
+    *rows("derivative: time coupling", ("coupling_torque", "N m|N", COUPLED)),
 )
 # Contacts, and the journals that they are at.
 _CONTACTS: tuple[Variable, ...] = (
-    *_rows(
+    *rows(
         "contact: time contact",
         ("gap", "m", "distance of the surfaces, negative in contact"),
-        ("depth", "m", "penetration depth", _SIZE),
+        ("depth", "m", "penetration depth", SIZE),
         ("depth_rate", "m/s", "rate of penetration, positive closing"),
-        ("slip_speed", "m/s", "tangential speed of the journal over the bearing", _SIZE),
+        ("slip_speed", "m/s", "tangential speed of the journal over the bearing", SIZE),
         ("normal_force", "N", "normal force on the journal", _PRESSED),
         ("friction_force", "N", "friction on the journal", _PRESSED),
         ("touching", "1", "whether the contact touches", Rule(only=(0.0, 1.0))),
     ),
-    *_rows(
+    *rows(
         "contact: time contact axis",
         ("contact_force", "N", "force on the journal, bearing axes", Rule(beside="touching")),
         ("contact_point", "m", "candidate contact, from the bearing's centre"),
     ),
-    *_rows(
+    *rows(
         "contact: time clearance_joint axis",
         ("journal_position", "m", "journal's centre in the bearing"),
         ("joint_force", "N", "contact force on the journal"),
         ("joint_torque", "N m", "contact torque about the journal's centre"),
     ),
-    *_rows(
+    *rows(
         "contact: time clearance_joint quaternion",
         ("journal_attitude", "1", "journal in the bearing, quaternion", _UNIT),
     ),
-    *_rows(
+    *rows(
         "contact: time clearance_joint",
         (
             "journal_tilt",
@@ -167,7 +161,7 @@ _CONTACTS: tuple[Variable, ...] = (
             Rule(least=0.0, most=math.pi),
         ),
     ),
-    *_rows(
+    *rows(
         "bearing: time bearing axis",
         ("bearing_place", "m", "journal at the bearing's reference point, bearing axes"),
         ("bearing_tilt", "1", "tilt of the journal's axis, z x axis; its size is the sine"),
@@ -179,159 +173,106 @@ _CONTACTS: tuple[Variable, ...] = (
 )
 # Energies, what is put in and lost, momenta.
 _ENERGIES: tuple[Variable, ...] = (
-    *_rows(
+    *rows(
         "audit: time",
-        ("kinetic_energy", "J", "kinetic energy", _TOTAL),
+        ("kinetic_energy", "J", "kinetic energy", TOTAL),
         ("contact_energy", "J", "energy stored in contacts"),
         ("spring_energy", "J", "energy stored in springs, at joints and between points", _STORED),
         ("gravity_energy", "J", "potential energy of gravity"),
     ),
-    *_rows("audit: time elastic_part", ("elastic_energy", "J", "energy stored in the part's spring", _TOTAL)),
-    *_rows(
+    *rows("audit: time elastic_part", ("elastic_energy", "J", "energy stored in the part's spring", TOTAL)),
+    *rows(
         "ledger: time elastic_part",
-        ("dissipation_elastic", "J", "energy lost in the part's damper", _TOTAL),
+        ("dissipation_elastic", "J", "energy lost in the part's damper", TOTAL),
     ),
-    *_rows(
+    *rows(
         "motion: time elastic_part",
-        ("deflection", "rad", "of the part from rest (a way [m] if it slides)"),
-        ("deflection_rate", "rad/s", "its rate (m/s)"),
-        ("deflection_acceleration", "rad/s^2", "its acceleration (m/s^2)"),
+        ("deflection", "rad|m", "of the part from rest (a way [m] if it slides)"),
+        ("deflection_rate", "rad/s|m/s", "its rate (m/s)"),
+        ("deflection_acceleration", "rad/s^2|m/s^2", "its acceleration (m/s^2)"),
     ),
-    *_rows(
+    *rows(
         "ledger: time drive",
         ("drive_work", "J", "work of the drive since the start"),
-        ("drive_gross_work", "J", "integral of |power| of the drive", _TOTAL),
+        ("drive_gross_work", "J", "integral of |power| of the drive", TOTAL),
     ),
-    *_rows(
+    *rows(
         "ledger: time contact",
-        ("dissipation_normal", "J", "energy lost to normal contact", _LOST),
-        ("dissipation_friction", "J", "energy lost to friction", _LOST),
-        ("normal_impulse", "N s", "integral of normal force", _TOTAL),
+        ("dissipation_normal", "J", "energy lost to normal contact", LOST),
+        ("dissipation_friction", "J", "energy lost to friction", LOST),
+        ("normal_impulse", "N s", "integral of normal force", TOTAL),
     ),
-    *_rows(
+    *rows(
         "ledger: time spring",
-        ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction", _TOTAL),
+        ("dissipation_damper", "J", "energy lost in the damper, or to a joint's own friction", TOTAL),
     ),
-    *_rows("derivative: time traced_spring", ("spring_torque", "N m", "torque on the child (a force [N])")),
-    *_rows(
+    *rows("derivative: time traced_spring", ("spring_torque", "N m|N", "torque on the child (a force [N])")),
+    *rows(
         "derivative: time element",
-        ("element_effort", "N m", "torque about the joint's axis, what holds it included (a force [N])"),
-        ("element_deflection", "rad", "what it acts by: its joint's angle, a gear's deflection (a way [m])"),
+        ("element_effort", "N m|N", "torque about the joint's axis, what holds it included (a force [N])"),
+        (
+            "element_deflection",
+            "rad|m",
+            "what it acts by: its joint's angle, a gear's deflection (a way [m])",
+        ),
         ("element_energy", "J", "energy stored"),
         ("element_mode", "1", "number of the mode"),
     ),
-    *_rows("state: time bristle", ("bristle_bend", "1", "deflection, over that at Coulomb friction")),
-    *_rows("state: time dwelling", ("bristle_dwell", "1", "dwell, 1 after a long rest")),
-    *_rows("ledger: time element", ("element_loss", "J", "energy lost in dampers and impulses", _LOST)),
-    *_rows("ledger: time", ("energy_error", "J", "stored - start - work of drives and forces + losses")),
-    *_rows(
+    *rows("state: time bristle", ("bristle_bend", "1", "deflection, over that at Coulomb friction")),
+    *rows("state: time dwelling", ("bristle_dwell", "1", "dwell, 1 after a long rest")),
+    *rows("ledger: time element", ("element_loss", "J", "energy lost in dampers and impulses", LOST)),
+    *rows("ledger: time", ("energy_error", "J", "stored - start - work of drives and forces + losses")),
+    *rows(
         "audit: time axis",
         ("linear_momentum", "kg m/s", "of the whole, world axes"),
         ("angular_momentum", "kg m^2/s", "of the whole about its mass centre, world axes"),
     ),
-    *_rows(
+    *rows(
         "audit: time",
-        ("momentum_scale", "kg m/s", f"summed magnitudes, {_APART}", _SIZE),
+        ("momentum_scale", "kg m/s", f"summed magnitudes, {_APART}", SIZE),
         (
             "angular_momentum_scale",
             "kg m^2/s",
             f"summed magnitudes about the mass centre, {_APART}",
-            _SIZE,
+            SIZE,
         ),
     ),
 )
 # Joints with one axis.
 _MOTIONS: tuple[Variable, ...] = (
-    *_rows(
+    *rows(
         "motion: time joint",
         ("motion_angle", "rad", "rotation about the joint's axis"),
         ("motion_rate", "rad/s", "its rate"),
         ("motion_acceleration", "rad/s^2", "its acceleration"),
     ),
-    *_rows(
+    *rows(
         "motion: time sliding_joint",
         ("slide_position", "m", "way along the joint's axis"),
         ("slide_rate", "m/s", "its rate"),
         ("slide_acceleration", "m/s^2", "its acceleration"),
     ),
 )
-# Of the whole run: sums, ends and peaks.
-_SUMMARIES: tuple[Variable, ...] = (
-    *_rows(
-        "summary: joint",
-        ("final_angle", "rad", "motion angle at the end"),
-        ("final_rate", "rad/s", "its rate at the end"),
-        ("peak_acceleration", "rad/s^2", "largest size of its acceleration at a sample", _SIZE),
-    ),
-    *_rows(
-        "summary: sliding_joint",
-        ("final_position", "m", "way along the joint's axis at the end"),
-        ("final_slide_rate", "m/s", "its rate at the end"),
-        ("peak_slide_acceleration", "m/s^2", "largest size of its acceleration at a sample", _SIZE),
-    ),
-    *_rows(
-        "summary: drive",
-        ("total_work", "J", "work of the drive from start to end"),
-        ("total_gross_work", "J", "integral of |power| of the drive from start to end", _TOTAL),
-    ),
-    *_rows(
-        "summary: contact",
-        ("total_normal_loss", "J", "energy lost to normal contact from start to end", _LOST),
-        ("total_friction_loss", "J", "energy lost to friction from start to end", _LOST),
-    ),
-    *_rows(
-        "summary: motion",
-        (
-            "peak_effort",
-            "N m",
-            "largest size of the torque that holds the motion, located between samples (a force [N])",
-            _SIZE,
-        ),
-        ("time_of_peak_effort", "s", "when it was"),
-    ),
-    *_rows(
-        "summary: drive",
-        (
-            "peak_drive_effort",
-            "N m",
-            "largest size of the drive's torque, located between samples (a force [N])",
-            _SIZE,
-        ),
-        ("time_of_peak_drive_effort", "s", "when it was"),
-    ),
-    *_rows(
-        "summary: closure",
-        ("peak_closure_force", "N", "largest force of the closure at a sample", _SIZE),
-        ("peak_closure_moment", "N m", "largest moment of the closure at a sample", _SIZE),
-    ),
-    *_rows("summary: coupling", ("peak_coupling_torque", "N m", f"largest size of the {_COUPLED}", _SIZE)),
-    *_rows(
-        "summary: spring",
-        ("total_damper_loss", "J", "energy lost in the damper, or to a joint's own friction, in all", _TOTAL),
-    ),
-    *_rows(
-        "summary: bearing",
-        ("peak_bearing_force", "N", "largest force of the bearing at a sample", _SIZE),
-        ("peak_bearing_moment", "N m", "largest moment of the bearing at a sample", _SIZE),
-    ),
-    *_rows(
-        "summary: sampled",
-        ("ticks", "1", "instants at which the controller was asked", _SIZE),
-        ("saturated_ticks", "1", "those at which limits held its command", _SIZE),
-    ),
-    *_rows("summary: element", ("total_element_loss", "J", "energy lost in it in all", _LOST)),
-    *_rows(
-        "summary: elastic_part",
-        ("peak_deflection", "rad", "largest size of the part's deflection at a sample (a way [m])", _SIZE),
-        ("peak_elastic_energy", "J", "largest energy in the part's spring at a sample", _SIZE),
-        ("total_elastic_loss", "J", "energy lost in the part's damper in all", _TOTAL),
-        ("peak_spin", "rad/s", "largest angular speed of the part's hub at a sample", _SIZE),
-    ),
+# Forces on links.
+_FORCES: tuple[Variable, ...] = rows(
+    "derivative: time force_place axis",
+    ("applied_force", "N", "force at the place, world axes"),
+    ("applied_torque", "N m", "torque about the place, world axes"),
+    "derivative: time force",
+    ("force_energy", "J", "energy stored, of one that puts nothing in"),
+    "ledger: time force",
+    ("force_work", "J", "work of the force since the start"),
+    ("force_gross_work", "J", "integral of |power| of the force", TOTAL),
+    ("force_loss", "J", "energy lost, of one that puts nothing in"),
+    "ledger: time force axis",
+    ("force_impulse", "N s", "integral of the force, world axes"),
+    ("force_angular_impulse", "N m s", "integral of its moment about the world's origin, world axes"),
+    ("force_central_impulse", "N m s", "integral of its moment about the mass centre of all"),
 )
 #: Every variable of a result, by name.
 VARIABLES: dict[str, Variable] = {
     variable.name: variable
-    for part in (_STATES, _CONTACTS, _ENERGIES, FORCES, _MOTIONS, _SUMMARIES, HAPPENINGS)
+    for part in (_STATES, _CONTACTS, _ENERGIES, _FORCES, _MOTIONS, SUMMARIES, EPISODES)
     for variable in part
 }
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -14,18 +16,265 @@ from numpy.typing import NDArray
 from antenna_pin.analysis import answer
 from antenna_pin.base.readable import number, readable
 from antenna_pin.scenario import scenario_toml
-from antenna_pin.views._card import Card, Fact, Fold, measured, table
+from antenna_pin.trajectory.quantities import HEADINGS, RUN
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from antenna_pin.dynamics import System
     from antenna_pin.linear import Modes
     from antenna_pin.nonlinear import Orbit
     from antenna_pin.scenario import Scenario
     from antenna_pin.sweep import Study
     from antenna_pin.trajectory import Trajectory
 
-__all__ = ["modes_card", "orbit_card", "run_card", "scenario_card", "study_card"]
+__all__ = [
+    "Card",
+    "Fact",
+    "Fold",
+    "measured",
+    "modes_card",
+    "orbit_card",
+    "run_card",
+    "scenario_card",
+    "study_card",
+    "system_card",
+    "table",
+]
+
+
+_TEXT_COLUMNS, _LINES = 80, 24
+
+# Pages say whether they are dark in several ways: the system's, JupyterLab's, Sphinx' and VS Code's.
+_LIGHT = (
+    "--good:#00734f;--bad:#b3261e;--line-1:#0072b2;--line-2:#c44e00;--line-3:#00734f;--line-4:#a8417a;"
+    "--line-5:#8a6100;--line-6:#2a7fb8"
+)
+_DARK = (
+    "--good:#4cc38a;--bad:#ff8a70;--line-1:#6cb6ff;--line-2:#ff9d5c;--line-3:#4cc38a;--line-4:#e5a3c9;"
+    "--line-5:#f2c14e;--line-6:#8fd3ff"
+)
+_SAYS_LIGHT = ('html[data-theme="light"]', '[data-jp-theme-light="true"]', "body.vscode-light")
+_SAYS_DARK = ('html[data-theme="dark"]', '[data-jp-theme-light="false"]', "body.vscode-dark")
+_RULES = {
+    "": "font:14px/1.45 system-ui,sans-serif;max-width:60rem;text-align:left;overflow-wrap:anywhere",
+    " header": "border-bottom:1px solid color-mix(in srgb,currentColor 25%,transparent);padding:.2rem 0",
+    " header i": "opacity:.75;font-style:normal;margin-right:.5em",
+    " dl": "display:grid;grid-template-columns:minmax(6em,max-content) 1fr;gap:.1rem .9rem;margin:.4rem 0",
+    " dt": "opacity:.75;font-weight:400",
+    " dd": "margin:0",
+    " summary": "cursor:pointer;padding:.15rem 0",
+    " summary span": "opacity:.75",
+    " details>div": "overflow-x:auto;padding:0 0 .4rem 1rem",
+    " table": "border-collapse:collapse;font-size:13px;margin:0;overflow-wrap:normal",
+    " tr": "background:none",
+    " td": "text-align:left;padding:.1rem .9rem .1rem 0;vertical-align:top;border:0",
+    " th": "text-align:left;padding:.1rem .9rem .1rem 0;vertical-align:bottom;border:0;opacity:.75;"
+    "font-weight:400",
+    " .n": "text-align:right;font-variant-numeric:tabular-nums",
+    " td.n": "white-space:nowrap",
+    " pre": "margin:0;font-size:12px;white-space:pre-wrap;background:none;color:inherit",
+    " .good": "color:var(--good)",
+    " .bad": "color:var(--bad)",
+}
+
+
+def _style() -> str:
+    own = ".antenna-pin-card"
+    rules = "".join(f"{own}{place}{{{rule}}}" for place, rule in _RULES.items())
+    light, dark = (",".join(f"{one} {own}" for one in said) for said in (_SAYS_LIGHT, _SAYS_DARK))
+    return (
+        f"<style>{own}{{{_LIGHT}}}@media(prefers-color-scheme:dark){{{own}{{{_DARK}}}}}"
+        f"{light}{{{_LIGHT}}}{dark}{{{_DARK}}}{rules}</style>"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One thing that is said: what it is about, and what is said.
+
+    Attributes:
+        about: Of what.
+        text: What.
+        good: Whether that is as it should be; None where that is no question.
+    """
+
+    about: str
+    text: str
+    good: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """A part that folds.
+
+    Attributes:
+        title: Its title.
+        said: What is said beside it while it is folded.
+        html: What is in it.
+        open: Whether it is open at first.
+    """
+
+    title: str
+    said: str
+    html: str
+    open: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Card:
+    """What a thing shows of itself.
+
+    Attributes:
+        kind: What it is.
+        title: Which one.
+        facts: What is said of it first.
+        folds: What is there besides, in a notebook.
+        hint: What to ask it next, in a shell.
+    """
+
+    kind: str
+    title: str
+    facts: tuple[Fact, ...]
+    folds: tuple[Fold, ...] = ()
+    hint: str = ""
+
+    def text(self) -> str:
+        """Return it as text, of 80 columns and at most 24 lines."""
+        widest = min(max((len(fact.about) for fact in self.facts), default=0), 24)
+        lines = textwrap.wrap(f"{self.kind} {self.title}", _TEXT_COLUMNS, subsequent_indent="  ")
+        for fact in self.facts:
+            about = f"  {fact.about:<{widest}}  "
+            whole = f"{about}{fact.text}"
+            lines += textwrap.wrap(whole, _TEXT_COLUMNS, subsequent_indent=" " * (widest + 4)) or [about]
+        last = textwrap.wrap(self.hint, _TEXT_COLUMNS - 2, initial_indent="  ", subsequent_indent="  ")
+        room = _LINES - len(last)
+        if len(lines) > room:
+            lines = [*lines[: room - 1], f"  ... and {len(lines) - room + 1} lines more"]
+        return "\n".join([*lines, *last])
+
+    def html(self) -> str:
+        """Return it as HTML for a notebook."""
+        return f'{_style()}<div class="antenna-pin-card">{"".join(self._parts())}</div>'
+
+    def _parts(self) -> Iterator[str]:
+        yield f"<header><i>{escape(self.kind)}</i><b>{escape(self.title)}</b></header>"
+        said = "".join(
+            f"<dt>{escape(fact.about)}</dt><dd{_look(fact.good)}>{escape(fact.text)}</dd>"
+            for fact in self.facts
+        )
+        yield f"<dl>{said}</dl>" if said else ""
+        for fold in self.folds:
+            yield (
+                f"<details{' open' if fold.open else ''}><summary>{escape(fold.title)} "
+                f"<span>{escape(fold.said)}</span></summary><div>{fold.html}</div></details>"
+            )
+
+
+def _look(good: bool | None) -> str:
+    return "" if good is None else f' class="{"good" if good else "bad"}"'
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """A number with its unit, and all its digits for who points at it."""
+
+    value: float
+    text: str
+
+
+def measured(value: float | None, unit: str = "1", digits: int = 4) -> Measured | str:
+    """Return a number for a table's cell, as it is read, with all its digits behind it; a dash for none."""
+    if value is None or value != value:
+        return readable(None)
+    return Measured(float(value), readable(float(value), unit, digits))
+
+
+def table(rows: Sequence[Sequence[Any]], head: Sequence[str] = ()) -> str:
+    """Return rows of texts and numbers (:func:`measured`) as HTML."""
+    columns = [any(isinstance(one, Measured) for one in column) for column in zip(*rows, strict=True)]
+    right = ['class="n"' if numbers else "" for numbers in columns] or [""] * len(head)
+    cells = (_element("th", look, escape(one)) for look, one in zip(right, head, strict=False))
+    top = f"<tr>{''.join(cells)}</tr>" if head else ""
+    body = "".join(f"<tr>{''.join(map(_cell, right, row))}</tr>" for row in rows)
+    return f"<table>{top}{body}</table>"
+
+
+def _cell(look: str, one: Any) -> str:
+    if isinstance(one, Measured):
+        return _element("td", f'{look} title="{one.value!r}"', escape(one.text))
+    return _element("td", look, escape(str(one)))
+
+
+def _element(name: str, attributes: str, text: str) -> str:
+    return f"<{name}{attributes and ' '}{attributes}>{text}</{name}>"
+
+
+_NAMES = 12  # of things of a kind
+_SYSTEM_ROWS = 60  # of a table
+
+
+def system_card(system: System) -> Card:
+    """Return what a system is: its mechanism, joints by kind, elements by family, and its state."""
+    mechanism, model = system.mechanism, system.model
+    joints = dict(_joints(system))
+    mass = float(sum(one.mass for one in model.inertias))
+    nx = system.manifold.nx
+    facts = [
+        Fact("base", f"{mechanism.base}; {readable(mass, 'kg')} in all"),
+        Fact("state", f"{model.nq} numbers of configuration, {model.nv} of velocity, {nx} integrated"),
+        Fact("joints", _elements_by_kind(joints)),
+        *(Fact(family, _elements_by_kind(kinds)) for family, kinds in _acting(system)),
+    ]
+    places = [(name, slot.q, slot.v) for name, slot in mechanism.joints.items()]
+    if mechanism.base == "free":
+        places.insert(0, ("base", mechanism.base_q, mechanism.base_v))
+    rows = [
+        [name, joints.get(name, "free"), ", ".join(system.names_q[q]), ", ".join(system.names_v[v])]
+        for name, q, v in places
+    ]
+    more = f"first {_SYSTEM_ROWS} of {len(rows)}" if len(rows) > _SYSTEM_ROWS else "names of q and v"
+    folds = (Fold("coordinates", more, table(rows[:_SYSTEM_ROWS], ("", "", "configuration", "velocity"))),)
+    return Card("System of", mechanism.name, tuple(fact for fact in facts if fact.text), folds)
+
+
+def _joints(system: System) -> Iterator[tuple[str, str]]:
+    """Yield what each joint is: with play, held, on a bearing, or of the tree."""
+    play = {joint.name: type(joint.geometry).__name__ for joint in system.clearances}
+    for name, slot in system.mechanism.joints.items():
+        if name in play:
+            yield name, f"with play, {play[name]}"
+        elif name in system.held:
+            yield name, f"{system.held[name]}, held by constraint"
+        elif name in system.elastic:
+            yield name, "elastic part"
+        else:
+            yield name, "on a bearing" if name in system.on_bearings else str(slot.kind)
+
+
+def _acting(system: System) -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield what acts on joints and links, by family, and what holds them: names and kinds."""
+    for family, elements in system.families.items():
+        yield (
+            family,
+            {name: type(one).__name__ for name, one in elements.items() if name not in system.elastic},
+        )
+    loops = {name: str(one.kind) for name, one in system.closures.items() if name not in system.held}
+    yield "closures", loops
+    yield "couplings", dict.fromkeys(system.couplings, "")
+
+
+def _elements_by_kind(kinds: Mapping[str, str]) -> str:
+    """Return names, those of a kind together: "root, first (Latch)"."""
+    names: dict[str, list[str]] = {}
+    for name, kind in kinds.items():
+        names.setdefault(kind, []).append(name)
+    return "; ".join(f"{_few(some)}{f' ({kind})' if kind else ''}" for kind, some in names.items())
+
+
+def _few(names: list[str]) -> str:
+    left = len(names) - _NAMES
+    return ", ".join(names) if left <= 0 else f"{', '.join(names[:_NAMES])} and {left} more"
 
 
 Array = NDArray[np.float64]
@@ -130,15 +379,11 @@ def run_card(run: Trajectory) -> Card:
     if "conservation" in attributes:  # a whole result, not one that is being put together
         found, summary = answer(run), run.summary()
         facts[1:1] = [Fact("run", found.ended.partition(", ")[2]), *map(_fact, found.lines)]
-        rows = list(_motions(summary))
+        tables = [_named(summary[key]) for key in ("motion", "slides") if summary.get(key)]
+        joints = len(summary["motion"]) + len(summary.get("slides", ()))
         sketch = motion_sketch(data)
         folds[:0] = [
-            Fold(
-                "motion",
-                f"{len(rows)} joints",
-                table(rows[:_ROWS], ("", "at the end", "rate at the end", "largest acceleration")) + sketch,
-                bool(sketch),
-            ),
+            Fold("motion", f"{joints} joints", "".join(tables) + sketch, bool(sketch)),
             *_contacts(summary),
             Fold("kept", "energy and momentum", table(list(_kept(summary)))),
         ]
@@ -153,54 +398,34 @@ def _fact(line: Any) -> Fact:
     return Fact(line.about, line.text)
 
 
-def _motions(summary: Mapping[str, Any]) -> Iterator[list[Any]]:
-    for name, one in summary["motion"].items():
-        yield [
-            name,
-            measured(one["angle"], "rad"),
-            measured(one["rate"], "rad/s"),
-            measured(one["peak_acceleration"], "rad/s^2"),
-        ]
-    for name, one in summary.get("slides", {}).items():
-        yield [
-            name,
-            measured(one["position"], "m"),
-            measured(one["slide_rate"], "m/s"),
-            measured(one["peak_slide_acceleration"], "m/s^2"),
-        ]
-
-
-def _contacts(summary: Mapping[str, Any]) -> Iterator[Fold]:
-    contacts = summary["contacts"]
-    if not contacts:
-        return
+def _named(named: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return the table of a group of a summary."""
+    head = [HEADINGS[key] for key in next(iter(named.values()))]
     rows = [
         [
             name,
-            str(one["episodes"]),
-            measured(one["peak_force"], "N"),
-            measured(one["peak_depth"], "m"),
-            measured(one["largest_approach_speed"], "m/s"),
-            measured(one["dissipated"], "J"),
+            *(
+                str(value) if of.form == "count" else measured(value, of.unit(slides))
+                for value, (of, slides) in zip(one.values(), head, strict=True)
+            ),
         ]
-        for name, one in contacts.items()
+        for name, one in named.items()
     ]
-    head = ("", "impacts", "largest normal force", "greatest depth", "fastest approach", "energy lost")
-    peak = max(one["peak_force"] for one in contacts.values())
-    said = f"{len(contacts)}, largest normal force {readable(peak, 'N')}"
-    yield Fold("contacts", said, table(rows[:_ROWS], head))
+    return table(rows[:_ROWS], ("", *(of.words(slides) for of, slides in head)))
+
+
+def _contacts(summary: Mapping[str, Any]) -> Iterator[Fold]:
+    if contacts := summary["contacts"]:
+        peak = max(one["peak_force"] for one in contacts.values())
+        said = f"{len(contacts)}, {HEADINGS['peak_force'][0].words()} {readable(peak, 'N')}"
+        yield Fold("contacts", said, _named(contacts))
 
 
 def _kept(summary: Mapping[str, Any]) -> Iterator[list[Any]]:
     kept = summary["conservation"]
-    for key, name, unit in (
-        ("energy_error", "energy balance error", "J"),
-        ("energy_error_relative", "energy balance error, relative", "1"),
-        ("linear_momentum_drift_relative", "linear momentum drift, relative", "1"),
-        ("angular_momentum_drift_relative", "angular momentum drift, relative", "1"),
-    ):
+    for key in ("energy_error", *(name for name in kept if name.endswith("_relative"))):
         if kept.get(key) is not None:
-            yield [name, measured(kept[key], unit, 2)]
+            yield [RUN[key].words(), measured(kept[key], RUN[key].unit(), 2)]
 
 
 def _variables(data: xr.Dataset) -> str:

@@ -222,7 +222,7 @@ def reported(
         beside: Other runs that it compares, each a trajectory or a pair of a label and one; an ideal one is
             what deviations are from.
         **options: Further ones of :func:`antenna_pin.report.report`: ``title``, ``figures``, ``recordings``,
-            ``window``.
+            ``window``, ``quantities``.
 
     Raises:
         OutputError: It cannot be written there.

@@ -4,22 +4,133 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable
-from antenna_pin.errors import OutputError, UnknownNameError
-from antenna_pin.plot import study_figures, study_sensitivities
-from antenna_pin.report import Report, study_report
+from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
+from antenna_pin.linear import Modes, first_source, frequency_response, swing
+from antenna_pin.nonlinear import Orbit, orbit_table
+from antenna_pin.plot import figure_multipliers, figure_response, study_figures, study_sensitivities
+from antenna_pin.record import record_several
+from antenna_pin.report import Report, report, study_report
 from antenna_pin.sweep import Study, open_study, sensitivities
+from antenna_pin.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["StudyFigures", "figures_of_study", "reported"]
+__all__ = [
+    "StudyFigures",
+    "figures_of_study",
+    "modes_plotted",
+    "modes_recorded",
+    "orbit_plotted",
+    "orbit_reported",
+    "reported",
+]
+
+
+@takes()
+def modes_plotted(
+    modes: Modes,
+    source: str | None = None,
+    targets: str | Sequence[str] | None = None,
+    *,
+    frequencies: ArrayLike | None = None,
+    width: Literal["column", "page"] = "page",
+) -> Figure:
+    """Return magnitude and phase of a frequency response.
+
+    Args:
+        modes: About which state.
+        source: What swings, such as ``drives.NAME`` or ``base.fx``; the first of
+            :func:`antenna_pin.linear.sources_of` if left out.
+        targets: What answers (:func:`antenna_pin.linear.frequency_response`).
+        frequencies: Rising and positive [Hz].
+        width: "column" (88 mm) or "page" (180 mm).
+
+    Raises:
+        UnknownNameError: A source or target that there is not.
+        InvalidParameterError: There is nothing that could swing it.
+    """
+    start = first_source(modes) if source is None else source
+    return figure_response(frequency_response(modes, start, targets, frequencies), width=width)
+
+
+@takes()
+def modes_recorded(
+    modes: Modes,
+    path: str | os.PathLike[str],
+    numbers: Iterable[int] | None = None,
+    *,
+    amplitude: float = 1.0,
+) -> Path:
+    """Write one page on which every mode swings; return its path.
+
+    Args:
+        modes: About which state.
+        path: ``NAME.html``.
+        numbers: Of the modes, from 1; all that vibrate if left out.
+        amplitude: Times what is drawn by itself [-].
+
+    Raises:
+        InvalidParameterError: Nothing vibrates here, or there is no such mode.
+        OutputError: It cannot be written there.
+    """
+    chosen = list(numbers) if numbers is not None else modes.elastic
+    if not chosen:
+        raise InvalidParameterError("modes", "numbers", "given, as nothing vibrates here", chosen)
+    swings = [swing(modes, number, amplitude) for number in chosen]
+    return record_several(swings, path, title=str(modes.data.attrs["title"]))
+
+
+def _table(orbit: Orbit) -> xr.Dataset:
+    if orbit.system is None:
+        raise InvalidParameterError("orbit", "system", "that of its flow, which names its numbers", None)
+    return orbit_table(orbit, orbit.system, orbit.scenario)
+
+
+@takes()
+def orbit_plotted(orbit: Orbit, *, width: Literal["column", "page"] = "column") -> Figure:
+    """Return Floquet multipliers in the complex plane, with the unit circle.
+
+    Args:
+        orbit: The orbit.
+        width: "column" (88 mm) or "page" (180 mm).
+    """
+    return figure_multipliers(_table(orbit), width=width)
+
+
+@takes()
+def orbit_reported(
+    orbit: Orbit, path: str | os.PathLike[str] | None = None, *, beside: Any = (), **options: Any
+) -> Report:
+    """Return a report on the orbit, which shows itself in a notebook, and write it if a path is given.
+
+    Args:
+        orbit: The orbit.
+        path: ``NAME.html``.
+        beside: Runs and other findings in it, one or several.
+        **options: Further ones of :func:`antenna_pin.report.report`: ``title``, ``figures``, ...
+
+    Raises:
+        OutputError: It cannot be written there.
+    """
+    if path is not None:
+        check_writable(path, ".html")
+    one = isinstance(beside, Trajectory | xr.Dataset) or not isinstance(beside, Iterable)
+    several = [beside] if one else list(beside)
+    made = report(cast("Any", [*several, _table(orbit)]), **options)
+    if path is not None:
+        made.save(path)
+    return made
+
 
 Width = Literal["column", "page"]
 

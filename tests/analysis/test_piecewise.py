@@ -28,6 +28,7 @@ from antenna_pin.analysis.even import EvenSignal, uniform
 from antenna_pin.analysis.growth import growths_of
 from antenna_pin.analysis.long_spectra import long_amplitudes, long_spectrum
 from antenna_pin.trajectory import on_disk
+from antenna_pin.trajectory.file import open_hdf5
 
 MODULES = ("piecewise", "even", "sampled", "spectrum")
 
@@ -169,7 +170,9 @@ def test_single_samples_of_a_file_are_read_part_by_part(tmp_path, monkeypatch):
     whole = np.random.default_rng(3).standard_normal((50, 4, 3))
     with h5py.File(tmp_path / "file.h5", "w") as file:
         file["x"] = whole
-    lazy = on_disk.Stored(on_disk.StoredFile(tmp_path / "file.h5"), "x").variable(("time", "a", "b"), {})
+    lazy = on_disk.Stored(on_disk.StoredFile(tmp_path / "file.h5", open_hdf5), "x").variable(
+        ("time", "a", "b"), {}
+    )
     rows = np.array([0, 1, 6, 7, 20, 48, 49])
     for key in (
         {"time": rows},

@@ -14,7 +14,7 @@ import pytest
 
 from antenna_pin import load_scenario, load_study, simulate
 from antenna_pin.analysis import answer
-from antenna_pin.cli._answers import say_answer
+from antenna_pin.cli._tables import say_answer
 
 TEXTS = Path(__file__).parent / "answers"
 CASES = {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin.cli._study_tables import grid_rows
+from antenna_pin.cli.study import grid_rows
 from antenna_pin.plot.study import cell_edges, is_spaced_by_factors, quantity_of
 
 

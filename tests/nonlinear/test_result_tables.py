@@ -27,7 +27,7 @@ from antenna_pin.nonlinear import (
     save_table,
 )
 from antenna_pin.trajectory import FORMATS, library_versions
-from antenna_pin.trajectory.table_columns import TABLES, problem_of_table
+from antenna_pin.trajectory.table import TABLES, problem_of_table
 
 # A mass of 1 kg on 40 N/m and 1 N s/m, driven by 3 N at 0.8 Hz: all of it in closed form.
 K, C, FORCE, FREQUENCY = 40.0, 1.0, 3.0, 0.8

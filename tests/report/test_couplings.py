@@ -20,7 +20,7 @@ def test_words_counts_and_loads_of_couplings(run, shown):
     assert said["finger"] == "finger = −1 · thumb + 0.1 rad"
     assert said["rack"] == "rack = 10 mm/rad · thumb"
     torque = np.abs(run.data.coupling_torque).max("time")
-    place = "couplings", "finger: finger follows thumb; torque on the follower: largest torque"
+    place = "couplings", "finger: finger follows thumb: peak torque"
     assert page.numbers(*place) == [float(torque.sel(coupling="finger"))]
-    row = page.rows("couplings")["rack: rack follows thumb; force on the follower: largest force"]
+    row = page.rows("couplings")["rack: rack follows thumb: peak force"]
     assert (row[0][1], row[0][2]) == (float(torque.sel(coupling="rack")), "N")

@@ -69,23 +69,23 @@ def told(run, shown):
 
 def test_a_drive_and_the_controller_that_commands_it(run, told):
     torque = np.abs(run.data["drive_torque"].sel(drive="motor")).max().item()
-    assert told.numbers("drives", "drive motor: largest torque") == [torque]
+    assert told.numbers("drives", "drive motor: peak torque") == [torque]
     assert told.numbers("drives", "drive motor: work") == [run.data["total_work"].sel(drive="motor").item()]
-    assert told.numbers("key-results", "largest torque of drive motor") == [torque]
+    assert told.numbers("key-results", "peak torque of drive motor") == [torque]
     (asked,), (held,) = run.data["ticks"].values, run.data["saturated_ticks"].values
-    assert told.numbers("controllers", "loop: asked") == [asked] and asked == 21
-    assert told.numbers("controllers", "loop: of these held by limits") == [held] and held > 0
+    assert told.numbers("controllers", "loop: instants") == [asked] and asked == 21
+    assert told.numbers("controllers", "loop: instants at limits") == [held] and held > 0
     # It is told in words too what the controller is.
     assert "every 0.01 s" in told.said("what-controllers")["loop"]
 
 
 def test_springs_and_frictions(run, told):
     torque = np.abs(run.data["spring_torque"].sel(traced_spring="harness")).max().item()
-    assert told.numbers("springs", "spring harness: largest torque") == [torque]
+    assert told.numbers("springs", "spring harness: peak torque") == [torque]
     lost = run.data["total_damper_loss"].sel(spring="harness").item()
     assert told.numbers("springs", "spring harness: energy lost") == [lost]
     held = run.data["element_effort"].sel(element="frictions.hinge")
-    assert told.numbers("springs", "friction hinge: largest torque") == [np.abs(held).max().item()]
+    assert told.numbers("springs", "friction hinge: peak torque") == [np.abs(held).max().item()]
     lost = run.data["total_element_loss"].sel(element="frictions.hinge").item()
     assert told.numbers("springs", "friction hinge: energy lost") == [lost]
 
@@ -121,7 +121,7 @@ def test_bearings(shown):
     page = shown(report(run, figures=False, recordings=False).html)
     for what in ("force", "moment"):
         peak = run.data[f"peak_bearing_{what}"].sel(bearing="shaft").item()
-        assert page.numbers("springs", f"bearing shaft: largest {what}") == [peak]
+        assert page.numbers("springs", f"bearing shaft: peak {what}") == [peak]
 
 
 def test_many_alike_things_have_a_line_each(shown):

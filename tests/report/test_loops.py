@@ -24,11 +24,11 @@ def test_counts_residuals_and_corrections(runs, page):
     rows = page.rows("loops")
     for row, key in (
         ("counts: equations of closures", "closure_equations"),
-        ("counts: independent ones", "closure_rank"),
-        ("counts: freedoms left by closures and motions", "freedoms_left"),
-        ("largest residual: position", "position_residual"),
-        ("largest residual: angular velocity", "rate_residual"),
-        ("corrections after each step: energy that they put in", "projection_energy"),
+        ("counts: independent equations of closures", "closure_rank"),
+        ("counts: freedoms that closures and motions leave", "freedoms_left"),
+        ("residuals: largest position residual of closures and motions", "position_residual"),
+        ("residuals: largest rate residual of closures and motions", "rate_residual"),
+        ("corrections after each step: energy that corrections put in", "projection_energy"),
     ):
         numbers = [number for _, number, _ in rows[row]]
         assert numbers == [run.constraints[key] for run in runs.values()]
@@ -45,12 +45,12 @@ def test_loads_of_closures_and_what_the_motion_takes(runs, page):
         np.linalg.norm(run.data["closure_force"].sel(closure="rocker_pin"), axis=1).max()
         for run in runs.values()
     ]
-    assert page.numbers("closures", "rocker_pin, revolute: coupler - rocker: largest force") == largest
-    held = page.numbers("closures", "crank_pin, revolute: crank - coupler: largest force")
+    assert page.numbers("closures", "rocker_pin, revolute: coupler - rocker: peak force") == largest
+    held = page.numbers("closures", "crank_pin, revolute: crank - coupler: peak force")
     assert held[:2] == [None, None] and held[2] > 0.0
     works = [drive_loads(run)["work"].item() for run in runs.values()]
     assert page.numbers("drives", "drive crank, motion of drive_pin: work") == works
-    assert page.rows("drives")["drive crank, motion of drive_pin: largest torque"][0][2] == "N m"
+    assert page.rows("drives")["drive crank, motion of drive_pin: peak torque"][0][2] == "N m"
 
 
 def test_words_of_joints_closures_and_motions(page):

@@ -9,9 +9,9 @@ from scipy import stats
 
 from antenna_pin import load_scenario, run_study, simulate
 from antenna_pin.base.units import any_quantity
-from antenna_pin.cli._study_tables import said_of_time
+from antenna_pin.cli.study import said_of_time
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.sweep import design_of, load_study, preparation, run_seconds
+from antenna_pin.sweep import design_of, jobs, load_study, preparation, run_seconds
 from antenna_pin.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Counts, Outcome
 
@@ -299,18 +299,18 @@ def test_runs_are_compared_with_a_full_reference(write, tmp_path, monkeypatch):
     assert table["off"].values == pytest.approx([0.0, 0.2], abs=1e-5)
     # A signal that comes in the reference's run leaves a part, with which nothing is compared.
     study, run = (
-        prepared.prepare(write(starts, reference, text)),
+        preparation.prepare(write(starts, reference, text)),
         simulate(load_scenario("pendulum"), duration=1e-3),
     )
     stopped = SimpleNamespace(outcome=Outcome.INTERRUPTED)
     made = iter([run, stopped])
-    monkeypatch.setattr(work, "simulate", lambda *_: next(made))
-    monkeypatch.setattr(prepared, "simulate", lambda *_, **__: stopped)
-    work._reference.cache_clear()
+    monkeypatch.setattr(jobs, "simulate", lambda *_: next(made))
+    monkeypatch.setattr(preparation, "simulate", lambda *_, **__: stopped)
+    jobs._reference.cache_clear()
     with pytest.raises(KeyboardInterrupt):
-        work.do_jobs(study.work, [study.job(0)])
+        jobs.do_jobs(study.work, [study.job(0)])
     with pytest.raises(KeyboardInterrupt):
-        prepared.trial(study)
+        preparation.trial(study)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.base.files import seal
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory import format_of, open_table
-from antenna_pin.trajectory.on_disk import StoredFile
+from antenna_pin.trajectory.file import open_hdf5
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def test_a_result_does_not_pull_in_another_file(run, tmp_path, change, name, got
         change(file, run.parent, shape)
     seal(path)
     said = f"{name} must hold its own numbers, got {got}; .* whole copy"
-    for read in (Trajectory.load, format_of, lambda at: open_table(at, "orbit"), StoredFile):
+    for read in (Trajectory.load, format_of, lambda at: open_table(at, "orbit"), open_hdf5):
         with pytest.raises(FileFormatError, match=said):
             read(path)
 
