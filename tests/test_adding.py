@@ -115,9 +115,16 @@ CUBIC_KERNELS = '''
 """A cubic spring, compiled."""
 
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 
-LAYOUT = layout(("cubic", "f8"))
+
+class PackedCubic(Record):
+    """A cubic spring's parameters."""
+
+    cubic: float  # [N m/rad^3] ([N/m^3])
+
+
+LAYOUT = layout(PackedCubic)
 SIZE = words_of(LAYOUT)
 
 

@@ -15,20 +15,8 @@ from typing import Annotated, Any
 import typer
 
 from antenna_pin.base.readable import number
-from antenna_pin.cli._common import (
-    FigureFormatOption,
-    FigureOutOption,
-    Width,
-    WidthOption,
-)
-from antenna_pin.cli._export import (
-    CsvOption,
-    JsonOption,
-    csv_target,
-    exported,
-    figures_asked,
-    save_figures,
-)
+from antenna_pin.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, figures_asked, save_figures
 from antenna_pin.cli._quantities import clearance_of, list_of, positive_quantity
 from antenna_pin.cli._tables import fixed_text, length_text, number_text, power_above, print_rows
 from antenna_pin.cli.experiment import experiment

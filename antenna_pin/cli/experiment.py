@@ -8,20 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import (
-    FigureFormatOption,
-    FigureOutOption,
-    Width,
-    WidthOption,
-)
-from antenna_pin.cli._export import (
-    CsvOption,
-    JsonOption,
-    csv_target,
-    exported,
-    figures_asked,
-    save_figures,
-)
+from antenna_pin.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, figures_asked, save_figures
 from antenna_pin.cli._quantities import positive_quantity
 from antenna_pin.cli._tables import length_text, percent_text, print_rows
 

@@ -8,16 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from antenna_pin.cli._common import (
-    REFUSED,
-    CaseOption,
-    SetOption,
-    load,
-    refuse,
-    say,
-    stem,
-    writable_file,
-)
+from antenna_pin.cli._common import REFUSED, CaseOption, SetOption, load, refuse, say, stem, writable_file
 from antenna_pin.cli._packages import PackagePathOption, package_folders
 
 if TYPE_CHECKING:

@@ -14,14 +14,7 @@ from typing import Any
 from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.force_kernels import least_forces, wrenches
-from antenna_pin.constraints.layout_kernels import (
-    applied_in,
-    body_at,
-    closure_at,
-    hold_at,
-    place_at,
-    plan_of,
-)
+from antenna_pin.constraints.layout_kernels import applied_in, body_at, closure_at, hold_at, place_at, plan_of
 from antenna_pin.elements import kernels as elements
 from antenna_pin.mechanism.tree_kernels import cross
 

@@ -48,14 +48,7 @@ from antenna_pin.constraints.layout_kernels import (
     plan_of,
 )
 from antenna_pin.elements import kernels as elements
-from antenna_pin.mechanism.tree_kernels import (
-    BODY,
-    PLACE,
-    bias_accelerations,
-    cross,
-    place_bodies,
-    unwrapped,
-)
+from antenna_pin.mechanism.tree_kernels import BODY, PLACE, bias_accelerations, cross, place_bodies, unwrapped
 
 # Of a difference of numbers, over the sum of their sizes: of each half an ulp, some times over.
 _ROUND_OFF = 4.0 * 2.220446049250313e-16

@@ -27,34 +27,33 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Matrix3, Record, Vector3, Vector6, layout
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import body_at, closure_at, coupled_at, place_at, plan_of
 from antenna_pin.mechanism.number_kernels import write_frame_change
 from antenna_pin.mechanism.room_kernels import crossed
 from antenna_pin.mechanism.spatial_kernels import add_six, cross_motion, cross_wrench, set_six
 
-#: A closure in a state: the origin of its second frame from the point, that one's third axis, the axes of the
-#: first (columns); U and U', the wrench on the second body, and the moment along e alone. Then for one
-#: displacement: how far the frames move on their bodies; how far the second moves as the first sees it, and
-#: the changes of U, U', and of the wrench.
-TIE = layout(
-    ("point", np.float64, (3,)),
-    ("other", np.float64, (3,)),
-    ("axes", np.float64, (3, 3)),
-    ("velocity", np.float64, (6,)),
-    ("acceleration", np.float64, (6,)),
-    ("wrench", np.float64, (6,)),
-    ("couple", np.float64),
-    ("first_shift", np.float64, (6,)),
-    ("second_shift", np.float64, (6,)),
-    ("way", np.float64, (6,)),
-    ("velocity_change", np.float64, (6,)),
-    ("acceleration_change", np.float64, (6,)),
-    ("wrench_change", np.float64, (6,)),
-)
+
+class Tie(Record):
+    """A closure in a state about a point, and for one displacement."""
+
+    point: Vector3  # origin of its second frame, from the point [m]
+    other: Vector3  # third axis of the second frame
+    axes: Matrix3  # of the first frame (columns)
+    velocity: Vector6  # U
+    acceleration: Vector6  # U'
+    wrench: Vector6  # on the second body
+    couple: float  # moment along e alone [N m]
+    first_shift: Vector6  # of the first frame on its body, by the displacement
+    second_shift: Vector6  # of the second frame on its body
+    way: Vector6  # of the second frame, as the first sees it
+    velocity_change: Vector6  # of U
+    acceleration_change: Vector6  # of U'
+    wrench_change: Vector6  # of the wrench
+
+
+TIE = layout(Tie)
 
 
 @inlined

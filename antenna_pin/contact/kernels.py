@@ -28,11 +28,7 @@ from antenna_pin.contact.conformal_kernels import (
     persson_energy,
     persson_force,
 )
-from antenna_pin.contact.cylinder_kernels import (
-    LOGARITHMIC_LAW,
-    logarithmic_energy,
-    logarithmic_force,
-)
+from antenna_pin.contact.cylinder_kernels import LOGARITHMIC_LAW, logarithmic_energy, logarithmic_force
 from antenna_pin.contact.damping_kernels import DISSIPATION_RECORDS, damped_force, takes_mass_of_contact
 from antenna_pin.contact.pin_joint_kernels import PIN_JOINT_LAW, pin_joint_force
 from antenna_pin.contact.power_kernels import POWER_LAW, power

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.records import Record, check_names
-from antenna_pin.compiled.decorators import record
+from antenna_pin.compiled.record import Layout, record
 
 _ELASTIC_ROOM = 8
 _DISSIPATION_ROOM = 6
@@ -32,7 +32,7 @@ NORMAL_SIZE = len(_KINDS) + _ELASTIC_ROOM + _DISSIPATION_ROOM
 FRICTION_SIZE = 12
 
 
-def _record(size: int, first: int, room: int, names: tuple[str, ...]) -> np.dtype[Any]:
+def _record(size: int, first: int, room: int, names: tuple[str, ...]) -> Layout[Any]:
     """Return a record of ``size`` floats with names for those from ``first`` on, ``room`` of them at most."""
     if len(names) > room:
         raise ValueError(f"{', '.join(names)}: there is room for {room}")
@@ -43,20 +43,20 @@ def _record(size: int, first: int, room: int, names: tuple[str, ...]) -> np.dtyp
         "offsets": [8 * (first + i) for i in range(len(names))],
         "itemsize": 8 * size,
     }
-    return np.dtype((Record, layout))
+    return Layout((Record, layout))
 
 
-def elastic_record(*names: str) -> np.dtype[Any]:
+def elastic_record(*names: str) -> Layout[Any]:
     """Return the record of a normal law with names for what its elastic part has."""
     return _record(NORMAL_SIZE, len(_KINDS), _ELASTIC_ROOM, names)
 
 
-def dissipation_record(*names: str) -> np.dtype[Any]:
+def dissipation_record(*names: str) -> Layout[Any]:
     """Return the record of a normal law with names for what its dissipation has."""
     return _record(NORMAL_SIZE, len(_KINDS) + _ELASTIC_ROOM, _DISSIPATION_ROOM, names)
 
 
-def friction_record(*names: str) -> np.dtype[Any]:
+def friction_record(*names: str) -> Layout[Any]:
     """Return the record of a friction law with names for what it has."""
     return _record(FRICTION_SIZE, 1, FRICTION_SIZE - 1, names)
 
@@ -65,7 +65,7 @@ NORMAL_LAW = _record(NORMAL_SIZE, 0, len(_KINDS), _KINDS)
 FRICTION_LAW = _record(FRICTION_SIZE, 0, 1, ("kind",))
 
 
-def coded(code: NDArray[np.float64], layout: np.dtype[Any], values: Mapping[str, float]) -> None:
+def coded(code: NDArray[np.float64], layout: Layout[Any], values: Mapping[str, float]) -> None:
     """Write the parameters of a law into its flat numbers.
 
     Args:

@@ -5,24 +5,25 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, Vector3, layout
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.tree_kernels import place_bodies
 
-# What a state has: energies [J] (those stored in contacts and springs are others' to write), momenta, the
-# angular one about the mass centre, and their scales [kg m/s, kg m^2/s].
-AUDIT = layout(
-    ("kinetic", np.float64),
-    ("contacts", np.float64),
-    ("springs", np.float64),
-    ("gravity", np.float64),
-    ("linear", np.float64, (3,)),
-    ("angular", np.float64, (3,)),
-    ("linear_scale", np.float64),
-    ("angular_scale", np.float64),
-)
+
+class Audit(Record):
+    """Energies and momenta of a state; those of contacts and springs are written elsewhere."""
+
+    kinetic: float  # [J]
+    contacts: float  # stored there [J]
+    springs: float  # stored there [J]
+    gravity: float  # [J]
+    linear: Vector3  # momentum [kg m/s]
+    angular: Vector3  # momentum about the mass centre [kg m^2/s]
+    linear_scale: float  # [kg m/s]
+    angular_scale: float  # [kg m^2/s]
+
+
+AUDIT = layout(Audit)
 
 
 @kernel

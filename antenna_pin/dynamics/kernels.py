@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.base.records import BLOCK, CIRCLE, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
+from antenna_pin.base.records import BLOCK, CIRCLE, CONTACT, MEMORY, POSE, PROGRAM, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.kernels import clearance_joint, joint_energy
@@ -45,25 +45,26 @@ CONTACT_WORDS = words_of(CONTACT)
 ABOUTS = ("bearing", "journal", "motion", "pose")
 ABOUT_JOURNAL, ABOUT_MOTION, ABOUT_POSE = 1, 2, 3
 
-#: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
-#: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about,
-#: place of the turned angle in x or -1, whether it depends on the joint's motion; how far behind it the head
-#: of the output stands (``partner``), or of another joint seen; whether it is on.
-ELEMENT = layout(
-    ("kind", "i8"),
-    ("length", "i8"),
-    ("joint", "i8"),
-    ("q", "i8"),
-    ("v", "i8"),
-    ("x", "i8"),
-    ("play", "i8"),
-    ("about", "i8"),
-    ("turn", "i8"),
-    ("senses", "i8"),
-    ("partner", "i8"),
-    ("sensed", "i8"),
-    ("on", "f8"),
-)
+
+class ElementHead(Record):
+    """The head of an element at a joint."""
+
+    kind: int  # of the element
+    length: int  # of its block, in 8-byte words
+    joint: int  # how the joint moves (FIXED_AXIS, ...), if it has no play
+    q: int  # start of the joint's slice of q
+    v: int  # start of the joint's slice of v
+    x: int  # start of the element's own slice of x
+    play: int  # block of the joint with play; -1: none
+    about: int  # axis that it acts about
+    turn: int  # place of the turned angle in x; -1: none
+    senses: int  # 1: it depends on the joint's motion
+    partner: int  # how far behind it the head of the output stands
+    sensed: int  # how far behind it the head of another joint stands
+    on: float  # 1: acts
+
+
+ELEMENT = layout(ElementHead)
 PARAMETERS = words_of(ELEMENT)
 
 

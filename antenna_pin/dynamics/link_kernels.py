@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, Vector3, layout
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.audit_kernels import mass_centre
 from antenna_pin.dynamics.kernels import PARAMETERS, act_at, element_at, head_of, own_motion
@@ -31,8 +31,15 @@ from antenna_pin.elements.desk_kernels import (
 )
 from antenna_pin.mechanism.tree_kernels import place_bodies
 
-#: A place at which a force acts, at a sample: force [N], and torque about it [N m], world axes.
-APPLIED = layout(("force", "f8", (3,)), ("torque", "f8", (3,)))
+
+class Applied(Record):
+    """A force on a link at a sample, world axes."""
+
+    force: Vector3  # [N]
+    torque: Vector3  # about the place where the force acts [N m]
+
+
+APPLIED = layout(Applied)
 
 
 @inlined

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.calls import call_back
 from antenna_pin.compiled.decorators import inlined
@@ -20,28 +20,26 @@ ANSWERED = 0
 REFUSED = 1
 RAISED = 2
 
-#: Addresses of what is asked: before elements are evaluated, ``elements`` (gaps, laws and drives in Python)
-#: at a time and state; for the constraints' sake only ``motions``; the ``acceleration`` under ``effort``;
-#: mass matrix and bias, ``terms``; gaps that a backend measures, ``gaps``, and then laws' ``forces`` on them,
-#: of one ``contact`` or of all (-1). Of the loop: a whole trial ``step`` of a size [s], and how much longer
-#: the trial is to be, the ``lack`` [s]. Then whether elements are asked only while a contact is ``touching``;
-#: that contact; whether the start of the step is ``new``; a ``failed`` question's status; an ``answer`` in
-#: one number.
-ASKED = layout(
-    ("elements", "i8"),
-    ("motions", "i8"),
-    ("acceleration", "i8"),
-    ("terms", "i8"),
-    ("gaps", "i8"),
-    ("forces", "i8"),
-    ("step", "i8"),
-    ("lack", "i8"),
-    ("touching", "i8"),
-    ("contact", "i8"),
-    ("new", "i8"),
-    ("failed", "i8"),
-    ("answer", "f8"),
-)
+
+class Asked(Record):
+    """Addresses of callbacks, 0 where the kernel's own code serves, and their arguments and answers."""
+
+    elements: int  # before elements are evaluated, at a time and state
+    motions: int  # the same, for constraints only
+    acceleration: int  # under ``effort``
+    terms: int  # mass matrix and bias
+    gaps: int  # measured by a backend
+    forces: int  # of laws on these gaps, of one ``contact`` or of all
+    step: int  # of the loop: a whole trial step of a size [s]
+    lack: int  # of the loop: by how much longer the trial is to be [s]
+    touching: int  # 1: elements are called only while a contact touches
+    contact: int  # whose forces; -1: all
+    new: int  # 1: the start of the step is new
+    failed: int  # status of a callback that failed
+    answer: float  # in one number
+
+
+ASKED = layout(Asked)
 
 
 @by_address

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, layout
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.trial_kernels import (
     DEPTH_RATE,
@@ -18,8 +18,17 @@ from antenna_pin.dynamics.trial_kernels import (
 
 #: A step is looked at in this many parts.
 NODES = 4
-# What is recorded of a contact while it lasts: largest force [N] and when [s], largest depth [m].
-PEAK = layout(("force", "f8"), ("time", "f8"), ("depth", "f8"))
+
+
+class Peak(Record):
+    """Largest values of a contact while it lasts."""
+
+    force: float  # [N]
+    time: float  # of the largest force [s]
+    depth: float  # [m]
+
+
+PEAK = layout(Peak)
 _GOLDEN = 0.3819660112501051
 # Of a step: the force is flat there, and wrong by the square of that.
 _NEAR = 1e-6

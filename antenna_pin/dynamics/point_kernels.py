@@ -10,18 +10,43 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout, words_of
+from antenna_pin.base.records import (
+    CIRCLE,
+    FIXED_AXIS,
+    PLANE,
+    RIGID,
+    ROTATION,
+    SLIDE,
+    Record,
+    Vector3,
+    layout,
+    words_of,
+)
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
 
-#: An end: index of its body (-1: the world), and its place in the body's frame [m].
-SIDE = layout(("body", "i8"), ("point", "f8", (3,)))
+
+class Side(Record):
+    """An end of a spring between points."""
+
+    body: int  # index; -1: the world
+    point: Vector3  # in the body's frame [m]
+
+
+SIDE = layout(Side)
 SIDE_WORDS = words_of(SIDE)
 
-#: A spring at a sample: its length [m], the force that draws its points together [N], and the force on the
-#: second one's link, in world axes [N].
-STRETCH = layout(("length", "f8"), ("tension", "f8"), ("force", "f8", (3,)))
+
+class Stretched(Record):
+    """A spring between points at a sample."""
+
+    length: float  # [m]
+    tension: float  # force that draws its points together [N]
+    force: Vector3  # on the second point's link, world axes [N]
+
+
+STRETCH = layout(Stretched)
 
 # Distance of points that coincide, of their distances from the world's origin: round-off.
 COINCIDE = 1e-15

@@ -9,15 +9,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import CONTACT, MEMORY, POSE, layout, words_of
+from antenna_pin.base.records import CONTACT, MEMORY, POSE, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.kernels import CONTACT_WORDS, MEMORY_WORDS, POSE_WORDS, head_of
 from antenna_pin.geometry.coal_kernels import WORDS, coal_set_out, coal_take_in
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import journal_state
 
-#: The head of a joint's stretch: its block in the program.
-QUERIED = layout(("block", "i8"))
+
+class Queried(Record):
+    """The head of a joint's stretch of queries."""
+
+    block: int  # of the joint in the program
+
+
+QUERIED = layout(Queried)
 HEAD = words_of(QUERIED)
 QUERIED_WORDS = HEAD + WORDS
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from antenna_pin.base.records import MEMORY, POSE, layout
+from antenna_pin.base.records import MEMORY, POSE, Record, Vector3, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics import link_kernels as _links
@@ -36,24 +34,44 @@ from antenna_pin.joints.layout_kernels import ALL_COMPILED, CLEARANCE, joint_at,
 from antenna_pin.joints.pose_kernels import journal_state, motion_angle
 from antenna_pin.mechanism.tree_kernels import unwrapped
 
-# A contact at a sample, by the names of the result's variables.
-SEEN = layout(
-    ("gap", np.float64),
-    ("depth", np.float64),
-    ("depth_rate", np.float64),
-    ("slip_speed", np.float64),
-    ("normal_force", np.float64),
-    ("friction_force", np.float64),
-    ("contact_force", np.float64, (3,)),
-    ("contact_point", np.float64, (3,)),
-)
-# A drive at a sample: its effort [N m] or [N], the reference that it follows, and how far it is from it.
-EFFORT = layout(("effort", np.float64), ("reference", np.float64), ("error", np.float64))
-# An element of a further family at a sample: its effort [N m] or [N], what it acts by [rad] or [m], stored
-# energy [J], mode.
-DONE = layout(
-    ("effort", np.float64), ("deflection", np.float64), ("energy", np.float64), ("mode", np.float64)
-)
+
+class Seen(Record):
+    """A contact at a sample, by the names of the result's variables."""
+
+    gap: float  # [m]
+    depth: float  # [m]
+    depth_rate: float  # [m/s]
+    slip_speed: float  # [m/s]
+    normal_force: float  # [N]
+    friction_force: float  # [N]
+    contact_force: Vector3  # on the journal, bearing axes [N]
+    contact_point: Vector3  # from the bearing's centre [m]
+
+
+SEEN = layout(Seen)
+
+
+class Effort(Record):
+    """A drive at a sample."""
+
+    effort: float  # [N m] ([N])
+    reference: float  # that it follows [rad] ([m])
+    error: float  # from the reference [rad] ([m])
+
+
+EFFORT = layout(Effort)
+
+
+class Done(Record):
+    """An element of a further family at a sample."""
+
+    effort: float  # [N m] ([N])
+    deflection: float  # that it acts by [rad] ([m])
+    energy: float  # stored [J]
+    mode: float  # of the element
+
+
+DONE = layout(Done)
 
 
 @inlined

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Indices2, Record, layout
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.angle_change_kernels import (
     MOST,
@@ -35,22 +35,23 @@ from antenna_pin.integrate.manifold_kernels import factor_of, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
 
-#: What acts, a joint with play (``element`` 0) or an element at joints: its number among these; its block in
-#: the program; the joint's
-#: freedoms in v and its factor of the configuration space, twice, the other joint's of an element that knows
-#: two (none: of no freedoms); where in x what it integrates begins and ends, and its bristles among all.
-PART = layout(
-    ("element", "i8"),
-    ("number", "i8"),
-    ("block", "i8"),
-    ("v", "i8", (2,)),
-    ("freedoms", "i8", (2,)),
-    ("factor", "i8", (2,)),
-    ("x", "i8"),
-    ("x_end", "i8"),
-    ("bristle", "i8"),
-    ("bristle_end", "i8"),
-)
+
+class Part(Record):
+    """A joint with play (``element`` 0) or an element at joints, and what its efforts depend on."""
+
+    element: int  # 1: an element, 0: a joint with play
+    number: int  # among these
+    block: int  # in the program
+    v: Indices2  # starts of the freedoms in v, of its joint and of the other joint
+    freedoms: Indices2  # of both; 0: there is no other
+    factor: Indices2  # of the configuration space, of both
+    x: int  # start of its integrals in x
+    x_end: int  # their end
+    bristle: int  # first of its bristles, among all
+    bristle_end: int  # behind its last
+
+
+PART = layout(Part)
 #: What of an element goes with a number of the system, added up: itself, frames of joints that it knows.
 ITSELF, FRAMES = 1, 2
 #: What its law is asked with: angle (or way) and rate of what it sees, those of its other joint, its power.

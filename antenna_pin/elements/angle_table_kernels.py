@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.curve_kernels import area, curve
 
-#: Behind it stands the curve, with its integral up to each point. ``goes_on``: its slope does, beyond it.
-LAYOUT = layout(("points", "i8"), ("goes_on", "i8"))
+
+class PackedAngleTable(Record):
+    """A torque over the angle; the curve with its integral up to each point stands behind."""
+
+    points: int  # of the curve
+    goes_on: int  # 1: the slope continues beyond the table
+
+
+LAYOUT = layout(PackedAngleTable)
 SIZE = words_of(LAYOUT)
 
 

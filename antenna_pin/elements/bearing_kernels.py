@@ -7,36 +7,41 @@ bearing's reference point, and the tilt z x a of its axis a, in bearing axes.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 
-#: Matrices over (x, y, z, tilt about x, tilt about y); what pushes in its centred place; energy there [J];
-#: the reference point along the axis from the joint's [m]; balls, whose records stand behind.
-LAYOUT = layout(
-    ("stiffness", "f8", (5, 5)),
-    ("damping", "f8", (5, 5)),
-    ("push", "f8", (5,)),
-    ("energy", "f8"),
-    ("offset", "f8"),
-    ("balls", "i8"),
-)
+
+class PackedBearing(Record):
+    """A bearing: matrices over (x, y, z, tilt about x, tilt about y); its balls stand behind."""
+
+    stiffness: Annotated[Floats, (5, 5)]  # [N/m, N/rad, N m/rad]
+    damping: Annotated[Floats, (5, 5)]  # [N s/m, N s/rad, N m s/rad]
+    push: Annotated[Floats, 5]  # force [N] and moment [N m] in its centred place
+    energy: float  # in its centred place [J]
+    offset: float  # reference point along the axis from the joint's [m]
+    balls: int  # how many
+
+
+LAYOUT = layout(PackedBearing)
 SIZE = words_of(LAYOUT)
 
-#: A ball: its azimuth; the inner raceway's groove centre in the centred place, along the axis from the
-#: reference point and off the axis [m]; the way to it from the outer raceway's, off and along the axis [m];
-#: the length of that way unloaded [m], and force over elongation^1.5 [N/m^1.5].
-BALL = layout(
-    ("cosine", "f8"),
-    ("sine", "f8"),
-    ("height", "f8"),
-    ("radius", "f8"),
-    ("off", "f8"),
-    ("along", "f8"),
-    ("rest", "f8"),
-    ("hertz", "f8"),
-)
+
+class Ball(Record):
+    """A ball between the groove centres of its raceways."""
+
+    cosine: float  # of its azimuth
+    sine: float  # of its azimuth
+    height: float  # inner groove centre, centred, along the axis from the reference point [m]
+    radius: float  # inner groove centre off the axis [m]
+    off: float  # from the outer groove centre to the inner, off the axis [m]
+    along: float  # the same, along the axis [m]
+    rest: float  # distance of the groove centres, unloaded [m]
+    hertz: float  # force over elongation^1.5 [N/m^1.5]
+
+
+BALL = layout(Ball)
 BALL_SIZE = words_of(BALL)
 
 

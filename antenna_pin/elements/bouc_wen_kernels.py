@@ -5,20 +5,25 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-LAYOUT = layout(
-    ("alpha", "f8"),
-    ("stiffness", "f8"),
-    ("yield_angle", "f8"),
-    ("slope", "f8"),
-    ("beta", "f8"),
-    ("gamma", "f8"),
-    ("exponent", "f8"),
-    ("rest_angle", "f8"),
-    ("start", "f8"),
-)
+
+class PackedBoucWen(Record):
+    """A spring with hysteresis."""
+
+    alpha: float  # share of the stiffness that is elastic
+    stiffness: float  # [N m/rad] ([N/m])
+    yield_angle: float  # [rad] ([m])
+    slope: float  # A, of z over the angle at z = 0, in yield angles
+    beta: float  # shape of the loop
+    gamma: float  # shape of the loop
+    exponent: float  # n
+    rest_angle: float  # [rad] ([m])
+    start: float  # z at the start
+
+
+LAYOUT = layout(PackedBoucWen)
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
 HEAT = 0

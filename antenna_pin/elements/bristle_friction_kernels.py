@@ -8,25 +8,27 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.bristle_kernels import bristle, gonthier_kink
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER
 
-#: By how much bristles are bent at Coulomb friction, their stiffness, viscous friction, how bent they start,
-#: as a share of that; by how much a load adds to it all, and what that load is made of. Behind it stands the
-#: law.
-LAYOUT = layout(
-    ("reach", "f8"),
-    ("stiffness", "f8"),
-    ("viscous", "f8"),
-    ("start", "f8"),
-    ("share", "f8"),
-    ("radial", "f8"),
-    ("axial", "f8"),
-    ("bending", "f8"),
-    ("middle", "f8"),
-)
+
+class PackedBristleFriction(Record):
+    """Friction of bristles; its law stands behind."""
+
+    reach: float  # deflection of bristles at Coulomb friction [rad] ([m])
+    stiffness: float  # of the bristles [N m/rad] ([N/m])
+    viscous: float  # [N m s/rad] ([N s/m])
+    start: float  # deflection at the start, as a share of ``reach``
+    share: float  # by how much a load adds to all of it [1/N m] ([1/N])
+    radial: float  # torque of the load over radial force [m] ([-])
+    axial: float  # over axial force [m] ([-])
+    bending: float  # over moment [-] ([1/m])
+    middle: float  # of the bearing along the axis [m]
+
+
+LAYOUT = layout(PackedBristleFriction)
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
 HEAT = 0

@@ -5,11 +5,20 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-#: Ends are infinite where there is none.
-LAYOUT = layout(("torque", "f8"), ("lower", "f8"), ("upper", "f8"), ("ramp", "f8"))
+
+class PackedConstantSpring(Record):
+    """A constant torque between ends."""
+
+    torque: float  # [N m] ([N])
+    lower: float  # end [rad] ([m]), -inf: none
+    upper: float  # end [rad] ([m]), inf: none
+    ramp: float  # way beyond an end over which the torque fades [rad] ([m])
+
+
+LAYOUT = layout(PackedConstantSpring)
 SIZE = words_of(LAYOUT)
 
 

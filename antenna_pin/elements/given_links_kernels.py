@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.calls import call_3
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.desk_kernels import clear
 
-#: Where the function stands; 0 where Python asks it. The parameters stand behind, then the desk.
-LAYOUT = layout(("address", "f8"))
+
+class PackedGivenLinks(Record):
+    """A function of a user's on links; its parameters, then the desk stand behind."""
+
+    address: float  # 0: Python calls it
+
+
+LAYOUT = layout(PackedGivenLinks)
 SIZE = words_of(LAYOUT)
 
 

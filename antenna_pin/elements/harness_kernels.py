@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.angle_table_kernels import ends_at, given_at, torque_at
 
-#: Behind it stand the curves of the mean and of half the difference, each with its integral up to each point.
-LAYOUT = layout(("points", "i8"), ("goes_on", "i8"), ("reversal", "f8"), ("start", "f8"))
+
+class PackedHarness(Record):
+    """A harness; curves of mean and half difference, each with its integral, stand behind."""
+
+    points: int  # of each curve
+    goes_on: int  # 1: the mean's slope continues beyond the table
+    reversal: float  # angle over which the torque turns over [rad]
+    start: float  # z at the start, in -1 to 1
+
+
+LAYOUT = layout(PackedHarness)
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
 HEAT = 0

@@ -5,10 +5,19 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-LAYOUT = layout(("damping", "f8"), ("friction", "f8"), ("regularisation_speed", "f8"))
+
+class PackedJointFriction(Record):
+    """Viscous and Coulomb friction."""
+
+    damping: float  # [N m s/rad] ([N s/m])
+    friction: float  # Coulomb's [N m] ([N])
+    regularisation_speed: float  # [rad/s] ([m/s])
+
+
+LAYOUT = layout(PackedJointFriction)
 SIZE = words_of(LAYOUT)
 
 

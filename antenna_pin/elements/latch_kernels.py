@@ -5,31 +5,32 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 
 # Its modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
 OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
 
-#: Window with its middle, where it holds, greatest rate, energy (infinite: any) and way of capture (+1, -1, 0
-#: for both), spring and damper with half of the play, torque at which it lets go (infinite: never), the mode,
-#: on which side of the window the joint is or was (+1 above), and which flank of its play it is pressed to
-#: (0: none).
-LAYOUT = layout(
-    ("lower", "f8"),
-    ("middle", "f8"),
-    ("upper", "f8"),
-    ("greatest_rate", "f8"),
-    ("greatest_energy", "f8"),
-    ("direction", "f8"),
-    ("stiffness", "f8"),
-    ("damping", "f8"),
-    ("half_play", "f8"),
-    ("holding", "f8"),
-    ("mode", "i8"),
-    ("side", "f8"),
-    ("flank", "f8"),
-)
+
+class PackedLatch(Record):
+    """Parameters and state of a latch."""
+
+    lower: float  # start of its window [rad] ([m])
+    middle: float  # of its window, where it holds [rad] ([m])
+    upper: float  # end of its window [rad] ([m])
+    greatest_rate: float  # of a capture [rad/s] ([m/s]), inf: any
+    greatest_energy: float  # of a capture [J], inf: any
+    direction: float  # of a capture, +1 or -1; 0: both
+    stiffness: float  # [N m/rad] ([N/m])
+    damping: float  # [N m s/rad] ([N s/m])
+    half_play: float  # [rad] ([m])
+    holding: float  # torque at which it lets go [N m] ([N]), inf: never
+    mode: int  # open or holding
+    side: float  # of the window on which the joint is or was, +1: above
+    flank: float  # of its play to which it is pressed, 0: none
+
+
+LAYOUT = layout(PackedLatch)
 SIZE = words_of(LAYOUT)
 
 

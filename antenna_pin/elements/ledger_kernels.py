@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-# The integrals of a drive in x, in the order of ``Drive.integrals``.
-WORKS = layout(("work", "f8"), ("gross_work", "f8"))
+
+class Works(Record):
+    """Integrals of a drive in x, in the order of ``Drive.integrals``."""
+
+    work: float  # [J]
+    gross_work: float  # [J]
+
+
+WORKS = layout(Works)
 WORKS_WORDS = words_of(WORKS)
 
 

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-#: Which of them slip, the k-th counts 2^k. Behind it stand stiffness, reach and anchor of each.
-LAYOUT = layout(("count", "i8"), ("mode", "i8"), ("slips", "i8"))
+
+class PackedMaxwellSlip(Record):
+    """Springs that slip; stiffness, reach and anchor of each stand behind."""
+
+    count: int  # how many
+    mode: int  # HELD, UP, or the one after it: falling
+    slips: int  # which of them slip, the k-th counts 2^k
+
+
+LAYOUT = layout(PackedMaxwellSlip)
 SIZE = words_of(LAYOUT)
 EACH = 3
 # Modes: none slips; some slip, or did last, as the angle grows, or as it falls.

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.curve_kernels import curve
 
@@ -26,21 +26,26 @@ APART, PLUS, MINUS, BOTH = 0, 1, 2, 3
 # Its function that passes zero where the deflection turns back, once in a touch of one side.
 TURNS = 2
 
-LAYOUT = layout(
-    ("a", "f8"),
-    ("b", "f8"),
-    ("rest", "f8"),
-    ("stiffness", "f8"),
-    ("damping", "f8"),
-    ("room", "f8"),
-    ("springs", "i8"),
-    ("forward", "f8"),
-    ("backward", "f8"),
-    ("slow", "f8"),
-    ("points", "i8"),
-    ("mode", "i8"),
-    ("turned", "f8"),
-)
+
+class PackedMesh(Record):
+    """Parameters and state of a mesh; one period of its error's curve stands behind."""
+
+    a: float  # multiplier of the input's angle
+    b: float  # multiplier of the output's angle
+    rest: float  # deflection's offset [rad] ([m])
+    stiffness: float  # [N m/rad] ([N/m])
+    damping: float  # [N m s/rad] ([N s/m])
+    room: float  # minus half the play, or the stretch at fitting [rad] ([m])
+    springs: int  # 1, TWO or BOTH_WAYS
+    forward: float  # efficiency, driving
+    backward: float  # efficiency, driven
+    slow: float  # rate of the input where friction is 71 % of its limit [rad/s]
+    points: int  # of the error's curve; 0: none
+    mode: int  # which sides are in contact
+    turned: float  # 1: the deflection has turned back in the present touch
+
+
+LAYOUT = layout(PackedMesh)
 SIZE = words_of(LAYOUT)
 
 

@@ -5,23 +5,28 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-LAYOUT = layout(
-    ("value", "f8"),
-    ("by_current", "f8"),
-    ("torque_constant", "f8"),
-    ("back_emf", "f8"),
-    ("resistance", "f8"),
-    ("inductance", "f8"),
-    ("voltage_limit", "f8"),
-    ("current_limit", "f8"),
-    ("cogging", "f8"),
-    ("cycles", "f8"),
-    ("phase", "f8"),
-    ("ratio", "f8"),
-)
+
+class PackedMotor(Record):
+    """A motor's parameters; ``value`` is what its driver is commanded."""
+
+    value: float  # command, a voltage [V] or a current [A]
+    by_current: float  # 1: the command is a current, 0: a voltage
+    torque_constant: float  # [N m/A]
+    back_emf: float  # voltage over the rotor's rate [V s/rad]
+    resistance: float  # of the winding [ohm]
+    inductance: float  # of the winding [H]; 0: the current follows at once
+    voltage_limit: float  # largest voltage of the driver [V]
+    current_limit: float  # largest current of the driver [A]
+    cogging: float  # largest cogging torque, on the rotor [N m]
+    cycles: float  # of the cogging in a turn of the rotor
+    phase: float  # of the cogging [rad]
+    ratio: float  # turns of the rotor over those of the joint
+
+
+LAYOUT = layout(PackedMotor)
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
 WORK = 0

@@ -5,23 +5,27 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.term_kernels import course
 
-#: Behind it stand ``terms`` words of what it follows, its table among it.
-LAYOUT = layout(
-    ("kp", "f8"),
-    ("kd", "f8"),
-    ("limit", "f8"),
-    ("angle", "f8"),
-    ("rate", "f8"),
-    ("amplitude", "f8"),
-    ("angular_frequency", "f8"),
-    ("phase", "f8"),
-    ("terms", "i8"),
-)
+
+class PackedPD(Record):
+    """A controller's gains and reference; ``terms`` words of its course stand behind."""
+
+    kp: float  # [N m/rad] ([N/m])
+    kd: float  # [N m s/rad] ([N s/m])
+    limit: float  # largest effort [N m] ([N])
+    angle: float  # reference at t = 0 [rad] ([m])
+    rate: float  # of the reference [rad/s] ([m/s])
+    amplitude: float  # of its sine [rad] ([m])
+    angular_frequency: float  # [rad/s]
+    phase: float  # [rad]
+    terms: int  # words of the course behind
+
+
+LAYOUT = layout(PackedPD)
 SIZE = words_of(LAYOUT)
 write_rates = write_work
 

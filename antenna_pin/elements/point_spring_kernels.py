@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-LAYOUT = layout(("stiffness", "f8"), ("damping", "f8"), ("free_length", "f8"))
+
+class PackedPointSpring(Record):
+    """A spring with damper between two points."""
+
+    stiffness: float  # [N/m]
+    damping: float  # [N s/m]
+    free_length: float  # [m]
+
+
+LAYOUT = layout(PackedPointSpring)
 SIZE = words_of(LAYOUT)
 
 

@@ -5,25 +5,27 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.latch_kernels import HELD, capture
 
-#: Window with its middle, greatest rate, energy (infinite: any) and way of capture (+1, -1, 0 for both),
-#: torque at which it lets go (infinite: never), the mode, on which side of the window the joint is or was
-#: (+1 above), where it is held.
-LAYOUT = layout(
-    ("lower", "f8"),
-    ("middle", "f8"),
-    ("upper", "f8"),
-    ("greatest_rate", "f8"),
-    ("greatest_energy", "f8"),
-    ("direction", "f8"),
-    ("holding", "f8"),
-    ("mode", "i8"),
-    ("side", "f8"),
-    ("held_at", "f8"),
-)
+
+class PackedRigidLatch(Record):
+    """Parameters and state of a rigid latch."""
+
+    lower: float  # start of its window [rad] ([m])
+    middle: float  # of its window [rad] ([m])
+    upper: float  # end of its window [rad] ([m])
+    greatest_rate: float  # of a capture [rad/s] ([m/s]), inf: any
+    greatest_energy: float  # of a capture [J], inf: any
+    direction: float  # of a capture, +1 or -1; 0: both
+    holding: float  # torque at which it lets go [N m] ([N]), inf: never
+    mode: int  # open or holding
+    side: float  # of the window on which the joint is or was, +1: above
+    held_at: float  # where it holds [rad] ([m])
+
+
+LAYOUT = layout(PackedRigidLatch)
 SIZE = words_of(LAYOUT)
 
 

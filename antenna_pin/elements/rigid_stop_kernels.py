@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.stop_kernels import FREE, LOWER, UPPER, beyond
 
-#: Limits (infinite where there is none), and the mode: off both, at rest on the lower, or on the upper one.
-LAYOUT = layout(("lower", "f8"), ("upper", "f8"), ("mode", "i8"))
+
+class PackedRigidStop(Record):
+    """Parameters and state of a rigid stop."""
+
+    lower: float  # limit [rad] ([m]), -inf: none
+    upper: float  # limit [rad] ([m]), inf: none
+    mode: int  # off both, at rest on the lower, or on the upper one
+
+
+LAYOUT = layout(PackedRigidStop)
 SIZE = words_of(LAYOUT)
 
 

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.fade_kernels import faded
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.term_kernels import course
 
-#: Behind it stand ``terms`` words of its course.
-LAYOUT = layout(("terms", "i8"), ("fade_in", "f8"))
+
+class PackedShaken(Record):
+    """A shaken base; ``terms`` words of its course stand behind."""
+
+    terms: int  # words of the course behind
+    fade_in: float  # time over which the motion grows [s]
+
+
+LAYOUT = layout(PackedShaken)
 SIZE = words_of(LAYOUT)
 # Its power is known once the forces of constraint are.
 write_rates = write_work

@@ -5,10 +5,20 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-LAYOUT = layout(("stiffness", "f8"), ("damping", "f8"), ("rest_angle", "f8"), ("shorter_way", "i8"))
+
+class PackedSpring(Record):
+    """A spring with damper at a joint."""
+
+    stiffness: float  # [N m/rad] ([N/m])
+    damping: float  # [N m s/rad] ([N s/m])
+    rest_angle: float  # [rad] ([m])
+    shorter_way: int  # 1: deflected at most by half a turn
+
+
+LAYOUT = layout(PackedSpring)
 SIZE = words_of(LAYOUT)
 
 

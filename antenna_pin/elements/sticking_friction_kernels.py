@@ -9,29 +9,31 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-#: The mode, where it sticks, whether motions prescribe the joint's rate; friction of slipping and up to which
-#: it sticks, viscous friction, Stribeck's curve; the same by the load; by what radial force, axial force and
-#: moment make this, the bearing's middle; and the load at the last evaluation.
-LAYOUT = layout(
-    ("mode", "i8"),
-    ("where", "f8"),
-    ("prescribed", "f8"),
-    ("coulomb", "f8"),
-    ("static", "f8"),
-    ("viscous", "f8"),
-    ("stribeck_rate", "f8"),
-    ("exponent", "f8"),
-    ("coefficient", "f8"),
-    ("static_coefficient", "f8"),
-    ("radial", "f8"),
-    ("axial", "f8"),
-    ("bending", "f8"),
-    ("middle", "f8"),
-    ("burden", "f8"),
-)
+
+class PackedStickingFriction(Record):
+    """Parameters and state of a friction that sticks."""
+
+    mode: int  # UNDECIDED, FORWARD, ...
+    where: float  # it sticks [rad] ([m])
+    prescribed: float  # 1: motions prescribe the joint's rate
+    coulomb: float  # friction of slipping [N m] ([N])
+    static: float  # up to which it sticks [N m] ([N])
+    viscous: float  # [N m s/rad] ([N s/m])
+    stribeck_rate: float  # [rad/s] ([m/s])
+    exponent: float  # of Stribeck's curve
+    coefficient: float  # of slipping, by the load
+    static_coefficient: float  # of sticking, by the load
+    radial: float  # load over radial force [m] ([-])
+    axial: float  # over axial force [m] ([-])
+    bending: float  # over moment [-] ([1/m])
+    middle: float  # of the bearing along the axis [m]
+    burden: float  # load at the last evaluation [N m] ([N])
+
+
+LAYOUT = layout(PackedStickingFriction)
 SIZE = words_of(LAYOUT)
 
 # Modes. Slipping one way or the other; sticking; at rest and held by others, with all its friction pushing

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force, normal_force
 
@@ -15,19 +15,21 @@ FREE, LOWER, UPPER = 0, 1, 2
 # Its function that passes zero where the joint turns back, once in a touch.
 TURNS = 2
 
-#: Limits (infinite where there is none), least approach rate, mass or inertia of laws that ask for one, of
-#: the lower and of the upper side, mode, rate of approach at the onset of the present touch, and whether it
-#: has turned back (0 or 1). Behind it stand the laws of the two sides.
-LAYOUT = layout(
-    ("lower", "f8"),
-    ("upper", "f8"),
-    ("least_rate", "f8"),
-    ("inertia", "f8"),
-    ("upper_inertia", "f8"),
-    ("mode", "i8"),
-    ("approach", "f8"),
-    ("turned", "f8"),
-)
+
+class PackedStop(Record):
+    """Parameters and state of a stop; the laws of its two sides stand behind."""
+
+    lower: float  # limit [rad] ([m]), -inf: none
+    upper: float  # limit [rad] ([m]), inf: none
+    least_rate: float  # least approach rate that a touch remembers [rad/s] ([m/s])
+    inertia: float  # for laws of the lower side that need a mass [kg m^2] ([kg])
+    upper_inertia: float  # the same of the upper side
+    mode: int  # off both, on the lower, or on the upper one
+    approach: float  # rate at the onset of the present touch [rad/s] ([m/s])
+    turned: float  # 1: the touch has turned back
+
+
+LAYOUT = layout(PackedStop)
 SIZE = words_of(LAYOUT)
 
 

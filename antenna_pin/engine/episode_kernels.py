@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
@@ -16,33 +16,38 @@ from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.layout_kernels import CLEARANCE, joint_at
 from antenna_pin.joints.pose_kernels import journal_state
 
-#: One contact from onset to release: which; when it began [s], how fast [m/s], onto which mass [kg]; when it
-#: ended [s], not-a-number while it lasts; its largest force [N], when [s], its largest depth [m], its impulse
-#: [N s] and what it has dissipated [J].
-EPISODE = layout(
-    ("contact", "i8"),
-    ("onset", "f8"),
-    ("approach_speed", "f8"),
-    ("effective_mass", "f8"),
-    ("release", "f8"),
-    ("peak_force", "f8"),
-    ("peak_time", "f8"),
-    ("peak_depth", "f8"),
-    ("impulse", "f8"),
-    ("dissipated", "f8"),
-)
 
-#: Where in a state a contact's integrals stand, its first bristle and how many it has; least approach speed
-#: that it remembers [m/s]; what its gap must come to at an event [m].
-PLACES = layout(
-    ("impulse", "i8"),
-    ("lost_normal", "i8"),
-    ("lost_friction", "i8"),
-    ("bristle", "i8"),
-    ("bristles", "i8"),
-    ("floor", "f8"),
-    ("tolerance", "f8"),
-)
+class Episode(Record):
+    """One contact from onset to release."""
+
+    contact: int  # index
+    onset: float  # [s]
+    approach_speed: float  # at the onset [m/s]
+    effective_mass: float  # at the onset [kg]
+    release: float  # [s]; not-a-number while it lasts
+    peak_force: float  # [N]
+    peak_time: float  # of the largest force [s]
+    peak_depth: float  # [m]
+    impulse: float  # of the normal force [N s]
+    dissipated: float  # [J]
+
+
+EPISODE = layout(Episode)
+
+
+class Places(Record):
+    """Where in a state the numbers of a contact stand, and its limits."""
+
+    impulse: int  # place in y
+    lost_normal: int  # place in y
+    lost_friction: int  # place in y
+    bristle: int  # place of the first in y
+    bristles: int  # how many
+    floor: float  # least approach speed that it remembers [m/s]
+    tolerance: float  # of its gap at an event [m]
+
+
+PLACES = layout(Places)
 
 
 @by_address

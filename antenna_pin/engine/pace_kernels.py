@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import kernel
 
@@ -15,23 +15,24 @@ GROW = 6.0
 LEAST_ERROR = 1e-4  # that the next step but one is told of: an error of chance must not shorten it
 LARGEST_TURN = 2.0  # [rad] of a joint in one step: an angle's whole turns are counted from step to step
 
-#: What decides how long the next step is: whether sizes follow errors and the power that they follow them by,
-#: the fixed size, the longest and the least size [s], the end of the run [s], the fastest rate of a joint
-#: that turns without end [rad/s], which of the instants at which steps must end comes next, the method's
-#: control, and the scaled error of the last step that passed [-], zero for none.
-PACE = layout(
-    ("adaptive", "i8"),
-    ("power", "i8"),
-    ("step", "f8"),
-    ("longest", "f8"),
-    ("least", "f8"),
-    ("end", "f8"),
-    ("spin", "f8"),
-    ("next", "i8"),
-    ("integral", "f8"),
-    ("proportional", "f8"),
-    ("error", "f8"),
-)
+
+class Pace(Record):
+    """The control of step sizes."""
+
+    adaptive: int  # 1: sizes follow errors
+    power: int  # by which they follow them
+    step: float  # fixed size [s]
+    longest: float  # size [s]
+    least: float  # size [s]
+    end: float  # of the run [s]
+    spin: float  # fastest rate of a joint that turns without end [rad/s]
+    next: int  # index of the next time at which steps must end
+    integral: float  # exponent of the method's control
+    proportional: float  # exponent of the method's control
+    error: float  # scaled, of the last step that passed; 0: none
+
+
+PACE = layout(Pace)
 
 
 @kernel

@@ -20,14 +20,7 @@ from antenna_pin.dynamics.outside_kernels import ask_at, has_failed
 from antenna_pin.dynamics.query_kernels import has_queries, set_out_queries, take_in_queries
 from antenna_pin.engine.hold_kernels import AS_IT_WAS, LOST, MOVED, factorize_rows, project
 from antenna_pin.geometry.coal_kernels import MOST_QUERIES
-from antenna_pin.integrate.explicit_kernels import (
-    ASK,
-    error_of,
-    go_on,
-    go_on_dense,
-    set_out,
-    set_out_dense,
-)
+from antenna_pin.integrate.explicit_kernels import ASK, error_of, go_on, go_on_dense, set_out, set_out_dense
 from antenna_pin.integrate.kernels import RATES, STATE, bend
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.mechanism.dynamics_kernels import aba

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
@@ -31,47 +31,42 @@ FREELY = 0
 TO_CHANGES = 1
 SINGLY = 2
 
-#: Where the steps are, and what they have come to: time [s]; size to try next, and what it was when the step
-#: began [s]; that of the trial that stands [s], its scaled error, and the fraction up to which it is
-#: searched; samples a second [Hz], from when on [s], until when [s]; where a step is (see above); trials of
-#: it that did not pass; the contact that changes, at which fraction, and whether it is too deep then; whether
-#: the derivative was asked last at the end of the trial, of contacts in closed form; whether the loop outside
-#: sees to this step, where the stretch ends besides (see above), whether a contact has changed, whether the
-#: loop outside was told of the first step that the run's end cuts; whether the last trial failed by a
-#: function that refuses; whether the search knows the contacts at the start; samples in the buffer, and for
-#: how many there must be room; which of the chosen output times is the next; what was counted; how many trial
-#: steps may be made.
-STRETCH = layout(
-    ("t", "f8"),
-    ("h", "f8"),
-    ("wished", "f8"),
-    ("tried", "f8"),
-    ("error", "f8"),
-    ("until", "f8"),
-    ("rate", "f8"),
-    ("begin", "f8"),
-    ("end", "f8"),
-    ("phase", "i8"),
-    ("in_row", "i8"),
-    ("contact", "i8"),
-    ("theta", "f8"),
-    ("deep", "i8"),
-    ("ended", "i8"),
-    ("watched", "i8"),
-    ("shown", "i8"),
-    ("flipped", "i8"),
-    ("cut", "i8"),
-    ("refused", "i8"),
-    ("known", "i8"),
-    ("samples", "i8"),
-    ("needed", "i8"),
-    ("chosen", "i8"),
-    ("accepted", "i8"),
-    ("rejected", "i8"),
-    ("relocated", "i8"),
-    ("evaluations", "i8"),
-    ("budget", "i8"),
-)
+
+class Stretch(Record):
+    """The state of a batch of steps."""
+
+    t: float  # time [s]
+    h: float  # size to try next [s]
+    wished: float  # that size when the step began [s]
+    tried: float  # size of the trial that stands [s]
+    error: float  # its scaled error
+    until: float  # fraction up to which it is searched
+    rate: float  # of samples [Hz]
+    begin: float  # samples from this time on [s]
+    end: float  # samples until this time [s]
+    phase: int  # of a step: FRESH, AGAIN, ...
+    in_row: int  # trials of this step that did not pass
+    contact: int  # that changes
+    theta: float  # fraction of the step at which it does
+    deep: int  # 1: it is too deep then
+    ended: int  # 1: the derivative was last evaluated at the trial's end, of contacts in closed form
+    watched: int  # 1: the loop outside searches this step for events
+    shown: int  # where the batch ends besides: FREELY, TO_CHANGES, SINGLY
+    flipped: int  # 1: a contact has changed
+    cut: int  # 1: the loop outside was notified of the first step that the run's end cuts
+    refused: int  # 1: the last trial failed by a function that refuses
+    known: int  # 1: the search knows the contacts at the start
+    samples: int  # in the buffer
+    needed: int  # for how many there must be room
+    chosen: int  # index of the next chosen output time
+    accepted: int  # steps, counted
+    rejected: int  # steps, counted
+    relocated: int  # steps, counted
+    evaluations: int  # of the derivative, counted
+    budget: int  # trial steps that may still be made
+
+
+STRETCH = layout(Stretch)
 
 
 @by_address

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, element_state, head_of
 from antenna_pin.elements import kernels as elements
@@ -14,15 +14,18 @@ from antenna_pin.integrate.kernels import STATE_ROW, dense_state
 # distance [-] of two of them that ends them: the effort is off by its square.
 _PARTS, _VERTICES, _CLOSE = 4, 12, 1e-5
 
-#: Side of an element that touches, or a drive: block in the program; bit of the side in the element's mode, 0
-#: of drives; largest effort so far [N m] ([N]), and its time [s]; efforts in a step, scratch.
-TOUCH = layout(
-    ("block", "i8"),
-    ("side", "i8"),
-    ("effort", "f8"),
-    ("time", "f8"),
-    ("looks", "f8", (_PARTS + 1,)),
-)
+
+class Touch(Record):
+    """A side of an element that touches, or a drive, and its largest effort."""
+
+    block: int  # in the program
+    side: int  # its bit in the element's mode; 0: a drive
+    effort: float  # largest so far [N m] ([N])
+    time: float  # of the largest [s]
+    looks: Annotated[Floats, _PARTS + 1]  # efforts in a step, scratch
+
+
+TOUCH = layout(Touch)
 
 
 @kernel

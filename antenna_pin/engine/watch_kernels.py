@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import hold_at, plan_of
@@ -42,19 +42,20 @@ _OFF, _NEAR = 0.05, 0.1
 # Points at which the interpolation is evaluated.
 _FINE = 16
 
-#: What is watched; where: block of the element, of the joint in the watch's own program, or the contact; the
-#: value to be passed; the side that it is on, 0 if that is not known; the parts of a step that are looked at.
-#: Of a kink and of a change of mode the number of the function; of the latter that of the hold whose load it
-#: asks for (-1: none, -2: WEIGHED).
-WATCHED = layout(
-    ("what", "i8"),
-    ("where", "i8"),
-    ("value", "f8"),
-    ("side", "f8"),
-    ("parts", "i8"),
-    ("number", "i8"),
-    ("hold", "i8"),
-)
+
+class Watch(Record):
+    """Something watched within steps."""
+
+    what: int  # kind of what is watched
+    where: int  # block of the element, of the joint in the watch's own program, or the contact
+    value: float  # to be passed
+    side: float  # that it is on; 0: unknown
+    parts: int  # of a step that are inspected
+    number: int  # of the function, of a kink or a change of mode
+    hold: int  # whose load a change of mode needs; -1: none, -2: WEIGHED
+
+
+WATCHED = layout(Watch)
 
 
 @by_address

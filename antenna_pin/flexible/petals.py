@@ -13,14 +13,7 @@ from antenna_pin.base.parameters import SWINGS, check, parameter
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties
 from antenna_pin.flexible.kind import FlexibleKind
-from antenna_pin.flexible.part import (
-    BoxShape,
-    CylinderShape,
-    Drawn,
-    ElasticPart,
-    MeshShape,
-    frame_with_z,
-)
+from antenna_pin.flexible.part import BoxShape, CylinderShape, Drawn, ElasticPart, MeshShape, frame_with_z
 
 __all__ = ["Petals", "petal_body"]
 

@@ -14,31 +14,57 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Matrix3, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.geometry.revolute_kernels import REVOLUTE, bore_contact, flange_contact
 
-#: Rows, as bits (1, 2: the bore's circles at +z and at -z; 4, 8: the flanges there): those wanted, and of
-#: them those about which coal is still to be asked.
-QUERY = layout(("wanted", "i8"), ("asked", "i8"))
-#: Placement of H in J.
-FRAME = layout(("rotation", "f8", (3, 3)), ("origin", "f8", (3,)))
-#: The search on an end circle: the point asked, in J (read by coal) and in H [m]; where the circle stands, in
-#: half lengths, and the point's angle on it [rad]; whether the journal's axis passes through the circle;
-#: normal in H and gap [m]; coal's last answer, distance [m] and normal in J.
-END = layout(
-    ("in_journal", "f8", (3,)),
-    ("in_bearing", "f8", (3,)),
-    ("side", "f8"),
-    ("angle", "f8"),
-    ("inside", "i8"),
-    ("normal", "f8", (3,)),
-    ("gap", "f8"),
-    ("answer", "f8"),
-    ("direction", "f8", (3,)),
-)
-#: coal's answer about a flange, in J: distance [m], normal from bearing to journal, nearest point [m].
-FLANGE_ANSWER = layout(("gap", "f8"), ("normal", "f8", (3,)), ("point", "f8", (3,)))
+
+class Query(Record):
+    """Rows as bits (1, 2: the bore's circles at +z and -z; 4, 8: the flanges there)."""
+
+    wanted: int  # rows
+    asked: int  # of them those that coal is still to be called for
+
+
+QUERY = layout(Query)
+
+
+class Frame(Record):
+    """The placement of H in J."""
+
+    rotation: Matrix3  # from H to J
+    origin: Vector3  # [m]
+
+
+FRAME = layout(Frame)
+
+
+class End(Record):
+    """The search on an end circle of the bore."""
+
+    in_journal: Vector3  # the point queried, in J, read by coal [m]
+    in_bearing: Vector3  # the same point in H [m]
+    side: float  # where the circle stands, in half lengths
+    angle: float  # of the point on the circle [rad]
+    inside: int  # 1: the journal's axis passes through the circle
+    normal: Vector3  # in H
+    gap: float  # [m]
+    answer: float  # coal's last distance [m]
+    direction: Vector3  # coal's last normal, in J
+
+
+END = layout(End)
+
+
+class FlangeAnswer(Record):
+    """coal's answer about a flange, in J."""
+
+    gap: float  # [m]
+    normal: Vector3  # from bearing to journal
+    point: Vector3  # nearest one [m]
+
+
+FLANGE_ANSWER = layout(FlangeAnswer)
 
 # What the kernels are given is one flat array with all of that in it: each array that Python hands over takes
 # its time, twice that if it is one of records. Where QUERY, REVOLUTE, FRAME, END at +z and at -z, and the

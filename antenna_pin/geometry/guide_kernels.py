@@ -16,20 +16,23 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, Vector2, Vector3, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.geometry.revolute_kernels import bore_contact
 
-#: As CORNER (:mod:`antenna_pin.geometry.corner_kernels`), in a guide that ends: the wall's normal into the
-#: hollow, which has no part along the axis, and half the guide's length.
-EDGE = layout(
-    ("primitive", "i8"),
-    ("corner", "f8", (3,)),
-    ("wall", "f8", (2,)),
-    ("distance", "f8"),
-    ("radius", "f8"),
-    ("reach", "f8"),
-)
+
+class Edge(Record):
+    """A corner (``corner_kernels.CORNER``) in a guide that ends."""
+
+    primitive: int  # its kind
+    corner: Vector3  # centre of the rounding, from the journal's centre in the child's axes [m]
+    wall: Vector2  # normal of the wall into the hollow, across the axis
+    distance: float  # of the wall from the bearing's centre [m]
+    radius: float  # of the corner [m]
+    reach: float  # half the guide's length [m]
+
+
+EDGE = layout(Edge)
 _MAX_ITERATIONS = 60
 
 

@@ -5,12 +5,19 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.geometry.revolute_kernels import bore_contact
 
-#: Of a sector: sin(t_k), and cos(t_k) over the number of sectors.
-NODE = layout(("sine", "f8"), ("share", "f8"))
+
+class Node(Record):
+    """A sector of a patch."""
+
+    sine: float  # of t_k
+    share: float  # cos(t_k) over the number of sectors
+
+
+NODE = layout(Node)
 
 APART = 1.0  # [m], the gap written to strips that are known to be apart without being computed
 

@@ -13,13 +13,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
 from antenna_pin.geometry.coal_round import CoalPlanar
 from antenna_pin.geometry.round_kernels import ROUND
-from antenna_pin.geometry.shape import (
-    ContactPlace,
-    Motion,
-    RoundShape,
-    flat,
-    require_lengths,
-)
+from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_lengths
 
 __all__ = ["PlanarClearance"]
 

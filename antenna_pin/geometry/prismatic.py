@@ -17,13 +17,7 @@ from antenna_pin.geometry import kernels
 from antenna_pin.geometry.coal_prismatic import CoalPrismatic
 from antenna_pin.geometry.corner_kernels import CORNER
 from antenna_pin.geometry.guide_kernels import EDGE
-from antenna_pin.geometry.shape import (
-    ContactPlace,
-    Motion,
-    Shape,
-    flat,
-    require_lengths,
-)
+from antenna_pin.geometry.shape import ContactPlace, Motion, Shape, flat, require_lengths
 
 __all__ = ["PrismaticClearance", "check_guide_length", "walls", "within"]
 

@@ -16,14 +16,7 @@ from antenna_pin.geometry import kernels
 from antenna_pin.geometry.coal_revolute import CoalRevolute
 from antenna_pin.geometry.revolute_kernels import REVOLUTE, scenario_in
 from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
-from antenna_pin.geometry.shape import (
-    ContactPlace,
-    Motion,
-    RoundShape,
-    flat,
-    pose_of,
-    require_lengths,
-)
+from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, pose_of, require_lengths
 
 __all__ = ["HARDEST", "AxialScenario", "RadialScenario", "RevoluteClearance"]
 

@@ -11,22 +11,25 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, layout
 from antenna_pin.compiled.decorators import kernel
 
-#: Dimensions of a revolute joint [m], of the end ``side`` (+1 or -1) of the bearing: R_i, L_i / 2, R_io, R_j,
-#: R_f, L_j / 2.
-REVOLUTE = layout(
-    ("primitive", "i8"),
-    ("side", "f8"),
-    ("bearing_radius", "f8"),
-    ("half_length", "f8"),
-    ("outer_radius", "f8"),
-    ("journal_radius", "f8"),
-    ("flange_radius", "f8"),
-    ("half_distance", "f8"),
-    ("unused", "f8"),
-)
+
+class Revolute(Record):
+    """Dimensions of a revolute joint, at one end of the bearing."""
+
+    primitive: int  # its kind
+    side: float  # +1 or -1, the bearing's end
+    bearing_radius: float  # R_i [m]
+    half_length: float  # L_i / 2 [m]
+    outer_radius: float  # R_io [m]
+    journal_radius: float  # R_j [m]
+    flange_radius: float  # R_f [m]
+    half_distance: float  # L_j / 2 [m]
+    unused: float  # as long as other shapes
+
+
+REVOLUTE = layout(Revolute)
 _MAX_ITERATIONS = 60
 
 # Contact scenarios.

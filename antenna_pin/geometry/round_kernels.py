@@ -5,13 +5,20 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Record, Vector6, layout
 from antenna_pin.compiled.decorators import kernel
 
-#: Dimensions of a journal in a bore that keeps its plane, or of a ball in a socket [m].
-ROUND = layout(
-    ("primitive", "i8"), ("bearing_radius", "f8"), ("journal_radius", "f8"), ("unused", "f8", (6,))
-)
+
+class Round(Record):
+    """A journal in a bore that keeps its plane, or a ball in a socket."""
+
+    primitive: int  # its kind
+    bearing_radius: float  # [m]
+    journal_radius: float  # [m]
+    unused: Vector6  # as long as other shapes
+
+
+ROUND = layout(Round)
 
 
 @kernel

@@ -15,14 +15,7 @@ from typing import Any
 
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.geometry.corner_kernels import CORNER
-from antenna_pin.geometry.kernels import (
-    BALL,
-    BORE,
-    CANDIDATE,
-    CIRCLE_IN_CIRCLE,
-    CORNER_ON_WALL,
-    FLANGE,
-)
+from antenna_pin.geometry.kernels import BALL, BORE, CANDIDATE, CIRCLE_IN_CIRCLE, CORNER_ON_WALL, FLANGE
 from antenna_pin.geometry.revolute_kernels import REVOLUTE
 from antenna_pin.geometry.round_kernels import ROUND
 

@@ -23,8 +23,15 @@ ASK = 0
 MADE = 1
 FAILED = 2
 
-#: The stage whose state was written last, and its time [s].
-COURSE = records.layout(("stage", "i8"), ("t", "f8"))
+
+class Course(records.Record):
+    """The progress of an explicit step."""
+
+    stage: int  # whose state was written last
+    t: float  # its time [s]
+
+
+COURSE = records.layout(Course)
 
 
 @by_address

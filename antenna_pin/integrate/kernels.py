@@ -24,13 +24,7 @@ import numpy as np
 from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.compiled.lanes import LANES, lane_of_row, put_lane_of_row, same_lane
-from antenna_pin.integrate.manifold_kernels import (
-    chart_rate,
-    factor_of,
-    retract,
-    retract_factor,
-    space_of,
-)
+from antenna_pin.integrate.manifold_kernels import chart_rate, factor_of, retract, retract_factor, space_of
 
 # Rows of the work array behind the stages' rates.
 U = 0  # chart coordinates of the state being evaluated

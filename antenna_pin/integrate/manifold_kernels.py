@@ -16,11 +16,29 @@ from antenna_pin.base import records
 from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR
 from antenna_pin.compiled.decorators import inlined, kernel, record
 
-# Sizes of q, v and x, and how many factors the configurations have; as many ``FACTOR`` follow.
-SPACE = records.layout(("nq", "i8"), ("nv", "i8"), ("nx", "i8"), ("factors", "i8"))
-# A factor: how its joint moves (``VECTOR``, ``CIRCLE``, ... of ``records``), where it starts in q and in v,
-# its numbers in v.
-FACTOR = records.layout(("kind", "i8"), ("q", "i8"), ("v", "i8"), ("nv", "i8"))
+
+class Space(records.Record):
+    """The head of a configuration space's layout; its factors follow."""
+
+    nq: int  # size of q
+    nv: int  # size of v
+    nx: int  # size of x
+    factors: int  # how many
+
+
+SPACE = records.layout(Space)
+
+
+class Factor(records.Record):
+    """A factor of the configuration space."""
+
+    kind: int  # how its joint moves: VECTOR, CIRCLE, ...
+    q: int  # start in q
+    v: int  # start in v
+    nv: int  # its numbers in v
+
+
+FACTOR = records.layout(Factor)
 SPACE_WORDS = records.words_of(SPACE)
 FACTOR_WORDS = records.words_of(FACTOR)
 

@@ -23,18 +23,22 @@ from antenna_pin.integrate.manifold_kernels import retract, space_of
 ERROR_ROW: Any = np.int64(4)
 FIRST: Any = np.int64(0)
 END: Any = np.int64(2)
-#: Where the algorithm is: what the answer is for, of which column, stage and round; whether the Jacobian is
-#: that of the present start; the time to evaluate at [s]; size of the last Newton step, in tolerances; error.
-PROGRESS = records.layout(
-    ("phase", "i8"),
-    ("column", "i8"),
-    ("stage", "i8"),
-    ("rounds", "i8"),
-    ("fresh", "i8"),
-    ("t", "f8"),
-    ("step", "f8"),
-    ("error", "f8"),
-)
+
+
+class Progress(records.Record):
+    """The progress of an implicit step."""
+
+    phase: int  # what the next derivative is for
+    column: int  # of the Jacobian that it is for
+    stage: int  # that it is for
+    rounds: int  # of Newton's iteration
+    fresh: int  # 1: the Jacobian is that of the present start
+    t: float  # time to evaluate at [s]
+    step: float  # size of the last Newton step, in tolerances
+    error: float  # scaled
+
+
+PROGRESS = records.layout(Progress)
 
 
 @by_address

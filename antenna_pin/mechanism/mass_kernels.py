@@ -12,13 +12,7 @@ from typing import Any
 
 from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.mechanism.room_kernels import (
-    crossed,
-    symmetric_times,
-    turned,
-    turned_back,
-    turned_symmetric,
-)
+from antenna_pin.mechanism.room_kernels import crossed, symmetric_times, turned, turned_back, turned_symmetric
 
 
 @kernel

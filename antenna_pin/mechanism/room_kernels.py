@@ -6,33 +6,37 @@ Spatial coordinates as in Pinocchio: linear part first, at a body's origin and i
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
-import numpy as np
-
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, Vector3, Vector6, layout
 from antenna_pin.compiled.decorators import inlined
-from antenna_pin.mechanism.tree_kernels import PLACE_FIELDS, relative
+from antenna_pin.mechanism.tree_kernels import Place, relative
 
-#: Room for a body, to be written to. Whether it carries any inertia. Its place in the body that it is on; its
-#: velocity; what its joint adds to it; the acceleration that velocities alone add to that of the body it is
-#: on; its acceleration, in which the ground rises against gravity; the wrench that its joint must give for
-#: it. The inertia of what it carries, in three blocks: force by acceleration, force by angular acceleration,
-#: moment by that. Of a joint that is taken out, of what its accelerations follow: ``driven - ratio a``.
-#: It does not begin as PLACE does: Numba would take it for one, which it warns of.
-ROOM = layout(
-    ("carries", np.int64),
-    *PLACE_FIELDS,
-    ("linear", np.float64, (3,)),
-    ("angular", np.float64, (3,)),
-    ("force", np.float64, (3,)),
-    ("moment", np.float64, (3,)),
-    ("block_a", np.float64, (6,)),
-    ("block_b", np.float64, (9,)),
-    ("block_d", np.float64, (6,)),
-    ("ratio", np.float64, (9,)),
-    ("driven", np.float64, (6,)),
-)
+
+class Carrying(Record):
+    """A body that may carry others."""
+
+    carries: int  # 1: it or what it carries has inertia
+
+
+class BodyRoom(Place, Carrying):
+    """Room for a body, to be written to: its place, and inertia and forces of what it carries.
+
+    It does not begin as :class:`Place` does: Numba would take it for one, which it warns of.
+    """
+
+    linear: Vector3  # acceleration of the origin, in which the ground rises against gravity [m/s^2]
+    angular: Vector3  # acceleration [rad/s^2]
+    force: Vector3  # that its joint must give for it [N]
+    moment: Vector3  # that its joint must give for it [N m]
+    block_a: Vector6  # force by acceleration
+    block_b: Annotated[Floats, 9]  # force by angular acceleration
+    block_d: Vector6  # moment by angular acceleration
+    ratio: Annotated[Floats, 9]  # of a joint taken out, a' = driven - ratio a
+    driven: Vector6  # of a joint taken out
+
+
+ROOM = layout(BodyRoom)
 
 
 @inlined

@@ -24,34 +24,44 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout
+from antenna_pin.base.records import (
+    CIRCLE,
+    FIXED_AXIS,
+    PLANE,
+    RIGID,
+    ROTATION,
+    SLIDE,
+    Record,
+    Vector3,
+    Vector6,
+    layout,
+)
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.room_kernels import crossed, turned, turned_back, turned_symmetric
 from antenna_pin.mechanism.spatial_kernels import add_six, cross_motion, cross_wrench, set_six, times_inertia
 from antenna_pin.mechanism.tree_kernels import bias_accelerations, place_bodies
 
-#: Of a body, about the point and in world axes: place of its origin [m]; its velocity and acceleration, in
-#: which the ground rises against gravity; what its joint adds to the velocity; its momentum; the wrench that
-#: its joint gives. Its mass, first moment and moment of inertia. Then for one displacement: ``way`` by the
-#: joint, changes of velocity, acceleration and wrench.
-CHANGE = layout(
-    ("origin", np.float64, (3,)),
-    ("velocity", np.float64, (6,)),
-    ("acceleration", np.float64, (6,)),
-    ("joint_rate", np.float64, (6,)),
-    ("momentum", np.float64, (6,)),
-    ("wrench", np.float64, (6,)),
-    ("mass", np.float64),
-    ("first", np.float64, (3,)),
-    ("inertia", np.float64, (6,)),
-    ("way", np.float64, (6,)),
-    ("velocity_change", np.float64, (6,)),
-    ("acceleration_change", np.float64, (6,)),
-    ("wrench_change", np.float64, (6,)),
-)
+
+class Change(Record):
+    """A body about the point, in world axes, and its changes by one displacement."""
+
+    origin: Vector3  # place of its origin [m]
+    velocity: Vector6  # of the body
+    acceleration: Vector6  # of the body, in which the ground rises against gravity
+    joint_rate: Vector6  # what its joint adds to the velocity
+    momentum: Vector6  # of the body
+    wrench: Vector6  # that its joint gives
+    mass: float  # [kg]
+    first: Vector3  # moment of mass [kg m]
+    inertia: Vector6  # moment of inertia [kg m^2]
+    way: Vector6  # displacement by the joint
+    velocity_change: Vector6  # by the displacement
+    acceleration_change: Vector6  # by the displacement
+    wrench_change: Vector6  # by the displacement
+
+
+CHANGE = layout(Change)
 
 
 #: How many right-hand sides are solved for side by side.

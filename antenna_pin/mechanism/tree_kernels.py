@@ -8,44 +8,54 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from antenna_pin.base.records import CIRCLE, FIXED_AXIS, RIGID, ROTATION, SLIDE, layout
+from antenna_pin.base.records import (
+    CIRCLE,
+    FIXED_AXIS,
+    RIGID,
+    ROTATION,
+    SLIDE,
+    Matrix3,
+    Record,
+    Vector3,
+    layout,
+)
 from antenna_pin.compiled.decorators import inlined, kernel
 
-# A moving body and the joint that moves it: index of the body that it is on (-1: the world), how the joint
-# moves (``FIXED_AXIS``, ``CIRCLE``, ... of ``records``), starts in q and v, whether the body counts in the
-# scales of momentum; the joint's axis, its frame in the parent's; mass [kg], centre of mass [m] and inertia
-# about it [kg m^2] in the joint's frame; what a turning joint feels beside it (armature) [kg m^2].
-BODY = layout(
-    ("parent", np.int64),
-    ("kind", np.int64),
-    ("q", np.int64),
-    ("v", np.int64),
-    ("counts", np.int64),
-    ("axis", np.float64, (3,)),
-    ("rotation", np.float64, (3, 3)),
-    ("position", np.float64, (3,)),
-    ("mass", np.float64),
-    ("centre", np.float64, (3,)),
-    ("inertia", np.float64, (3, 3)),
-    ("armature", np.float64),
-)
 
-# Where a body is in the world, or by its joint: rotation and origin [m], velocity of the origin [m/s] and
-# angular velocity [rad/s]; what its joint adds to these two, in world axes; acceleration of the origin and
-# angular acceleration that velocities alone make [m/s^2, rad/s^2] (:func:`bias_accelerations`).
-PLACE_FIELDS = (
-    ("rotation", np.float64, (3, 3)),
-    ("origin", np.float64, (3,)),
-    ("velocity", np.float64, (3,)),
-    ("spin", np.float64, (3,)),
-    ("slide", np.float64, (3,)),
-    ("turn", np.float64, (3,)),
-    ("bias", np.float64, (3,)),
-    ("bias_spin", np.float64, (3,)),
-)
-PLACE = layout(*PLACE_FIELDS)
+class Body(Record):
+    """A moving body and the joint that moves it; lengths and axes in the joint's frame."""
+
+    parent: int  # index of the body that it is on; -1: the world
+    kind: int  # how the joint moves: FIXED_AXIS, CIRCLE, ...
+    q: int  # start in q
+    v: int  # start in v
+    counts: int  # 1: counts in the scales of momentum
+    axis: Vector3  # of the joint
+    rotation: Matrix3  # of the joint's frame in the parent's
+    position: Vector3  # of the joint's frame in the parent's [m]
+    mass: float  # [kg]
+    centre: Vector3  # of mass [m]
+    inertia: Matrix3  # about the centre of mass [kg m^2]
+    armature: float  # what a turning joint feels beside the body's inertia [kg m^2]
+
+
+BODY = layout(Body)
+
+
+class Place(Record):
+    """Pose and motion of a body in the world, or by its joint."""
+
+    rotation: Matrix3  # of its frame
+    origin: Vector3  # [m]
+    velocity: Vector3  # of the origin [m/s]
+    spin: Vector3  # angular velocity [rad/s]
+    slide: Vector3  # what its joint adds to the velocity, world axes [m/s]
+    turn: Vector3  # what its joint adds to the angular velocity, world axes [rad/s]
+    bias: Vector3  # acceleration of the origin by velocities alone (:func:`bias_accelerations`) [m/s^2]
+    bias_spin: Vector3  # angular acceleration by velocities alone [rad/s^2]
+
+
+PLACE = layout(Place)
 
 
 @inlined

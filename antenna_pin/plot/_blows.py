@@ -9,14 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from antenna_pin.plot._runs import LabelledRun
-from antenna_pin.plot._style import (
-    MANY,
-    PEAK,
-    Array,
-    distinct,
-    few_ticks,
-    prefixed,
-)
+from antenna_pin.plot._style import MANY, PEAK, Array, distinct, few_ticks, prefixed
 
 __all__ = ["Blow", "draw_blow", "episodes_of", "sharp", "strongest_blow"]
 

@@ -16,15 +16,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.contact import NormalLaw
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.law_studies import RestitutionRow, force_within
-from antenna_pin.plot._style import (
-    COLOURS,
-    Array,
-    Width,
-    new_figure,
-    panel_title,
-    prefixed,
-    styled,
-)
+from antenna_pin.plot._style import COLOURS, Array, Width, new_figure, panel_title, prefixed, styled
 from antenna_pin.plot.files import check_formats, folder_for_figures, save_figure
 
 DASHES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (4, 1, 1, 1)))

@@ -15,15 +15,7 @@ from antenna_pin.plot._blows import episodes_of, sharp
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._layout import blocks, without_empty
 from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import (
-    LabelledRun,
-    Run,
-    labelled,
-    left_out,
-    long_enough,
-    smooth,
-    too_short,
-)
+from antenna_pin.plot._runs import LabelledRun, Run, labelled, left_out, long_enough, smooth, too_short
 from antenna_pin.plot._style import (
     COLOURS,
     MANY,

@@ -16,14 +16,7 @@ from antenna_pin.plot._blows import draw_blow, episodes_of, sharp, strongest_blo
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._layout import blocks, without_empty
 from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import (
-    LabelledRun,
-    Run,
-    labelled,
-    long_enough,
-    smooth,
-    too_short,
-)
+from antenna_pin.plot._runs import LabelledRun, Run, labelled, long_enough, smooth, too_short
 from antenna_pin.plot._style import (
     COLOURS,
     PEAK,

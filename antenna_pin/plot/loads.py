@@ -12,14 +12,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._kinds import LOOPED, MOVING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import (
-    LabelledRun,
-    Run,
-    long_enough,
-    styles,
-    too_short,
-    with_reference,
-)
+from antenna_pin.plot._runs import LabelledRun, Run, long_enough, styles, too_short, with_reference
 from antenna_pin.plot._style import (
     MANY,
     SHADE,

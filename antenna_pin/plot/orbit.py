@@ -22,15 +22,7 @@ from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._layout import square_panels
 from antenna_pin.plot._lines import draw_parts, draw_pieces
 from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import (
-    LabelledRun,
-    Run,
-    labelled,
-    left_out,
-    long_enough,
-    smooth,
-    too_short,
-)
+from antenna_pin.plot._runs import LabelledRun, Run, labelled, left_out, long_enough, smooth, too_short
 from antenna_pin.plot._style import (
     MANY,
     SEQUENTIAL,

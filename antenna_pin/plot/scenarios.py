@@ -16,13 +16,7 @@ from antenna_pin.analysis import scenario_spans
 from antenna_pin.base.arguments import takes
 from antenna_pin.plot._kinds import TOUCHING, choose_joint
 from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import (
-    Run,
-    labelled,
-    left_out,
-    long_enough,
-    too_short,
-)
+from antenna_pin.plot._runs import Run, labelled, left_out, long_enough, too_short
 from antenna_pin.plot._style import (
     COLOURS,
     MANY,

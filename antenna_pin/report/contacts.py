@@ -9,16 +9,7 @@ import xarray as xr
 
 from antenna_pin.analysis import Settling, impacts, load_statistics, settling
 from antenna_pin.base.readable import number, readable
-from antenna_pin.report._page import (
-    Details,
-    Row,
-    Table,
-    counts,
-    quantities,
-    said_of_zeros,
-    shares_row,
-    words,
-)
+from antenna_pin.report._page import Details, Row, Table, counts, quantities, said_of_zeros, shares_row, words
 from antenna_pin.report._runs import ReportedRun, labels_of
 
 __all__ = ["contact_details", "every_impact"]

@@ -111,10 +111,10 @@ def _kept(data: xr.Dataset, name: str) -> NDArray[np.intp]:
     if data[name].dims[-1] == "element":
         bristles = set(names_along(data, "bristle"))
         return np.flatnonzero([one not in bristles for one in names_along(data, "element")])
-    from antenna_pin.contact import (
+    from antenna_pin.contact import (  # a room that results without contacts do not need
         FRICTION_LAWS,
         NORMAL_LAWS,
-    )  # a room that results without contacts do not need
+    )
 
     about, kinds, sure = json.loads(data.attrs["clearance_joints"]), contact_kinds(data), []
     joints = names_along(data, "contact_joint")
