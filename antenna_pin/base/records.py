@@ -42,6 +42,7 @@ __all__ = [
     "Pose",
     "Program",
     "Record",
+    "Records",
     "Vector2",
     "Vector3",
     "Vector6",
@@ -86,6 +87,9 @@ else:
 
 
 _Record = TypeVar("_Record", bound=Record)
+
+#: Records in a row, (n,).
+Records = np.ndarray[tuple[int], np.dtype[_Record]]
 
 
 def check_names(names: Iterable[str]) -> None:

@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import PLANE
+from antenna_pin.base.records import PLANE, Floats
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.constraints.layout_kernels import driven_at, plan_of
+from antenna_pin.constraints.layout_kernels import Driven, driven_at, plan_of
 from antenna_pin.mechanism.tree_kernels import unwrapped
 from antenna_pin.mechanism.twist_kernels import twist_angle, twist_bias
 
@@ -146,7 +146,7 @@ def change_motions(
 
 
 @inlined
-def driven_rate(y: Any, plan: Any, work: Any, driven: Any) -> float:
+def driven_rate(y: Floats, plan: Floats, work: Floats, driven: Driven) -> float:
     """Return the rate of a joint with a motion [rad/s or m/s], by its row where that is written."""
     head = plan_of(plan)
     if driven.moves == 0:

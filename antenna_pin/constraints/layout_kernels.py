@@ -9,11 +9,9 @@ plan's head names.
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import Indices3, Matrix3, Record, Vector3, layout, words_of
+from antenna_pin.base.records import Floats, Indices3, Matrix3, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.mechanism.tree_kernels import BODY, PLACE
+from antenna_pin.mechanism.tree_kernels import BODY, PLACE, Body, Place
 
 
 class Plan(Record):
@@ -134,27 +132,27 @@ PLACE_WORDS = words_of(PLACE)
 
 
 @inlined
-def plan_of(plan: Any) -> Any:
+def plan_of(plan: Floats) -> Plan:
     """Return the head of a plan."""
     return record(plan[:PLAN_WORDS], PLAN)
 
 
 @inlined
-def body_at(plan: Any, b: int) -> Any:
+def body_at(plan: Floats, b: int) -> Body:
     """Return a body of the tree."""
     at = PLAN_WORDS + BODY_WORDS * b
     return record(plan[at : at + BODY_WORDS], BODY)
 
 
 @inlined
-def closure_at(plan: Any, c: int) -> Any:
+def closure_at(plan: Floats, c: int) -> Closure:
     """Return a closure."""
     at = PLAN_WORDS + BODY_WORDS * plan_of(plan).bodies + CLOSURE_WORDS * c
     return record(plan[at : at + CLOSURE_WORDS], CLOSURE)
 
 
 @inlined
-def driven_at(plan: Any, m: int) -> Any:
+def driven_at(plan: Floats, m: int) -> Driven:
     """Return a motion."""
     head = plan_of(plan)
     at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures + DRIVEN_WORDS * m
@@ -162,7 +160,7 @@ def driven_at(plan: Any, m: int) -> Any:
 
 
 @inlined
-def coupled_at(plan: Any, k: int) -> Any:
+def coupled_at(plan: Floats, k: int) -> Coupled:
     """Return a coupling."""
     head = plan_of(plan)
     at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures
@@ -171,7 +169,7 @@ def coupled_at(plan: Any, k: int) -> Any:
 
 
 @inlined
-def hold_at(plan: Any, k: int) -> Any:
+def hold_at(plan: Floats, k: int) -> Driven:
     """Return an element that may hold its joint."""
     head = plan_of(plan)
     at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures
@@ -180,20 +178,20 @@ def hold_at(plan: Any, k: int) -> Any:
 
 
 @inlined
-def place_at(work: Any, b: int) -> Any:
+def place_at(work: Floats, b: int) -> Place:
     """Return where a body is."""
     return record(work[PLACE_WORDS * b : PLACE_WORDS * (b + 1)], PLACE)
 
 
 @inlined
-def applied_in(plan: Any) -> tuple[int, int]:
+def applied_in(plan: Floats) -> tuple[int, int]:
     """Return from where to where elements on links act on bodies, 6 words each; nowhere if none asks."""
     head = plan_of(plan)
     return head.loaded, head.loaded + (6 * head.bodies if head.loaded != 0 else 0)
 
 
 @inlined
-def found_in(plan: Any, work: Any) -> Any:
+def found_in(plan: Floats, work: Floats) -> Found:
     """Return what solving found."""
     at = plan_of(plan).found
     return record(work[at : at + FOUND_WORDS], FOUND)

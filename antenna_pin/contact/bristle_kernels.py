@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.friction_kernels import (
     DAHL,
@@ -53,7 +54,12 @@ def steady_coefficient(law: Any, speed: float) -> float:
 
 @kernel
 def _dahl(
-    mu: float, sigma_0: float, exponent: float, speed: float, v: Any, z: Any
+    mu: float,
+    sigma_0: float,
+    exponent: float,
+    speed: float,
+    v: tuple[float, float, float],
+    z: tuple[float, float, float],
 ) -> tuple[float, float, float]:
     """Rate of the deflection of Dahl's law: ``|v| w |w|^(i - 1)``, ``w = v / |v| - sigma_0 z / mu``."""
     vx, vy, vz = v
@@ -89,7 +95,7 @@ def _strength(mu_d: float, mu_s: float, dwell: float) -> float:
 
 
 @kernel
-def gonthier_kink(law: Any, k: int, rate: float, bend: float, dwell: float) -> float:
+def gonthier_kink(law: Floats, k: int, rate: float, bend: float, dwell: float) -> float:
     """Function k of a joint's friction by Gonthier's law that is zero where it has a kink.
 
     0: how much it sticks beyond its dwell, which grows slowly and fades fast; 1: what its bristles would give
@@ -115,7 +121,12 @@ def gonthier_kink(law: Any, k: int, rate: float, bend: float, dwell: float) -> f
 
 @kernel
 def bristle(
-    law: Any, force: float, slip: Any, whole: Any, along: Any, dwell: float
+    law: Floats,
+    force: float,
+    slip: tuple[float, float, float],
+    whole: tuple[float, float, float],
+    along: tuple[float, float, float],
+    dwell: float,
 ) -> tuple[float, float, float, float, float, float, float]:
     """Friction [N] of a law with bristles, then the rates of their deflection, and of its dwell.
 

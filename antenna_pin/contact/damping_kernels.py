@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED_WHOLE, CALLED_WHOLE_LAW, called_whole
 from antenna_pin.contact.records import NORMAL_LAW, dissipation_record
@@ -62,7 +63,7 @@ def _additive_force(law: Any, kind: float, elastic: float, depth: float, rate: f
 
 @inlined
 def damped_force(
-    law: Any, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+    law: Floats, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
 ) -> float:
     """Normal force on the journal [N], from its elastic part; never adhesive at positive depth.
 
@@ -88,7 +89,7 @@ def damped_force(
 
 
 @kernel
-def takes_mass_of_contact(law: Any) -> bool:
+def takes_mass_of_contact(law: Floats) -> bool:
     """Whether the force depends on a mass that the law does not have itself."""
     kind = record(law, NORMAL_LAW).dissipation
     return bool((kind == SECANT or kind == SECANT_LOADING) and record(law, SECANT_LAW).mass == 0.0)

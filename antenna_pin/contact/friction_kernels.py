@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED_FRICTION, CALLED_FRICTION_LAW, called_ratio
 from antenna_pin.contact.records import FRICTION_LAW, FRICTION_SIZE, friction_record
@@ -141,7 +142,7 @@ def _other_friction_ratio(law: Any, kind: float, speed: float, force: float) -> 
 
 
 @inlined
-def friction_ratio(law: Any, speed: float, force: float) -> float:
+def friction_ratio(law: Floats, speed: float, force: float) -> float:
     """Friction coefficient over slip speed, ``mu(|v|) / |v|`` [s/m]; finite at rest for regular laws.
 
     Only a law whose friction is not proportional to the normal force [N] looks at it.
@@ -180,7 +181,7 @@ def friction_ratio(law: Any, speed: float, force: float) -> float:
 
 @inlined
 def friction_force(
-    law: Any, force: float, slip_x: float, slip_y: float, slip_z: float
+    law: Floats, force: float, slip_x: float, slip_y: float, slip_z: float
 ) -> tuple[float, float, float]:
     """Friction on the journal [N] of a law of the slip speed, for a normal force [N] and a slip [m/s]."""
     speed = math.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED, CALLED_LAW, called_energy, called_force
 from antenna_pin.contact.conformal_kernels import (
@@ -85,7 +86,7 @@ def _other_force(law: Any, kind: float, depth: float) -> float:
 
 
 @inlined
-def elastic_force(law: Any, depth: float) -> float:
+def elastic_force(law: Floats, depth: float) -> float:
     """Elastic part of the normal force [N] at ``depth`` [m]."""
     kind = record(law, NORMAL_LAW).elastic
     if kind == POWER:
@@ -134,7 +135,7 @@ def _other_energy(law: Any, kind: float, depth: float) -> float:
 
 
 @kernel
-def elastic_energy(law: Any, depth: float) -> float:
+def elastic_energy(law: Floats, depth: float) -> float:
     """Energy stored by the elastic part [J]: the integral of the force from 0 to ``depth``."""
     if depth <= 0.0:
         return 0.0
@@ -146,6 +147,6 @@ def elastic_energy(law: Any, depth: float) -> float:
 
 
 @kernel
-def normal_force(law: Any, depth: float, rate: float, approach_speed: float, mass: float) -> float:
+def normal_force(law: Floats, depth: float, rate: float, approach_speed: float, mass: float) -> float:
     """Normal force on the journal [N]; never adhesive at positive depth, continued below zero depth."""
     return damped_force(law, elastic_force(law, depth), depth, rate, approach_speed, mass)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from numpy.typing import NDArray
 
-from antenna_pin.base.records import Record, Vector3, layout
+from antenna_pin.base.records import Floats, Ints, Pose, Record, Records, Vector3, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
@@ -25,7 +25,9 @@ BEARING_LOAD = layout(BearingLoad)
 
 
 @kernel
-def look_at_bearings(program: Any, states: Any, blocks: Any, poses: Any, out: Any) -> None:
+def look_at_bearings(
+    program: Floats, states: Floats, blocks: Ints, poses: Records[Pose], out: NDArray[BearingLoad]
+) -> None:
     """Write what bearings carry in states, ``BEARING_LOAD``, (n, blocks).
 
     Args:

@@ -7,9 +7,9 @@ from there on nothing is asked, and what has been computed counts for nothing. W
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from antenna_pin.base.records import Record, layout
+from antenna_pin.base.records import Floats, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.calls import call_back
 from antenna_pin.compiled.decorators import inlined
@@ -53,14 +53,14 @@ class Outside(NamedTuple):
         acceleration: The answer to that, (nv,).
     """
 
-    asked: Any
-    state: Any
-    effort: Any
-    acceleration: Any
+    asked: Records[Asked]
+    state: Floats
+    effort: Floats
+    acceleration: Floats
 
 
 @inlined
-def ask(outside: Any, address: int, t: float) -> None:
+def ask(outside: Outside, address: int, t: float) -> None:
     """Ask what stands at an address, unless something could not be answered before."""
     asked = outside.asked[0]
     if asked.failed == ANSWERED:
@@ -70,7 +70,7 @@ def ask(outside: Any, address: int, t: float) -> None:
 
 
 @inlined
-def ask_at(outside: Any, address: int, t: float, y: Any) -> None:
+def ask_at(outside: Outside, address: int, t: float, y: Floats) -> None:
     """Ask at a time [s] and state."""
     for k in range(outside.state.shape[0]):
         outside.state[k] = y[k]
@@ -78,6 +78,6 @@ def ask_at(outside: Any, address: int, t: float, y: Any) -> None:
 
 
 @inlined
-def has_failed(outside: Any) -> bool:
+def has_failed(outside: Outside) -> bool:
     """Whether something could not be answered."""
     return bool(outside.asked[0].failed != ANSWERED)

@@ -17,7 +17,9 @@ from antenna_pin.base.records import (
     RIGID,
     ROTATION,
     SLIDE,
+    Floats,
     Record,
+    Records,
     Vector3,
     layout,
     words_of,
@@ -25,6 +27,7 @@ from antenna_pin.base.records import (
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
+from antenna_pin.mechanism.tree_kernels import Body, Place
 
 
 class Side(Record):
@@ -53,13 +56,13 @@ COINCIDE = 1e-15
 
 
 @inlined
-def _side(program: Any, b: int, k: int) -> Any:
+def _side(program: Floats, b: int, k: int) -> Side:
     at = b + element_at(program, b).length - (2 - k) * SIDE_WORDS
     return record(program[at : at + SIDE_WORDS], SIDE)
 
 
 @inlined
-def _place(side: Any, places: Any) -> tuple[float, float, float, float, float, float]:
+def _place(side: Side, places: Records[Place]) -> tuple[float, float, float, float, float, float]:
     """Return where an end is and its velocity, in the world."""
     p = side.point
     if side.body < 0:
@@ -80,7 +83,7 @@ def _place(side: Any, places: Any) -> tuple[float, float, float, float, float, f
 
 
 @inlined
-def line(program: Any, b: int, places: Any) -> tuple[float, float, float, float, float]:
+def line(program: Floats, b: int, places: Records[Place]) -> tuple[float, float, float, float, float]:
     """Return length, its rate, and direction from the first to the second end of the spring at b.
 
     Where the ends coincide the direction is that in which they move apart; zero if they do not.
@@ -101,7 +104,9 @@ def line(program: Any, b: int, places: Any) -> tuple[float, float, float, float,
 
 
 @kernel
-def draw(program: Any, b: int, tree: Any, places: Any, tau: Any, rates: Any) -> None:
+def draw(
+    program: Floats, b: int, tree: Records[Body], places: Records[Place], tau: Floats, rates: Floats
+) -> None:
     """Add the generalized force of the spring at b, and write the rate of its loss.
 
     Args:
@@ -132,7 +137,14 @@ def draw(program: Any, b: int, tree: Any, places: Any, tau: Any, rates: Any) -> 
 
 
 @kernel
-def push(body: Any, own: Any, force: Any, torque: Any, point: Any, tau: Any) -> None:
+def push(
+    body: Body,
+    own: Place,
+    force: tuple[float, float, float],
+    torque: tuple[float, float, float],
+    point: tuple[float, float, float],
+    tau: Floats,
+) -> None:
     """Add what a force at a point of the world, and a torque, do at the joint of a body."""
     fx, fy, fz = force
     tx, ty, tz = torque
@@ -189,7 +201,7 @@ def add_pull(program: Any, b: int, places: Any, out: Any) -> None:
 
 
 @kernel
-def stored_between(program: Any, b: int, places: Any) -> float:
+def stored_between(program: Floats, b: int, places: Records[Place]) -> float:
     """Energy stored in the spring at b [J], with the bodies where ``places`` says."""
     e = element_at(program, b)
     length, _, _, _, _ = line(program, b, places)
@@ -197,7 +209,7 @@ def stored_between(program: Any, b: int, places: Any) -> float:
 
 
 @kernel
-def look_at(program: Any, places: Any, stretches: Any) -> None:
+def look_at(program: Floats, places: Records[Place], stretches: Records[Stretched]) -> None:
     """Write what there is to see of all springs between points: ``STRETCH`` of each, (springs,)."""
     k = 0
     b = head_of(program).points

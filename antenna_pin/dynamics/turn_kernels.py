@@ -6,9 +6,8 @@ What they are stands in :mod:`antenna_pin.dynamics.kernels`.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, layout
+from antenna_pin.base.records import Floats, Record, Records, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import head_of
 from antenna_pin.joints.layout_kernels import joint_at
@@ -29,7 +28,7 @@ TURN = layout(Turn)
 
 
 @kernel
-def turn_on(program: Any, turns: Any, y: Any) -> float:
+def turn_on(program: Floats, turns: Records[Turn], y: Floats) -> float:
     """Bring the turned angles in a state's x up to its configuration; return the fastest rate [rad/s].
 
     ``turns`` has a record ``TURN`` per angle.

@@ -7,9 +7,9 @@ bearing's reference point, and the tilt z x a of its axis a, in bearing axes.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated
 
-from antenna_pin.base.records import Floats, Record, layout, words_of
+from antenna_pin.base.records import Floats, Pose, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 
 
@@ -46,19 +46,21 @@ BALL_SIZE = words_of(BALL)
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Zero: a bearing has no torque about its axis."""
     return 0.0
 
 
 @inlined
-def _ball(words: Any, at: int, k: int) -> Any:
+def _ball(words: Floats, at: int, k: int) -> Ball:
     first = at + SIZE + k * BALL_SIZE
     return record(words[first : first + BALL_SIZE], BALL)
 
 
 @inlined
-def _coordinates(offset: float, place: Any) -> tuple[float, float, float, float, float]:
+def _coordinates(
+    offset: float, place: tuple[float, float, float, float, float, float]
+) -> tuple[float, float, float, float, float]:
     """Return the five coordinates of a journal's centre and axis."""
     x, y, z, ax, ay, az = place
     # 1 - cos of the tilt without cancellation.
@@ -67,7 +69,7 @@ def _coordinates(offset: float, place: Any) -> tuple[float, float, float, float,
 
 
 @inlined
-def _elongation(ball: Any, q: Any) -> tuple[float, float, float]:
+def _elongation(ball: Ball, q: tuple[float, float, float, float, float]) -> tuple[float, float, float]:
     """Return how far a ball is compressed [m], and the direction of its load, off and along the axis."""
     x, y, z, tx, ty = q
     tilt = ball.cosine * ty - ball.sine * tx
@@ -78,7 +80,7 @@ def _elongation(ball: Any, q: Any) -> tuple[float, float, float]:
 
 
 @kernel
-def press(words: Any, at: int, pose: Any) -> float:
+def press(words: Floats, at: int, pose: Pose) -> float:
     """Write force and moment on the journal about its centre into its pose; return the power lost [W]."""
     b = record(words[at : at + SIZE], LAYOUT)
     s = b.offset
@@ -119,7 +121,7 @@ def press(words: Any, at: int, pose: Any) -> float:
 
 
 @kernel
-def kept(words: Any, at: int, place: Any) -> float:
+def kept(words: Floats, at: int, place: tuple[float, float, float, float, float, float]) -> float:
     """Energy stored [J] with the journal's centre and axis, six numbers, where ``place`` says."""
     b = record(words[at : at + SIZE], LAYOUT)
     q = _coordinates(b.offset, place)
@@ -137,7 +139,9 @@ def kept(words: Any, at: int, place: Any) -> float:
 
 
 @kernel
-def coordinates(words: Any, at: int, place: Any) -> tuple[float, float, float, float, float, float]:
+def coordinates(
+    words: Floats, at: int, place: tuple[float, float, float, float, float, float]
+) -> tuple[float, float, float, float, float, float]:
     """Return the five coordinates with the journal's centre and axis where ``place`` says [m], [1].
 
     Behind them stands where the reference point is along the axis [m].

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
 
@@ -31,7 +30,7 @@ Z = 1
 
 
 @inlined
-def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int]) -> float:
     """Torque [N m], or force [N]."""
     law = record(words[at : at + SIZE], LAYOUT)
     _, angle, _ = motion
@@ -42,7 +41,9 @@ def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
 
 
 @inlined
-def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def write_rates_of(
+    words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
+) -> None:
     """Power that is lost [W], and the rate of z [1/s]."""
     law = record(words[at : at + SIZE], LAYOUT)
     _, rate, _ = motion
@@ -56,7 +57,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
 
 
 @inlined
-def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> float:
     """Energy stored [J]."""
     law = record(words[at : at + SIZE], LAYOUT)
     y, i = own
@@ -67,7 +68,9 @@ def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
 
 
 @inlined
-def kink_of(words: Any, at: int, k: int, motion: Any, own: Any) -> float:
+def kink_of(
+    words: Floats, at: int, k: int, motion: tuple[float, float, float], own: tuple[Floats, int]
+) -> float:
     """0: its rate, for where the joint turns back z goes another way; 1: z, of whose size it yields by."""
     if k == 0:
         return float(motion[2])

@@ -6,9 +6,7 @@ That by the load of the joint is added where rows are solved, as that of joints 
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.bristle_kernels import bristle, gonthier_kink
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER
@@ -39,7 +37,7 @@ _ON = -1
 
 
 @inlined
-def _bent(words: Any, at: int, rate: float, own: Any) -> tuple[float, float, float, float]:
+def _bent(words: Floats, at: int, rate: float, own: tuple[Floats, int]) -> tuple[float, float, float, float]:
     """Torque of the bristles, their deflection, the rate of that, and of the dwell."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     law = words[at + SIZE : at + SIZE + FRICTION_SIZE]
@@ -52,7 +50,7 @@ def _bent(words: Any, at: int, rate: float, own: Any) -> tuple[float, float, flo
 
 
 @inlined
-def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int]) -> float:
     """Torque [N m], or force [N], without that of a load."""
     _, _, rate = motion
     force, _, _, _ = _bent(words, at, rate, own)
@@ -60,7 +58,9 @@ def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
 
 
 @inlined
-def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def write_rates_of(
+    words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
+) -> None:
     """Power that is lost [W], and the rates of deflection and dwell [1/s]."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     _, rate, power = motion
@@ -72,7 +72,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
 
 
 @inlined
-def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> float:
     """Energy stored in the bristles [J]."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     y, i = own
@@ -81,7 +81,9 @@ def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
 
 
 @inlined
-def kink_of(words: Any, at: int, k: int, motion: Any, own: Any) -> float:
+def kink_of(
+    words: Floats, at: int, k: int, motion: tuple[float, float, float], own: tuple[Floats, int]
+) -> float:
     """Its rate, for where the joint turns back bristles go another way; of Gonthier's law its functions."""
     law = words[at + SIZE : at + SIZE + FRICTION_SIZE]
     _, _, rate = motion
@@ -93,14 +95,14 @@ def kink_of(words: Any, at: int, k: int, motion: Any, own: Any) -> float:
 
 
 @inlined
-def bearing(words: Any, at: int) -> tuple[float, float, float, float]:
+def bearing(words: Floats, at: int) -> tuple[float, float, float, float]:
     """What load is made of: by radial force, axial force [m] and moment [-], and the middle [m]."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     return float(numbers.radial), float(numbers.axial), float(numbers.bending), float(numbers.middle)
 
 
 @inlined
-def rub(words: Any, at: int, rate: float, own: Any) -> float:
+def rub(words: Floats, at: int, rate: float, own: tuple[Floats, int]) -> float:
     """Torque by load, with its sign [-]."""
     share = words[at + _ON] * record(words[at : at + SIZE], LAYOUT).share
     if share == 0.0:

@@ -117,7 +117,7 @@ def clear(desk: Any) -> None:
 
 
 @inlined
-def turned(rotation: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+def turned(rotation: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Return a vector of a link's axes in world axes."""
     return (
         rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2] * z,

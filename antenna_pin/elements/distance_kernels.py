@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, Vector3, layout, words_of
+from antenna_pin.base.records import Floats, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.motion_kernels import effort
@@ -29,7 +28,7 @@ write_rates = write_work
 
 
 @inlined
-def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
+def motion(words: Floats, at: int, t: float) -> tuple[float, float, float]:
     """Distance, its rate and its acceleration at time t [s]."""
     m = record(words[at : at + SIZE], LAYOUT)
     omega = m.angular_frequency

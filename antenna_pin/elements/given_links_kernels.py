@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, Records, layout, words_of
 from antenna_pin.compiled.calls import call_3
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.elements.desk_kernels import clear
+from antenna_pin.elements.desk_kernels import DeskJoint, DeskState, Link, Whole, clear
 
 
 class PackedGivenLinks(Record):
@@ -22,7 +21,12 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def act(words: Any, at: int, t: float, desk: Any) -> None:
+def act(
+    words: Floats,
+    at: int,
+    t: float,
+    desk: tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]],
+) -> None:
     """Have the function write what it does; not-a-number where it raises."""
     own = record(words[at : at + SIZE], LAYOUT)
     if own.address == 0.0:

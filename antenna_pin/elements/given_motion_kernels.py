@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.calls import call_1
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
@@ -30,7 +28,7 @@ write_rates = write_work
 
 
 @inlined
-def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
+def motion(words: Floats, at: int, t: float) -> tuple[float, float, float]:
     """Position, its rate and its acceleration."""
     m = record(words[at : at + SIZE], LAYOUT)
     if m.first != 0.0:

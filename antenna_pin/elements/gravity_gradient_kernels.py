@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, Vector3, layout, words_of
+from antenna_pin.base.records import Floats, Record, Records, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.desk_kernels import DeskJoint, DeskState, Link, Whole
 
 
 class PackedGravityGradient(Record):
@@ -22,7 +22,12 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def act(words: Any, at: int, t: float, desk: Any) -> None:
+def act(
+    words: Floats,
+    at: int,
+    t: float,
+    desk: tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]],
+) -> None:
     """Write force and torque on every body, whose points are their mass centres."""
     own = record(words[at : at + SIZE], LAYOUT)
     c, s = math.cos(own.angular_rate * t), math.sin(own.angular_rate * t)

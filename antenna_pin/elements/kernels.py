@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import composed, composed_later
 from antenna_pin.elements import registry
 
@@ -59,7 +60,7 @@ def _no_rates(asked: int, words: Any, at: int, *arguments: Any) -> None:
     return None
 
 
-def _no_reference(asked: int, words: Any, at: int, t: float) -> tuple[float, float]:
+def _no_reference(asked: int, words: Floats, at: int, t: float) -> tuple[float, float]:
     return math.nan, math.nan
 
 
@@ -75,19 +76,19 @@ def _never(asked: int, words: Any, at: int, k: int, motion: Any) -> tuple[float,
     return 1.0, 0.0
 
 
-def _not_held(asked: int, words: Any, at: int) -> tuple[bool, float]:
+def _not_held(asked: int, words: Floats, at: int) -> tuple[bool, float]:
     return False, 0.0
 
 
-def _bears_nothing(asked: int, words: Any, at: int) -> tuple[float, float, float, float]:
+def _bears_nothing(asked: int, words: Floats, at: int) -> tuple[float, float, float, float]:
     return 0.0, 0.0, 0.0, 0.0
 
 
-def _not_told(asked: int, words: Any, at: int, burden: float) -> None:
+def _not_told(asked: int, words: Floats, at: int, burden: float) -> None:
     return None
 
 
-def _no_mode(asked: int, words: Any, at: int) -> int:
+def _no_mode(asked: int, words: Floats, at: int) -> int:
     return 0
 
 
@@ -108,17 +109,27 @@ write_rates = _chain("write_rates", _no_rates)
 stored = _chain("stored", _nothing)
 
 
-def _effort(asked: int, words: Any, at: int, motion: Any, own: Any) -> float:
+def _effort(
+    asked: int, words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int]
+) -> float:
     t, angle, rate = motion
     return float(effort(asked, words, at, t, angle, rate))
 
 
-def _write_rates(asked: int, words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def _write_rates(
+    asked: int,
+    words: Floats,
+    at: int,
+    motion: tuple[float, float, float],
+    own: tuple[Floats, int],
+    rates: Floats,
+    x: int,
+) -> None:
     angle, rate, power = motion
     write_rates(asked, words, at, angle, rate, power, rates, x)
 
 
-def _stored(asked: int, words: Any, at: int, angle: float, own: Any) -> float:
+def _stored(asked: int, words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> float:
     return float(stored(asked, words, at, angle))
 
 
@@ -129,7 +140,9 @@ stored_of = _chain("stored_of", _stored)
 kink = _chain("kink", _no_kind)
 
 
-def _kink(asked: int, words: Any, at: int, k: int, motion: Any, own: Any) -> float:
+def _kink(
+    asked: int, words: Floats, at: int, k: int, motion: tuple[float, float, float], own: tuple[Floats, int]
+) -> float:
     t, angle, rate = motion
     return float(kink(asked, words, at, t, angle, rate))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 
 # Its modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
@@ -35,7 +35,7 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def excess(latch: Any, angle: float) -> float:
+def excess(latch: PackedLatch, angle: float) -> float:
     """How far the joint is beyond the latch's own play, with its sign; zero inside."""
     off = float(angle - latch.middle)
     if off > latch.half_play:
@@ -44,7 +44,7 @@ def excess(latch: Any, angle: float) -> float:
 
 
 @inlined
-def held_torque(latch: Any, angle: float, rate: float) -> float:
+def held_torque(latch: PackedLatch, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], of the spring and the damper; with play those of the flank pressed to.
 
     Where that would pull, the joint comes off it (``switch``); in a trial step beyond, the torque
@@ -57,14 +57,16 @@ def held_torque(latch: Any, angle: float, rate: float) -> float:
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     latch = record(words[at : at + SIZE], LAYOUT)
     return held_torque(latch, angle, rate) if latch.mode == HELD else 0.0
 
 
 @inlined
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Power lost [W]: what goes in, but for what the spring stores."""
     latch = record(words[at : at + SIZE], LAYOUT)
     rates[x] = 0.0
@@ -73,7 +75,7 @@ def write_rates(words: Any, at: int, angle: float, rate: float, power: float, ra
 
 
 @inlined
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     latch = record(words[at : at + SIZE], LAYOUT)
     if latch.mode != HELD:
@@ -106,7 +108,7 @@ def inside(latch: Any, angle: float) -> float:
 
 
 @kernel
-def capture(latch: Any, k: int, motion: Any) -> tuple[float, float]:
+def capture(latch: Any, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
     """Functions that a latch has whatever holds: 0 the window's end, 1 the rates that it captures at."""
     _, angle, rate, inertia = motion
     if k == 0 and latch.mode != HELD:
@@ -120,7 +122,7 @@ def capture(latch: Any, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def _flanks(latch: Any, angle: float, rate: float) -> tuple[float, float]:
+def _flanks(latch: PackedLatch, angle: float, rate: float) -> tuple[float, float]:
     """With what a flank presses, or how far the joint is off one: off, too, while the flank would pull."""
     if latch.mode != HELD or latch.half_play == 0.0:
         return 1.0, 0.0
@@ -135,7 +137,7 @@ def _flanks(latch: Any, angle: float, rate: float) -> tuple[float, float]:
 
 
 @kernel
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
     """Functions 0 and 1 are those of capture, 2 what the torque lacks to the holding one, 3 the flanks'."""
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion
@@ -149,6 +151,6 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """The present one."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)

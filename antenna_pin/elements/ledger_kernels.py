@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
 
@@ -20,7 +20,9 @@ WORKS_WORDS = words_of(WORKS)
 
 
 @inlined
-def write_work(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_work(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Work and gross work of a drive: what it puts in, and the integral of its size."""
     works = record(rates[x : x + WORKS_WORDS], WORKS)
     works.work = power

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
 
@@ -28,14 +26,14 @@ _SLACK = 1e-11
 
 
 @inlined
-def _bent(words: Any, one: int, angle: float) -> float:
+def _bent(words: Floats, one: int, angle: float) -> float:
     """By how much one spring is bent, and at most can be."""
     reach = words[one + 1]
     return float(min(max(angle - words[one + 2], -reach), reach))
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     found = 0.0
     for k in range(record(words[at : at + SIZE], LAYOUT).count):
@@ -45,7 +43,9 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def write_rates_of(
+    words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
+) -> None:
     """Power of those that slip [W]: by what is decided, for it jumps where one begins to."""
     angle, rate, _ = motion
     springs = record(words[at : at + SIZE], LAYOUT)
@@ -58,7 +58,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
 
 
 @inlined
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     found = 0.0
     for k in range(record(words[at : at + SIZE], LAYOUT).count):
@@ -69,7 +69,7 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Product of what is left to each until it slips, as shares: one begins to where it passes zero."""
     found = 1.0
     for k in range(record(words[at : at + SIZE], LAYOUT).count):
@@ -79,13 +79,13 @@ def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """Return the present mode."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)
 
 
 @inlined
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
     """What is left until one slips (the other way), or one more; the rate of those that slip, or soon do."""
     springs = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion

@@ -10,9 +10,8 @@ says which sides are in contact; the torque asks the deflection alone.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.curve_kernels import curve
 
@@ -50,7 +49,7 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def _pushes(mesh: Any, depth: float, rate: float) -> tuple[float, float]:
+def _pushes(mesh: PackedMesh, depth: float, rate: float) -> tuple[float, float]:
     """Force of the spring on one side, and of its damper, by its compression and the rate of that."""
     if depth <= 0.0:
         return 0.0, 0.0
@@ -59,7 +58,7 @@ def _pushes(mesh: Any, depth: float, rate: float) -> tuple[float, float]:
 
 
 @inlined
-def _forces(mesh: Any, x: float, rate: float) -> tuple[float, float]:
+def _forces(mesh: PackedMesh, x: float, rate: float) -> tuple[float, float]:
     """Force against the deflection: that of springs, and that of dampers."""
     if mesh.springs == BOTH_WAYS:
         return mesh.stiffness * x, mesh.damping * rate
@@ -73,7 +72,7 @@ def _forces(mesh: Any, x: float, rate: float) -> tuple[float, float]:
 
 @kernel
 def between(
-    words: Any, at: int, angle: float, rate: float, other: float, other_rate: float
+    words: Floats, at: int, angle: float, rate: float, other: float, other_rate: float
 ) -> tuple[float, float, float, float]:
     """Deflection, its rate, and its derivatives over the angles of input and output."""
     mesh = record(words[at : at + SIZE], LAYOUT)
@@ -91,21 +90,21 @@ def between(
 
 
 @kernel
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], along the deflection."""
     elastic, damped = _forces(record(words[at : at + SIZE], LAYOUT), angle, rate)
     return float(-elastic - damped)
 
 
 @inlined
-def dissipation(words: Any, at: int, x: float, rate: float) -> float:
+def dissipation(words: Floats, at: int, x: float, rate: float) -> float:
     """Power that its dampers take [W]."""
     _, damped = _forces(record(words[at : at + SIZE], LAYOUT), x, rate)
     return float(damped * rate)
 
 
 @kernel
-def drag(words: Any, at: int, torque: float, rate: float) -> float:
+def drag(words: Floats, at: int, torque: float, rate: float) -> float:
     """Torque of friction on the input, which turns at a rate, where the mesh gives it a torque [N m].
 
     Driving (torque against the rate) the input gives 1 / forward of what the mesh takes, driven it gets
@@ -120,7 +119,7 @@ def drag(words: Any, at: int, torque: float, rate: float) -> float:
 
 
 @kernel
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     mesh = record(words[at : at + SIZE], LAYOUT)
     if mesh.springs == BOTH_WAYS:
@@ -131,7 +130,7 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @kernel
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
     """Function k: how far side 0 (plus) or 1 (minus) is off, or in, and its rate; 2: the rate going in."""
     mesh = record(words[at : at + SIZE], LAYOUT)
     x, rate = motion[1], motion[2]
@@ -149,13 +148,13 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """The present one."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)
 
 
 @kernel
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """What changes sign where a damper comes to its limit, or off it: negative at the limit.
 
     Of each side in contact what the spring gives beyond its damper; a touch begins and ends at the limit.

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.term_kernels import course
@@ -30,7 +29,7 @@ write_rates = write_work
 
 
 @inlined
-def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
+def motion(words: Floats, at: int, t: float) -> tuple[float, float, float]:
     """Position, its rate and its acceleration at time t [s]."""
     m = record(words[at : at + SIZE], LAYOUT)
     turned = m.angular_frequency * t + m.phase
@@ -54,6 +53,6 @@ def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Zero: what holds the motion is a force of constraint."""
     return 0.0

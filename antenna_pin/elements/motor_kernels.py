@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
 
@@ -42,7 +41,7 @@ def _within(value: float, middle: float, reach: float) -> float:
 
 
 @inlined
-def _voltage(m: Any, back: float) -> float:
+def _voltage(m: PackedMotor, back: float) -> float:
     """Voltage that the driver puts on [V], at a back-EMF [V]."""
     if m.by_current != 0.0:
         wished = m.resistance * _within(m.value, 0.0, m.current_limit) + back
@@ -51,20 +50,20 @@ def _voltage(m: Any, back: float) -> float:
 
 
 @inlined
-def _current(m: Any, back: float, voltage: float, own: Any) -> float:
+def _current(m: PackedMotor, back: float, voltage: float, own: tuple[Floats, int]) -> float:
     """Current [A]: a state where there is an inductance."""
     y, i = own
     return float(y[i + CURRENT] if m.inductance > 0.0 else (voltage - back) / m.resistance)
 
 
 @inlined
-def _cogging(m: Any, angle: float) -> float:
+def _cogging(m: PackedMotor, angle: float) -> float:
     """Torque of the cogging on the rotor [N m]."""
     return float(-m.cogging * math.sin(m.cycles * m.ratio * angle + m.phase))
 
 
 @inlined
-def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int]) -> float:
     """Torque [N m], or force [N]."""
     m = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate = motion
@@ -74,7 +73,9 @@ def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
 
 
 @inlined
-def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def write_rates_of(
+    words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
+) -> None:
     """Powers without the cogging's, which is stored, [W], and the rate of the current [A/s]."""
     m = record(words[at : at + SIZE], LAYOUT)
     angle, rate, power = motion
@@ -92,7 +93,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
 
 
 @inlined
-def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> float:
     """Energy stored in the cogging [J]."""
     m = record(words[at : at + SIZE], LAYOUT)
     if m.cogging == 0.0:
@@ -101,7 +102,7 @@ def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Where a limit begins to hold, by the rate of the joint [V]."""
     m = record(words[at : at + SIZE], LAYOUT)
     back = m.back_emf * m.ratio * rate

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.latch_kernels import HELD, capture
 
@@ -30,19 +29,21 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """None: a row holds the joint."""
     return 0.0
 
 
 @inlined
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Nothing is lost but in the capture, which is booked as it happens."""
     rates[x] = 0.0
 
 
 @kernel
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
     """Functions 0 and 1 are those of capture, 2 what the row's torque lacks to the holding torque."""
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, load = motion
@@ -54,13 +55,13 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def hold(words: Any, at: int) -> tuple[bool, float]:
+def hold(words: Floats, at: int) -> tuple[bool, float]:
     """Whether the joint is held, and where."""
     latch = record(words[at : at + SIZE], LAYOUT)
     return latch.mode == HELD, float(latch.held_at)
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """The present one."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)

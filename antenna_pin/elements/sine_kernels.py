@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 
@@ -24,7 +23,7 @@ write_rates = write_work
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     sine = record(words[at : at + SIZE], LAYOUT)
     return float(sine.amplitude * math.sin(sine.angular_frequency * t + sine.phase))

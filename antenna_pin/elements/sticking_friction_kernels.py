@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
 
@@ -59,7 +59,7 @@ def _direction(mode_now: int) -> float:
 
 
 @inlined
-def _fade(law: Any, rate: float) -> float:
+def _fade(law: PackedStickingFriction, rate: float) -> float:
     """What is left of the excess of static friction at a rate."""
     if law.mode == PUSHED or law.mode == PULLED:
         return 1.0
@@ -69,7 +69,7 @@ def _fade(law: Any, rate: float) -> float:
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], whatever the load: zero while it sticks, for then a row carries it."""
     law = record(words[at : at + SIZE], LAYOUT)
     dry = law.coulomb + (law.static - law.coulomb) * _fade(law, rate)
@@ -77,19 +77,21 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Power that it takes, whatever the load [W]."""
     rates[x] = -power
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """Return the present mode."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)
 
 
 @inlined
-def hold(words: Any, at: int) -> tuple[bool, float]:
+def hold(words: Floats, at: int) -> tuple[bool, float]:
     """Whether the joint sticks, and where."""
     law = record(words[at : at + SIZE], LAYOUT)
     return law.mode == STUCK, float(law.where)
@@ -103,7 +105,7 @@ def grip(words: Any, at: int) -> float:
 
 
 @inlined
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
     """Rate in the direction of slipping; what is left of the grip while it sticks.
 
     Where the rate is prescribed the function passes zero once the joint moves the other way: round-off of a
@@ -125,14 +127,14 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def bearing(words: Any, at: int) -> tuple[float, float, float, float]:
+def bearing(words: Floats, at: int) -> tuple[float, float, float, float]:
     """What load is made of: by radial force, axial force [m] and moment [-], and the middle [m]."""
     law = record(words[at : at + SIZE], LAYOUT)
     return float(law.radial), float(law.axial), float(law.bending), float(law.middle)
 
 
 @inlined
-def rub(words: Any, at: int, rate: float, own: Any) -> float:
+def rub(words: Floats, at: int, rate: float, own: tuple[Floats, int]) -> float:
     """Torque by load, with its sign [-]."""
     law = record(words[at : at + SIZE], LAYOUT)
     level = law.coefficient + (law.static_coefficient - law.coefficient) * _fade(law, rate)
@@ -140,6 +142,6 @@ def rub(words: Any, at: int, rate: float, own: Any) -> float:
 
 
 @inlined
-def bear(words: Any, at: int, burden: float) -> None:
+def bear(words: Floats, at: int, burden: float) -> None:
     """Take notice of the load [N m] ([N])."""
     record(words[at : at + SIZE], LAYOUT).burden = burden

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force, normal_force
 
@@ -34,7 +33,7 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def depth(stop: Any, angle: float) -> float:
+def depth(stop: PackedStop, angle: float) -> float:
     """How far the joint is pressed into the side that it touches; beyond none it is zero."""
     if stop.mode == LOWER:
         return float(stop.lower - angle)
@@ -44,7 +43,7 @@ def depth(stop: Any, angle: float) -> float:
 
 
 @inlined
-def way(stop: Any) -> float:
+def way(stop: PackedStop) -> float:
     """Direction into the side that it touches: -1 lower, +1 upper, 0 neither."""
     if stop.mode == LOWER:
         return -1.0
@@ -52,13 +51,13 @@ def way(stop: Any) -> float:
 
 
 @inlined
-def law_at(at: int, stop: Any) -> int:
+def law_at(at: int, stop: PackedStop) -> int:
     """Where the law of the side that it touches stands."""
     return at + SIZE + NORMAL_SIZE if stop.mode == UPPER else at + SIZE
 
 
 @kernel
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], out of the stop; never into it."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if stop.mode == FREE:
@@ -71,7 +70,9 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @kernel
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Power lost [W]: what goes in, but for what the elastic part stores; and the torque's size."""
     stop = record(words[at : at + SIZE], LAYOUT)
     rates[x] = rates[x + 1] = 0.0
@@ -83,7 +84,7 @@ def write_rates(words: Any, at: int, angle: float, rate: float, power: float, ra
 
 
 @kernel
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if stop.mode == FREE:
@@ -104,7 +105,7 @@ def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: fl
 
 
 @kernel
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
     """Function k: how far off a side the joint is, or how far in, and its rate; 2: the rate going in."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if k == TURNS:
@@ -113,6 +114,6 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """The present one."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.curve_kernels import curve
 from antenna_pin.elements.ledger_kernels import write_work
@@ -22,7 +20,7 @@ write_rates = write_work
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     value, _ = curve(words, at + SIZE, record(words[at : at + SIZE], LAYOUT).points, t)
     return value

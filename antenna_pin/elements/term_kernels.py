@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import Record, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.lines_kernels import lines
 
@@ -65,7 +65,7 @@ _PIECE_SIZE = words_of(SWEPT_PIECE)
 
 
 @inlined
-def _pieces(words: Any, at: int, term: Any, t: float) -> tuple[float, float, float]:
+def _pieces(words: Floats, at: int, term: Term, t: float) -> tuple[float, float, float]:
     n, times = term.count, at + SIZE
     own = t
     if term.span > 0.0:
@@ -99,7 +99,7 @@ def _swing(size: float, angle: float, omega: float) -> tuple[float, float, float
 
 
 @inlined
-def _turned(p: Any, s: float) -> tuple[float, float, float, float]:
+def _turned(p: SweptPiece, s: float) -> tuple[float, float, float, float]:
     """Phase since the piece's start, angular frequency and its first two derivatives, s after the start."""
     if p.octaves == 0 or p.growth == 0.0:
         return (p.begin + 0.5 * p.growth * s) * s, p.begin + p.growth * s, p.growth, 0.0
@@ -110,7 +110,7 @@ def _turned(p: Any, s: float) -> tuple[float, float, float, float]:
 
 
 @inlined
-def _swept(words: Any, at: int, term: Any, t: float) -> tuple[float, float, float]:
+def _swept(words: Floats, at: int, term: Term, t: float) -> tuple[float, float, float]:
     own = at + SIZE
     for _ in range(term.count - 1):
         if t < words[own + _PIECE_SIZE]:
@@ -150,7 +150,7 @@ def _cycloid(term: Any, t: float) -> tuple[float, float, float]:
 
 
 @kernel
-def course(words: Any, at: int, end: int, t: float) -> tuple[float, float, float]:
+def course(words: Floats, at: int, end: int, t: float) -> tuple[float, float, float]:
     """Value, rate and acceleration at time t [s] of the sum of the terms in words[at:end]."""
     value = rate = acceleration = 0.0
     while at < end:

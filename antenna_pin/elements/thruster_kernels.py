@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import Record, Vector3, layout, words_of
+from antenna_pin.base.records import Floats, Record, Records, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.elements.desk_kernels import turned
+from antenna_pin.elements.desk_kernels import DeskJoint, DeskState, Link, Whole, turned
 
 
 class PackedThruster(Record):
@@ -25,7 +23,12 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def act(words: Any, at: int, t: float, desk: Any) -> None:
+def act(
+    words: Floats,
+    at: int,
+    t: float,
+    desk: tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]],
+) -> None:
     """Write the force on the link, and the rate of its level if that follows."""
     own = record(words[at : at + SIZE], LAYOUT)
     level = 1.0 if own.firing != 0.0 else own.throttle

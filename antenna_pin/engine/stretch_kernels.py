@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from antenna_pin.base.records import Record, layout
+from numpy.typing import NDArray
+
+from antenna_pin.base.records import Floats, Ints, Memory, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
-from antenna_pin.dynamics.trial_kernels import contacts_in
-from antenna_pin.dynamics.turn_kernels import turn_on
-from antenna_pin.engine.episode_kernels import keep_peaks
+from antenna_pin.dynamics.peak_kernels import Peak
+from antenna_pin.dynamics.trial_kernels import Trial, contacts_in
+from antenna_pin.dynamics.turn_kernels import Turn, turn_on
+from antenna_pin.engine.episode_kernels import Book, keep_peaks
 from antenna_pin.engine.gross_kernels import settle
 from antenna_pin.engine.hold_kernels import close
+from antenna_pin.engine.numbers_kernels import Numbers
+from antenna_pin.engine.pace_kernels import Pace, Sizes
 from antenna_pin.engine.step_kernels import attempt, prepare_dense
-from antenna_pin.engine.touch_kernels import keep_efforts
+from antenna_pin.engine.touch_kernels import Touch, keep_efforts
+from antenna_pin.engine.watch_kernels import Watched
+from antenna_pin.integrate.explicit_kernels import Tableau
 from antenna_pin.integrate.kernels import START, STATE, STATE_ROW, begin, dense_state
 
 # Where a step is: it has not begun; longer ones did not pass; its trial stands, and is to be searched; a
@@ -85,15 +92,15 @@ class Buffers(NamedTuple):
         out: Scratch, (2, size).
     """
 
-    times: Any
-    states: Any
-    memories: Any
-    early: Any
-    instants: Any
-    sizes: Any
-    ends: Any
-    kept: Any
-    out: Any
+    times: Floats
+    states: Floats
+    memories: NDArray[Memory]
+    early: Ints
+    instants: Floats
+    sizes: Floats
+    ends: Floats
+    kept: Floats
+    out: Floats
 
 
 @by_address
@@ -111,13 +118,13 @@ class Search(NamedTuple):
             [m].
     """
 
-    nodes: Any
-    ignore: Any
-    limits: Any
-    peaks: Any
-    turns: Any
-    compared: Any
-    difference: Any
+    nodes: Floats
+    ignore: Ints
+    limits: Floats
+    peaks: Records[Peak]
+    turns: Records[Turn]
+    compared: Ints
+    difference: Floats
 
 
 @by_address
@@ -146,29 +153,29 @@ class Loop(NamedTuple):
         touches: Largest efforts of elements in touch, TOUCH, (n,).
     """
 
-    stretch: Any
-    pace: Any
-    breaks: Any
-    chosen: Any
-    tableau: Any
-    space: Any
-    work: Any
-    dense: Any
-    scales: Any
+    stretch: Records[Stretch]
+    pace: Records[Pace]
+    breaks: Floats
+    chosen: Floats
+    tableau: Tableau
+    space: Ints
+    work: Floats
+    dense: Floats
+    scales: Floats
     rtol: float
-    numbers: Any
-    search: Any
-    trial: Any
-    buffers: Any
-    book: Any
-    sizes: Any
-    watched: Any
-    works: Any
-    touches: Any
+    numbers: Numbers
+    search: Search
+    trial: Trial
+    buffers: Buffers
+    book: Book
+    sizes: Sizes
+    watched: Watched
+    works: Ints
+    touches: Records[Touch]
 
 
 @inlined
-def start_row(loop: Any) -> int:
+def start_row(loop: Loop) -> int:
     """Which of the stepper's rows is the state that the step starts from."""
     return int(loop.tableau.weights.shape[0] + START)
 
@@ -256,7 +263,7 @@ def keep(loop: Loop) -> None:
 
 
 @inlined
-def _settle(loop: Loop, theta: float, y: Any) -> None:
+def _settle(loop: Loop, theta: float, y: Floats) -> None:
     """Write the gross works of a state at a fraction of the trial step."""
     settle(theta, loop.works, loop.tableau, loop.space, loop.work, loop.dense, y)
 
@@ -339,7 +346,7 @@ def sample(loop: Loop, moment: float, tried: float) -> None:
 
 
 @kernel
-def remember(loop: Loop, memory: Any) -> None:
+def remember(loop: Loop, memory: Records[Memory]) -> None:
     """Put a contact memory beside the sample that comes next."""
     for c in range(memory.shape[0]):
         kept, held = loop.buffers.memories[loop.stretch[0].samples, c], memory[c]

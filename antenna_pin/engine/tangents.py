@@ -13,9 +13,9 @@ from antenna_pin.dynamics.angle_change_kernels import MOST, ROWS
 from antenna_pin.dynamics.tangent_kernels import ASKED, EFFORTS, PART
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.impact_kernels import CLOSING, HEAVIER, MET, OPENING, write_met
+from antenna_pin.engine.numbers_kernels import Numbers
 from antenna_pin.engine.row_tangent_kernels import RowRoom
 from antenna_pin.engine.shifts import SystemSlopes, shifts_of, takes_slopes
-from antenna_pin.engine.step_kernels import Numbers
 from antenna_pin.engine.tangent_kernels import Shifts, TangentRoom, write_tangent
 from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate import manifold_kernels

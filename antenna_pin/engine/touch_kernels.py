@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
-from antenna_pin.base.records import Floats, Record, layout
+from antenna_pin.base.records import Floats, Ints, Record, Records, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, element_state, head_of
 from antenna_pin.elements import kernels as elements
+from antenna_pin.engine.numbers_kernels import Numbers
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
 
 # Equal parts of a step at whose ends the effort is evaluated; interpolations that follow at most, and the
@@ -29,7 +30,13 @@ TOUCH = layout(Touch)
 
 
 @kernel
-def keep_efforts(t: float, h: float, touches: Any, step: Any, numbers: Any) -> None:
+def keep_efforts(
+    t: float,
+    h: float,
+    touches: Records[Touch],
+    step: tuple[Ints, Floats, Floats, int, Floats],
+    numbers: Numbers,
+) -> None:
     """Update the largest effort of each side in touch by the step of size h from t [s].
 
     Args:
@@ -57,7 +64,9 @@ def keep_efforts(t: float, h: float, touches: Any, step: Any, numbers: Any) -> N
 
 
 @kernel
-def _largest(top: int, t: float, h: float, own: Any, step: Any, program: Any) -> tuple[float, float]:
+def _largest(
+    top: int, t: float, h: float, own: Touch, step: tuple[Ints, Floats, Floats, int, Floats], program: Floats
+) -> tuple[float, float]:
     """Return place in the step and size of the largest effort, by successive parabolas near a node."""
     looks, most = own.looks, own.looks[top]
     middle, centre = top / _PARTS, min(max(top, 1), _PARTS - 1) / _PARTS
@@ -91,7 +100,14 @@ def _largest(top: int, t: float, h: float, own: Any, step: Any, program: Any) ->
 
 
 @kernel
-def _effort(t: float, h: float, theta: float, block: int, step: Any, program: Any) -> float:
+def _effort(
+    t: float,
+    h: float,
+    theta: float,
+    block: int,
+    step: tuple[Ints, Floats, Floats, int, Floats],
+    program: Floats,
+) -> float:
     """Return the size of an element's effort at a fraction of a step [N m] ([N])."""
     space, dense, work, start, out = step
     dense_state(theta, space, dense, work, start, out)

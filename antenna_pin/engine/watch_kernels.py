@@ -10,15 +10,16 @@ said, the loop outside looks closely; so this needs to see too much rather than 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from antenna_pin.base.records import Record, layout
+from antenna_pin.base.records import Floats, Ints, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import hold_at, plan_of
 from antenna_pin.dynamics.kernels import element_kink, element_switch, evaluate, head_of, joint_motion
 from antenna_pin.dynamics.link_kernels import kink_on_links
 from antenna_pin.dynamics.trial_kernels import locate
+from antenna_pin.engine.numbers_kernels import Numbers
 from antenna_pin.engine.step_kernels import ask_elements, derivative
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
 
@@ -72,17 +73,17 @@ class Watched(NamedTuple):
         unknown: How many functions there are that compiled code does not know.
     """
 
-    functions: Any
-    program: Any
-    rates: Any
-    instants: Any
-    values: Any
-    dips: Any
+    functions: Records[Watch]
+    program: Floats
+    rates: Floats
+    instants: Floats
+    values: Floats
+    dips: Floats
     unknown: int
 
 
 @kernel
-def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
+def _look(w: Watch, t: float, y: Floats, numbers: Numbers, watched: Watched) -> None:
     """Write how far a function is past its value at time t [s] and state y, and its rate (0: unknown)."""
     program, out = numbers.program, watched.values
     nq = head_of(program).nq
@@ -116,7 +117,7 @@ def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
 
 
 @inlined
-def interpolated(x: float, f: Any) -> float:
+def interpolated(x: float, f: Floats) -> float:
     """Value at a fraction of a step of the polynomial through five values at the points of a step."""
     a, b, c = FIRST_POINT, SECOND_POINT, THIRD_POINT
     return float(
@@ -129,7 +130,14 @@ def interpolated(x: float, f: Any) -> float:
 
 
 @kernel
-def _may_dip(t: float, h: float, w: Any, step: Any, numbers: Any, watched: Any) -> bool:
+def _may_dip(
+    t: float,
+    h: float,
+    w: Watch,
+    step: tuple[Ints, Floats, Floats, int, Floats],
+    numbers: Numbers,
+    watched: Watched,
+) -> bool:
     """Whether a function without a rate, whose value at the start is known, may come to zero in a step."""
     space, dense, work, start, out = step
     f = watched.dips
@@ -164,7 +172,15 @@ def _may_dip(t: float, h: float, w: Any, step: Any, numbers: Any, watched: Any) 
 
 @kernel
 def may_happen(
-    t: float, h: float, space: Any, dense: Any, work: Any, start: int, out: Any, numbers: Any, watched: Any
+    t: float,
+    h: float,
+    space: Ints,
+    dense: Floats,
+    work: Floats,
+    start: int,
+    out: Floats,
+    numbers: Numbers,
+    watched: Watched,
 ) -> bool:
     """Whether something watched may happen in the step of size h from t [s], whose dense output is there."""
     if watched.unknown > 0:

@@ -12,11 +12,20 @@ The journal frame J used here has its z axis along the journal and an arbitrary 
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Matrix3, Record, Vector3, layout, words_of
+from antenna_pin.base.records import (
+    Contact,
+    Floats,
+    Matrix3,
+    Pose,
+    Record,
+    Records,
+    Vector3,
+    layout,
+    words_of,
+)
 from antenna_pin.compiled.decorators import inlined, kernel, record
-from antenna_pin.geometry.revolute_kernels import REVOLUTE, bore_contact, flange_contact
+from antenna_pin.geometry.revolute_kernels import REVOLUTE, Revolute, bore_contact, flange_contact
 
 
 class Query(Record):
@@ -82,33 +91,33 @@ _APPROACH = 6  # Newton steps at most to where coal is asked first
 
 
 @inlined
-def query_in(work: Any) -> Any:
+def query_in(work: Floats) -> Query:
     """Return what is wanted of coal."""
     return record(work[:SHAPE_AT], QUERY)
 
 
 @inlined
-def _shape_in(work: Any) -> Any:
+def _shape_in(work: Floats) -> Revolute:
     return record(work[SHAPE_AT:FRAME_AT], REVOLUTE)
 
 
 @inlined
-def _frame_in(work: Any) -> Any:
+def _frame_in(work: Floats) -> Frame:
     return record(work[FRAME_AT:ENDS_AT], FRAME)
 
 
 @inlined
-def _end_in(work: Any, k: int) -> Any:
+def _end_in(work: Floats, k: int) -> End:
     return record(work[ENDS_AT + k * END_WORDS : ENDS_AT + (k + 1) * END_WORDS], END)
 
 
 @inlined
-def _answer_in(work: Any, k: int) -> Any:
+def _answer_in(work: Floats, k: int) -> FlangeAnswer:
     return record(work[ANSWERS_AT + k * ANSWER_WORDS : ANSWERS_AT + (k + 1) * ANSWER_WORDS], FLANGE_ANSWER)
 
 
 @kernel
-def coal_set_out(work: Any, pose: Any, wanted: int) -> None:
+def coal_set_out(work: Floats, pose: Records[Pose], wanted: int) -> None:
     """Place the bearing in the journal frame and say what is to be asked of coal.
 
     Args:
@@ -151,7 +160,7 @@ def coal_set_out(work: Any, pose: Any, wanted: int) -> None:
 
 
 @kernel
-def coal_start(work: Any, k: int, side: float, pose: Any) -> bool:
+def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
     """Start the search on the circle at ``side`` times half the length; whether END k is to be asked."""
     # Towards the side of the bore that the journal axis is nearest to, where it cuts the circle's plane.
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
@@ -172,7 +181,7 @@ def coal_start(work: Any, k: int, side: float, pose: Any) -> bool:
 
 
 @inlined
-def _place_point(shape: Any, frame: Any, end: Any) -> None:
+def _place_point(shape: Revolute, frame: Frame, end: End) -> None:
     end.in_bearing[0] = shape.bearing_radius * math.cos(end.angle)
     end.in_bearing[1] = shape.bearing_radius * math.sin(end.angle)
     end.in_bearing[2] = end.side * shape.half_length
@@ -186,7 +195,7 @@ def _place_point(shape: Any, frame: Any, end: Any) -> None:
 
 
 @inlined
-def _in_bearing(at: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+def _in_bearing(at: Frame, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Return a direction of J in H."""
     return (
         at.rotation[0, 0] * x + at.rotation[1, 0] * y + at.rotation[2, 0] * z,
@@ -196,7 +205,9 @@ def _in_bearing(at: Any, x: float, y: float, z: float) -> tuple[float, float, fl
 
 
 @inlined
-def _newton(shape: Any, at: Any, end: Any, normal: Any, gap: float) -> tuple[float, float, float]:
+def _newton(
+    shape: Revolute, at: Frame, end: End, normal: tuple[float, float, float], gap: float
+) -> tuple[float, float, float]:
     """Return a Newton step of d gap / d phi = 0 in an END [rad], what the gap loses by it [m], and the slope.
 
     The derivative of the gap along the circle is -n . dQ/dphi, n the normal in H; its own derivative follows
@@ -219,7 +230,7 @@ def _newton(shape: Any, at: Any, end: Any, normal: Any, gap: float) -> tuple[flo
 
 
 @inlined
-def _approach(shape: Any, at: Any, end: Any) -> None:
+def _approach(shape: Revolute, at: Frame, end: End) -> None:
     """Bring the point of an END to where the closed form has the least gap, so that coal is asked once."""
     for _ in range(_APPROACH):
         x, y = end.in_journal[0], end.in_journal[1]
@@ -236,7 +247,7 @@ def _approach(shape: Any, at: Any, end: Any) -> None:
 
 
 @kernel
-def coal_turn(work: Any, k: int) -> bool:
+def coal_turn(work: Floats, k: int) -> bool:
     """Make one Newton step of d gap / d phi = 0 in END k from coal's answer; True when done.
 
     Once the step is below 1e-5 rad, gap and normal are carried over it to second and first order, which is
@@ -267,7 +278,7 @@ def coal_turn(work: Any, k: int) -> bool:
 
 
 @kernel
-def coal_take_in(work: Any, pose: Any, table: Any, row: int) -> bool:
+def coal_take_in(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> bool:
     """Turn coal's answers into the rows of the table that are wanted, in H; whether they are final.
 
     If not, coal is to be asked again.
@@ -282,7 +293,7 @@ def coal_take_in(work: Any, pose: Any, table: Any, row: int) -> bool:
 
 
 @inlined
-def _collect(work: Any, pose: Any, table: Any, row: int) -> None:
+def _collect(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> None:
     """Write the rows that are wanted, in H.
 
     The bore's stand in the ENDs of ``work``, the flanges' in its FLANGE_ANSWERs. Of a cylinder exactly

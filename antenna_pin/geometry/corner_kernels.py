@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import Record, Vector3, layout
+from antenna_pin.base.records import Contact, Pose, Record, Vector3, layout
 from antenna_pin.compiled.decorators import kernel
 
 
@@ -22,7 +20,7 @@ CORNER = layout(Corner)
 
 
 @kernel
-def corner_contact(shape: Any, pose: Any, out: Any) -> None:
+def corner_contact(shape: Corner, pose: Pose, out: Contact) -> None:
     """Candidate between a corner and a wall: the ball of the corner's rounding against the plane.
 
     Of a box with rounded edges inside a hollow with plane walls no other point is deeper.

@@ -16,9 +16,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import Record, Vector2, Vector3, layout
+from antenna_pin.base.records import Contact, Pose, Record, Vector2, Vector3, layout
 from antenna_pin.compiled.decorators import kernel
-from antenna_pin.geometry.revolute_kernels import bore_contact
+from antenna_pin.geometry.revolute_kernels import Revolute, bore_contact
 
 
 class Edge(Record):
@@ -135,7 +135,7 @@ def farthest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple
 
 
 @kernel
-def rod_contact(shape: Any, pose: Any, out: Any) -> None:
+def rod_contact(shape: Revolute, pose: Pose, out: Contact) -> None:
     """Candidate at one end of what a round slider has within a round guide: its rim, or the mouth.
 
     REVOLUTE, of which half_length is half the guide's and half_distance half the slider's. The rim's gap is

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.base.records import Record, layout
+from antenna_pin.base.records import Contact, Pose, Record, Records, layout
 from antenna_pin.compiled.decorators import kernel
 
 
@@ -88,7 +88,7 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
 
 
 @kernel
-def bore_contact(shape: Any, side: float, pose: Any, out: Any) -> None:
+def bore_contact(shape: Revolute, side: float, pose: Pose, out: Contact) -> None:
     """Radial candidate at the bearing's circle at ``side`` (+1, -1 or between) times half its length.
 
     gap = min over Q on the circle of dist(Q, journal axis) - R_j. Seen along the journal axis the circle is
@@ -157,7 +157,7 @@ def bore_contact(shape: Any, side: float, pose: Any, out: Any) -> None:
 
 
 @kernel
-def flange_contact(shape: Any, side: float, pose: Any, out: Any) -> None:
+def flange_contact(shape: Revolute, side: float, pose: Pose, out: Contact) -> None:
     """Axial candidate between the flange and the bearing's end face at ``side`` (+1 or -1).
 
     Where the flange covers the bearing's outer edge (R_f >= R_io) that edge meets the plane of the flange:
@@ -205,7 +205,7 @@ def flange_contact(shape: Any, side: float, pose: Any, out: Any) -> None:
 
 
 @kernel
-def revolute_contacts(shape: Any, pose: Any, table: Any) -> None:
+def revolute_contacts(shape: Revolute, pose: Pose, table: Records[Contact]) -> None:
     """Fill the first four rows of a table: bore at +z and -z, flange at +z and -z."""
     for k in range(2):
         side = 1.0 - 2.0 * k
@@ -214,7 +214,9 @@ def revolute_contacts(shape: Any, pose: Any, table: Any) -> None:
 
 
 @kernel
-def contact_scenario(shape: Any, pose: Any, table: Any, row: int, spare: Any) -> tuple[int, int]:
+def contact_scenario(
+    shape: Revolute, pose: Pose, table: Records[Contact], row: int, spare: Contact
+) -> tuple[int, int]:
     """Classify the penetrations of rows ``row`` to ``row + 3`` of a table; the row ``spare`` is scratch.
 
     Radial: none, one end, two ends, line (both ends and the middle section on the same side). Axial: none,

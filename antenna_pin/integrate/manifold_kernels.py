@@ -13,7 +13,7 @@ import math
 from typing import Any
 
 from antenna_pin.base import records
-from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR, Floats, Ints
 from antenna_pin.compiled.decorators import inlined, kernel, record
 
 
@@ -44,20 +44,20 @@ FACTOR_WORDS = records.words_of(FACTOR)
 
 
 @inlined
-def space_of(layout: Any) -> Any:
+def space_of(layout: Ints) -> Space:
     """Return the head of a layout."""
     return record(layout[:SPACE_WORDS], SPACE)
 
 
 @inlined
-def factor_of(layout: Any, number: int) -> Any:
+def factor_of(layout: Ints, number: int) -> Factor:
     """Return one of the factors that a layout lists."""
     at = SPACE_WORDS + number * FACTOR_WORDS
     return record(layout[at : at + FACTOR_WORDS], FACTOR)
 
 
 @inlined
-def _turn(q0: Any, r0: int, i: int, way: Any, q: Any, r: int) -> None:
+def _turn(q0: Floats, r0: int, i: int, way: tuple[float, float, float], q: Floats, r: int) -> None:
     """Write q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
     ux, uy, uz = way
     square = ux * ux + uy * uy + uz * uz
@@ -83,7 +83,7 @@ def _turn(q0: Any, r0: int, i: int, way: Any, q: Any, r: int) -> None:
 
 
 @inlined
-def retract_factor(factor: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
+def retract_factor(factor: Factor, q0: Floats, r0: int, u: Floats, ru: int, q: Floats, r: int) -> None:
     """Write one factor of q[r] = q0[r0] o exp(u[ru])."""
     kind, i, j = factor.kind, factor.q, factor.v
     if kind == VECTOR:
@@ -112,7 +112,7 @@ def retract_factor(factor: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: in
 
 
 @inlined
-def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
+def retract(layout: Ints, q0: Floats, r0: int, u: Floats, ru: int, q: Floats, r: int) -> None:
     """Write q[r] = q0[r0] o exp(u[ru]).
 
     Arrays and rows come apart, because a view of a row costs more than the sum it is for.
@@ -122,7 +122,7 @@ def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> N
 
 
 @inlined
-def move_factor(factor: Any, rows: Any, r: int, step: Any) -> None:
+def move_factor(factor: Factor, rows: Floats, r: int, step: Floats) -> None:
     """:func:`move_by_velocity` of one factor."""
     kind, i, j = factor.kind, factor.q, factor.v
     if kind == VECTOR:
@@ -164,7 +164,7 @@ def factor_size(factor: Any) -> int:
 
 
 @kernel
-def move_by_velocity(layout: Any, rows: Any, r: int, step: Any) -> None:
+def move_by_velocity(layout: Ints, rows: Floats, r: int, step: Floats) -> None:
     """Move the configuration rows[r], in place, by a step in the coordinates of velocities, in body axes.
 
     It is of first order, as for corrections: along a straight line, then turned.
@@ -174,7 +174,9 @@ def move_by_velocity(layout: Any, rows: Any, r: int, step: Any) -> None:
 
 
 @inlined
-def _unwind(vector: Any, spin: Any, out: Any, r: int, j: int) -> None:
+def _unwind(
+    vector: tuple[float, float, float], spin: tuple[float, float, float], out: Floats, r: int, j: int
+) -> None:
     """Write the rate of a rotation vector for a body angular velocity.
 
     It is the velocity times the inverse right Jacobian of SO(3).
@@ -199,7 +201,7 @@ def _unwind(vector: Any, spin: Any, out: Any, r: int, j: int) -> None:
 
 
 @inlined
-def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) -> None:
+def chart_rate(layout: Ints, u: Floats, ru: int, y: Floats, ry: int, out: Floats, r: int) -> None:
     """Write the rate of u[ru] into out[r] for the state y[ry] = [q, v], whose q is q0 o exp(u)."""
     start = space_of(layout).nq
     for f in range(space_of(layout).factors):

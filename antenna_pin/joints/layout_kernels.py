@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import Matrix3, Record, Vector3, layout, words_of
+from antenna_pin.base.records import Floats, Matrix3, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE
 from antenna_pin.geometry.kernels import CANDIDATE
-from antenna_pin.geometry.revolute_kernels import REVOLUTE
+from antenna_pin.geometry.revolute_kernels import REVOLUTE, Revolute
 
 #: The kind of block that a joint with play is in a program.
 CLEARANCE = 1
@@ -79,7 +79,7 @@ BRISTLES = words_of(INTEGRALS)
 
 
 @inlined
-def joint_at(p: Any, b: int) -> Any:
+def joint_at(p: Floats, b: int) -> Joint:
     """Return the head of the joint whose block stands at p[b:]."""
     return record(p[b : b + JOINT_WORDS], JOINT)
 
@@ -91,13 +91,13 @@ def candidate_at(b: int, k: int) -> int:
 
 
 @inlined
-def primitive_of(p: Any, b: int, k: int) -> int:
+def primitive_of(p: Floats, b: int, k: int) -> int:
     """Return the primitive of contact k."""
     return int(revolute_of(p, b, k).primitive)
 
 
 @inlined
-def revolute_of(p: Any, b: int, k: int) -> Any:
+def revolute_of(p: Floats, b: int, k: int) -> Revolute:
     """Return the dimensions of contact k of a revolute joint."""
     at = candidate_at(b, k)
     return record(p[at : at + CANDIDATE], REVOLUTE)

@@ -14,8 +14,10 @@ from antenna_pin.base.records import (
     RIGID,
     ROTATION,
     SLIDE,
+    Floats,
     Matrix3,
     Record,
+    Records,
     Vector3,
     layout,
 )
@@ -65,7 +67,7 @@ def unwrapped(angle: float, near: float) -> float:
 
 
 @inlined
-def _about_axis(axis: Any, c: float, s: float, m: Any) -> None:
+def _about_axis(axis: Floats, c: float, s: float, m: Floats) -> None:
     """Write the rotation about an axis by an angle of cosine c and sine s."""
     x, y, z = axis[0], axis[1], axis[2]
     t = 1.0 - c
@@ -75,7 +77,7 @@ def _about_axis(axis: Any, c: float, s: float, m: Any) -> None:
 
 
 @inlined
-def _of_quaternion(q: Any, i: int, m: Any) -> None:
+def _of_quaternion(q: Floats, i: int, m: Floats) -> None:
     """Write the rotation of the quaternion (xyzw) at q[i:]."""
     x, y, z, w = q[i], q[i + 1], q[i + 2], q[i + 3]
     m[0, 0], m[0, 1], m[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)
@@ -84,7 +86,7 @@ def _of_quaternion(q: Any, i: int, m: Any) -> None:
 
 
 @inlined
-def relative(body: Any, y: Any, nq: int, way: Any) -> None:
+def relative(body: Body, y: Floats, nq: int, way: Any) -> None:
     """Write how a joint places and moves its body, in a ``PLACE``.
 
     Its rotation; its displacement in the joint's frame; its velocities in the body's own.
@@ -128,7 +130,7 @@ def relative(body: Any, y: Any, nq: int, way: Any) -> None:
 
 
 @kernel
-def place_bodies(y: Any, nq: int, tree: Any, places: Any) -> None:
+def place_bodies(y: Floats, nq: int, tree: Records[Body], places: Records[Place]) -> None:
     """Write where the bodies are and how they move, in the world.
 
     Args:
@@ -158,14 +160,14 @@ def place_bodies(y: Any, nq: int, tree: Any, places: Any) -> None:
 
 
 @inlined
-def cross(a: Any, b: Any, k: int) -> float:
+def cross(a: Floats, b: Floats, k: int) -> float:
     """Component k of the cross product of two vectors."""
     i, j = (k + 1) % 3, (k + 2) % 3
     return float(a[i] * b[j] - a[j] * b[i])
 
 
 @kernel
-def bias_accelerations(tree: Any, places: Any) -> None:
+def bias_accelerations(tree: Records[Body], places: Records[Place]) -> None:
     """Write the accelerations that bodies have while no component of the velocity changes.
 
     With r from the parent's origin, u the velocity that the joint adds and w angular velocities,
@@ -195,7 +197,7 @@ def bias_accelerations(tree: Any, places: Any) -> None:
 
 
 @inlined
-def _place_on_world(body: Any, own: Any) -> None:
+def _place_on_world(body: Body, own: Place) -> None:
     """Write the frame of a joint on the world."""
     for k in range(3):
         own.origin[k] = body.position[k]
@@ -206,7 +208,7 @@ def _place_on_world(body: Any, own: Any) -> None:
 
 
 @inlined
-def _place_on(body: Any, on: Any, own: Any) -> None:
+def _place_on(body: Body, on: Place, own: Place) -> None:
     """Write the frame of a joint on a body, which turns with it."""
     for k in range(3):
         own.spin[k] = on.spin[k]
@@ -221,7 +223,7 @@ def _place_on(body: Any, on: Any, own: Any) -> None:
 
 
 @inlined
-def _move(own: Any, way: Any) -> None:
+def _move(own: Place, way: Place) -> None:
     """Turn and displace a joint's frame, in place, by what the joint does: the body's frame."""
     m = way.rotation
     for k in range(3):
@@ -232,7 +234,7 @@ def _move(own: Any, way: Any) -> None:
 
 
 @inlined
-def _carry(on: Any, own: Any) -> None:
+def _carry(on: Place, own: Place) -> None:
     """Write the velocity that a body's origin has from the body that it is on."""
     dx = own.origin[0] - on.origin[0]
     dy = own.origin[1] - on.origin[1]
