@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar, get_args
 
 import numpy as np
@@ -43,13 +42,15 @@ __all__ = [
     "Program",
     "Record",
     "Records",
+    "Six",
+    "Triple",
     "Vector2",
     "Vector3",
     "Vector6",
     "memory_numbers",
     "memory_records",
     "place_of",
-    "check_names",
+    "fields_of",
     "layout",
     "words_of",
 ]
@@ -58,6 +59,10 @@ __all__ = [
 #: Arrays of any size.
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+#: Numbers by themselves, as of a vector, or of a motion or wrench with the linear part first.
+Triple = tuple[float, float, float]
+Six = tuple[float, float, float, float, float, float]
 
 #: Arrays of fixed size in a record: fields of others are ``Annotated[Floats, shape]``.
 Vector2 = Annotated[Floats, 2]
@@ -92,24 +97,8 @@ _Record = TypeVar("_Record", bound=Record)
 Records = np.ndarray[tuple[int], np.dtype[_Record]]
 
 
-def check_names(names: Iterable[str]) -> None:
-    """Refuse names of fields that a record of NumPy's has itself: read uncompiled, they would be those.
-
-    Raises:
-        ValueError: Says which.
-    """
-    if taken := [name for name in names if hasattr(Record, name)]:
-        raise ValueError(
-            f"record: no field may have the name of an attribute of numpy.void, got {', '.join(taken)}: "
-            "without the compiler it would be that attribute; take another name"
-        )
-
-
-def layout(kind: type[_Record]) -> Layout[_Record]:
-    """Return the layout of a record in 8-byte numbers, its fields in the order of their annotations.
-
-    Args:
-        kind: A class with fields ``float``, ``int``, or an array of these, as :data:`Vector3`.
+def fields_of(kind: type[Record]) -> dict[str, Any]:
+    """Return the fields of a record and their annotations, in order.
 
     Raises:
         ValueError: A field that NumPy's own attributes would hide.
@@ -120,8 +109,21 @@ def layout(kind: type[_Record]) -> Layout[_Record]:
         for base in reversed(kind.__mro__)
         for name, hint in inspect.get_annotations(base).items()
     }
-    check_names(fields)
-    return Layout((kind, [_field(name, hint) for name, hint in fields.items()]))
+    if taken := [name for name in fields if hasattr(Record, name)]:
+        raise ValueError(
+            f"record: no field may have the name of an attribute of numpy.void, got {', '.join(taken)}: "
+            "without the compiler it would be that attribute; take another name"
+        )
+    return fields
+
+
+def layout(kind: type[_Record]) -> Layout[_Record]:
+    """Return the layout of a record in 8-byte numbers, its fields in the order of their annotations.
+
+    Args:
+        kind: A class with fields ``float``, ``int``, or an array of these, as :data:`Vector3`.
+    """
+    return Layout((kind, [_field(name, hint) for name, hint in fields_of(kind).items()]))
 
 
 def _field(name: str, hint: Any) -> tuple[Any, ...]:

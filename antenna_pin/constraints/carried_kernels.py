@@ -9,12 +9,19 @@ then numbers for scratch.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE, Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.force_kernels import least_forces, wrenches
-from antenna_pin.constraints.layout_kernels import applied_in, body_at, closure_at, hold_at, place_at, plan_of
+from antenna_pin.constraints.layout_kernels import (
+    Closure,
+    applied_in,
+    body_at,
+    closure_at,
+    hold_at,
+    place_at,
+    plan_of,
+)
 from antenna_pin.elements import kernels as elements
 from antenna_pin.mechanism.tree_kernels import Body, Place, cross
 
@@ -214,7 +221,7 @@ def _take_closures(plan: Floats, work: Floats, room: Floats) -> None:
 
 
 @inlined
-def _from_body(work: Any, closure: Any, b: int, lever: Any) -> None:
+def _from_body(work: Floats, closure: Closure, b: int, lever: Floats) -> None:
     """Write the way from a body's origin to the second side's point."""
     point = closure.second_origin
     for k in range(3):

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE, Floats
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE, Floats, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import Closure, body_at, place_at, plan_of
+from antenna_pin.mechanism.room_kernels import Nine
+
+#: What a closure holds, 0 or 1: along and about each axis of its first frame, and the angle between two axes.
+Held = tuple[int, int, int, int, int, int, int]
+#: The axes of the first frame, row after row, what is held, and the direction of the angle between two axes.
+Holds = tuple[Nine, Held, Triple]
 
 
 @kernel
@@ -35,12 +41,8 @@ def _columns(
     row: int,
     b: int,
     sign: float,
-    origin: tuple[float, float, float],
-    holds: tuple[
-        tuple[float, float, float, float, float, float, float, float, float],
-        tuple[int, int, int, int, int, int, int],
-        tuple[float, float, float],
-    ],
+    origin: Triple,
+    holds: Holds,
 ) -> None:
     """Write the columns of a closure's rows that belong to the joint of a body.
 
@@ -86,8 +88,8 @@ def _way_column(
     x: float,
     y: float,
     z: float,
-    frame: tuple[float, float, float, float, float, float, float, float, float],
-    held: tuple[int, int, int, int, int, int, int],
+    frame: Nine,
+    held: Held,
 ) -> None:
     """Write one column of a closure's rows, at ``work[at:]``: of a way along (x, y, z)."""
     if held[0] != 0:
@@ -105,13 +107,9 @@ def _turn_column(
     work: Floats,
     at: int,
     length: float,
-    axis: tuple[float, float, float],
-    d: tuple[float, float, float],
-    holds: tuple[
-        tuple[float, float, float, float, float, float, float, float, float],
-        tuple[int, int, int, int, int, int, int],
-        tuple[float, float, float],
-    ],
+    axis: Triple,
+    d: Triple,
+    holds: Holds,
 ) -> None:
     """Write one column of a closure's rows, at ``work[at:]``: of a turn about an axis, d away."""
     x, y, z = axis

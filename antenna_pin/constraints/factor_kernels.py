@@ -12,7 +12,6 @@ A direction is taken out of all rows behind it four rows at a time (:mod:`antenn
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.compiled.lanes import LANES, lane, put_lane, same_lane, sum_of_lane
 from antenna_pin.constraints.layout_kernels import (
+    Coupled,
     closure_at,
     coupled_at,
     driven_at,
@@ -80,7 +80,7 @@ def brace(plan: Floats, mass: Floats) -> None:
 
 
 @inlined
-def _slope(own: Any, k: int) -> float:
+def _slope(own: Coupled, k: int) -> float:
     """What a coupling's row has of its follower, leader or second leader before it is scaled."""
     if k == 0:
         return 1.0
@@ -236,7 +236,7 @@ def _gather(nv: int, own: Floats, numbers: Floats, at: Ints) -> int:
 
 
 @inlined
-def _clean(plan: Any, work: Any, p: int, length: float, own: Any, triangle: Any) -> float:
+def _clean(plan: Floats, work: Floats, p: int, length: float, own: Floats, triangle: Floats) -> float:
     """Take out of ``own``, row p over its length, what round-off has left of the directions before.
 
     Of a row of which little was left that is round-off of most of it. Returns by how much it has shrunk.

@@ -9,8 +9,6 @@ and corrections of least kinetic energy come from the same factors.
 
 from __future__ import annotations
 
-from typing import Any
-
 from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.compiled.lanes import LANES, lane, put_lane, same_lane, sum_of_lane
@@ -104,7 +102,7 @@ def solve_rows(
 
 
 @kernel
-def solve_changes(plan: Any, work: Any, out: Any, force: Any) -> None:
+def solve_changes(plan: Floats, work: Floats, out: Floats, force: Floats) -> None:
     """Write how accelerations and multipliers change, where rows are factorized.
 
     A change of ``M a + h - J^T lambda = tau`` that is none of a or lambda, and one of ``J a - lack``, make

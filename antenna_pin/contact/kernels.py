@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin.base.records import Floats
-from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.compiled.decorators import Layout, inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED, CALLED_LAW, called_energy, called_force
 from antenna_pin.contact.conformal_kernels import (
     BAI_ZHAO_LAW,
@@ -55,7 +55,7 @@ __all__ = [
     "takes_mass_of_contact",
 ]
 
-ELASTIC_RECORDS = {
+ELASTIC_RECORDS: dict[float, Layout[Any]] = {
     POWER: POWER_LAW,
     LOGARITHMIC: LOGARITHMIC_LAW,
     FOUNDATION: FOUNDATION_LAW,
@@ -70,7 +70,7 @@ DEPTH_NODES, DEPTH_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @kernel
-def _other_force(law: Any, kind: float, depth: float) -> float:
+def _other_force(law: Floats, kind: float, depth: float) -> float:
     """Elastic force [N] of the rarer kinds."""
     if kind == LOGARITHMIC:
         return logarithmic_force(record(law, LOGARITHMIC_LAW), depth)
@@ -99,7 +99,7 @@ def elastic_force(law: Floats, depth: float) -> float:
 
 
 @kernel
-def _quadrature(law: Any, kind: float, depth: float) -> float:
+def _quadrature(law: Floats, kind: float, depth: float) -> float:
     """Integral of the elastic force from 0 to ``depth`` [J], where it has no closed form.
 
     Over u of ``depth exp(-u)``, in which these forces are smooth down to depth zero; what lies beyond u = 40
@@ -118,7 +118,7 @@ def _quadrature(law: Any, kind: float, depth: float) -> float:
 
 
 @kernel
-def _other_energy(law: Any, kind: float, depth: float) -> float:
+def _other_energy(law: Floats, kind: float, depth: float) -> float:
     """Energy stored [J] by the kinds that are no power of the depth."""
     if kind == FOUNDATION:
         bed = record(law, FOUNDATION_LAW)

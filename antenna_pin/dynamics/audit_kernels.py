@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin.base.records import Floats, Record, Records, Vector3, layout
+from antenna_pin.base.records import Floats, Record, Records, Triple, Vector3, layout
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.tree_kernels import Body, Place, place_bodies
 
@@ -108,7 +108,7 @@ def mass_centre(tree: Records[Body], places: Records[Place], out: Floats) -> Non
 
 
 @inlined
-def _lever(body: Body, own: Place) -> tuple[float, float, float]:
+def _lever(body: Body, own: Place) -> Triple:
     """Mass centre of a body from its origin, in the world [m]."""
     r, c = own.rotation, body.centre
     return (

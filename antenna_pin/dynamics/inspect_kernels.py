@@ -7,8 +7,6 @@ largest force and depth of each touching contact, refined to the maxima of the d
 
 from __future__ import annotations
 
-from typing import Any
-
 from antenna_pin.base.records import Floats, Ints, Records
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.peak_kernels import NODES, Peak, track_peaks
@@ -116,7 +114,7 @@ def fill_nodes(nodes: Floats, trial: Trial, from_last: bool, at_end: bool) -> No
 
 
 @inlined
-def _take_end(nodes: Any, trial: Any) -> None:
+def _take_end(nodes: Floats, trial: Trial) -> None:
     """Write the last point from what the derivative has found there; only contacts apart are located."""
     apart_contacts_of(trial.start + STATE - START, trial)
     for c in range(trial.memory.shape[0]):

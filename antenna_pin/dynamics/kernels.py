@@ -33,13 +33,14 @@ from antenna_pin.base.records import (
     Program,
     Record,
     Records,
+    Triple,
     layout,
     words_of,
 )
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.kernels import clearance_joint, joint_energy
-from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
+from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, Joint, joint_at
 from antenna_pin.joints.pose_kernels import (
     along_bearing,
     axis_of_parent,
@@ -144,7 +145,7 @@ def own_motion(p: Floats, b: int, y: Floats, nq: int) -> tuple[float, float, flo
 
 
 @kernel
-def element_state(p: Floats, b: int, t: float, y: Floats, nq: int) -> tuple[float, float, float]:
+def element_state(p: Floats, b: int, t: float, y: Floats, nq: int) -> Triple:
     """Torque [N m] (force [N] at a prismatic joint) of the element block at b, and what it follows.
 
     The reference and its error are not-a-number where the element follows none.
@@ -180,16 +181,14 @@ def element_switch(p: Floats, b: int, k: int, t: float, y: Floats, load: float) 
 
 
 @inlined
-def effort_at(p: Floats, b: int, motion: tuple[float, float, float], own: tuple[Floats, int]) -> float:
+def effort_at(p: Floats, b: int, motion: Triple, own: tuple[Floats, int]) -> float:
     """Effort of the element block at b, by time, angle (or way) and rate, and where its own states begin."""
     e = element_at(p, b)
     return float(e.on * elements.effort_of(e.kind, p, b + PARAMETERS, motion, own))
 
 
 @inlined
-def book_at(
-    p: Floats, b: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
-) -> None:
+def book_at(p: Floats, b: int, motion: Triple, own: tuple[Floats, int], rates: Floats, x: int) -> None:
     """Write the rates of what the element block at b integrates, by angle (or way), rate and power."""
     e = element_at(p, b)
     angle, rate, power = motion
@@ -262,7 +261,9 @@ def efforts_between(
 
 
 @kernel
-def _push(j: Any, e: Any, effort: float, slope: Any, y: Any, nq: int, tau: Any) -> float:
+def _push(
+    j: Joint, e: ElementHead, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
+) -> float:
     """Add an effort at a free joint with play to tau; return the rate of that along which it acts.
 
     ``slope`` is (gx, gy) of the motion angle.

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from antenna_pin.base.records import Floats, Record, Records, Vector3, layout
+from antenna_pin.base.records import Floats, Record, Records, Triple, Vector3, layout
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.audit_kernels import mass_centre
 from antenna_pin.dynamics.kernels import PARAMETERS, act_at, element_at, head_of, own_motion
@@ -179,9 +179,9 @@ def _apply(
 @inlined
 def _book(
     book: LinksBook,
-    force: tuple[float, float, float],
-    torque: tuple[float, float, float],
-    place: tuple[float, float, float],
+    force: Triple,
+    torque: Triple,
+    place: Triple,
     centre: Floats,
 ) -> None:
     """Add a force at a place, and a torque, to the rates of impulses."""
@@ -286,7 +286,9 @@ def stored(y: Floats, program: Floats, places: Records[Place]) -> float:
 
 
 @kernel
-def kink_on_links(t: float, y: Any, program: Any, b: int, tree: Any, places: Any) -> float:
+def kink_on_links(
+    t: float, y: Floats, program: Floats, b: int, tree: Records[Body], places: Records[Place]
+) -> float:
     """Function of the element at b that passes zero where its forces have a kink."""
     place_bodies(y, head_of(program).nq, tree, places)
     see(t, y, program, b, places)

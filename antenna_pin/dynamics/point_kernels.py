@@ -8,7 +8,6 @@ and a ``SIDE`` for each end.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from antenna_pin.base.records import (
     CIRCLE,
@@ -20,6 +19,8 @@ from antenna_pin.base.records import (
     Floats,
     Record,
     Records,
+    Six,
+    Triple,
     Vector3,
     layout,
     words_of,
@@ -62,7 +63,7 @@ def _side(program: Floats, b: int, k: int) -> Side:
 
 
 @inlined
-def _place(side: Side, places: Records[Place]) -> tuple[float, float, float, float, float, float]:
+def _place(side: Side, places: Records[Place]) -> Six:
     """Return where an end is and its velocity, in the world."""
     p = side.point
     if side.body < 0:
@@ -140,9 +141,9 @@ def draw(
 def push(
     body: Body,
     own: Place,
-    force: tuple[float, float, float],
-    torque: tuple[float, float, float],
-    point: tuple[float, float, float],
+    force: Triple,
+    torque: Triple,
+    point: Triple,
     tau: Floats,
 ) -> None:
     """Add what a force at a point of the world, and a torque, do at the joint of a body."""
@@ -169,7 +170,14 @@ def push(
 
 
 @inlined
-def add_wrench(body: int, places: Any, force: Any, torque: Any, point: Any, out: Any) -> None:
+def add_wrench(
+    body: int,
+    places: Records[Place],
+    force: Triple,
+    torque: Triple,
+    point: Triple,
+    out: Floats,
+) -> None:
     """Add a force at a point of the world, and a torque, to those on a body about its origin, (bodies, 6)."""
     fx, fy, fz = force
     tx, ty, tz = torque
@@ -186,7 +194,7 @@ def add_wrench(body: int, places: Any, force: Any, torque: Any, point: Any, out:
 
 
 @kernel
-def add_pull(program: Any, b: int, places: Any, out: Any) -> None:
+def add_pull(program: Floats, b: int, places: Records[Place], out: Floats) -> None:
     """Add what the spring at b does to its two bodies, (6 bodies,)."""
     e = element_at(program, b)
     length, rate, x, y, z = line(program, b, places)

@@ -128,7 +128,7 @@ def contacts_of(row: int, trial: Trial) -> None:
 
 
 @inlined
-def apart_contacts_of(row: int, trial: Any) -> None:
+def apart_contacts_of(row: int, trial: Trial) -> None:
     """Fill the contact table for the state in one of the stepper's rows, of contacts that are apart."""
     program, memory = trial.program, trial.memory
     head = head_of(program)

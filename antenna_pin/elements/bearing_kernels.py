@@ -11,6 +11,7 @@ from typing import Annotated
 
 from antenna_pin.base.records import Floats, Pose, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.elements.hook_kernels import JournalPlace
 
 
 class PackedBearing(Record):
@@ -121,7 +122,7 @@ def press(words: Floats, at: int, pose: Pose) -> float:
 
 
 @kernel
-def kept(words: Floats, at: int, place: tuple[float, float, float, float, float, float]) -> float:
+def kept(words: Floats, at: int, place: JournalPlace) -> float:
     """Energy stored [J] with the journal's centre and axis, six numbers, where ``place`` says."""
     b = record(words[at : at + SIZE], LAYOUT)
     q = _coordinates(b.offset, place)
@@ -140,7 +141,7 @@ def kept(words: Floats, at: int, place: tuple[float, float, float, float, float,
 
 @kernel
 def coordinates(
-    words: Floats, at: int, place: tuple[float, float, float, float, float, float]
+    words: Floats, at: int, place: JournalPlace
 ) -> tuple[float, float, float, float, float, float]:
     """Return the five coordinates with the journal's centre and axis where ``place`` says [m], [1].
 

@@ -6,6 +6,7 @@ import math
 
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 
 
 class PackedBoucWen(Record):
@@ -30,7 +31,7 @@ Z = 1
 
 
 @inlined
-def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int]) -> float:
+def effort_of(words: Floats, at: int, motion: Motion, own: Own) -> float:
     """Torque [N m], or force [N]."""
     law = record(words[at : at + SIZE], LAYOUT)
     _, angle, _ = motion
@@ -41,9 +42,7 @@ def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: t
 
 
 @inlined
-def write_rates_of(
-    words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
-) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Power that is lost [W], and the rate of z [1/s]."""
     law = record(words[at : at + SIZE], LAYOUT)
     _, rate, _ = motion
@@ -57,7 +56,7 @@ def write_rates_of(
 
 
 @inlined
-def stored_of(words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
     """Energy stored [J]."""
     law = record(words[at : at + SIZE], LAYOUT)
     y, i = own
@@ -68,9 +67,7 @@ def stored_of(words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> 
 
 
 @inlined
-def kink_of(
-    words: Floats, at: int, k: int, motion: tuple[float, float, float], own: tuple[Floats, int]
-) -> float:
+def kink_of(words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
     """0: its rate, for where the joint turns back z goes another way; 1: z, of whose size it yields by."""
     if k == 0:
         return float(motion[2])

@@ -10,6 +10,7 @@ from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.bristle_kernels import bristle, gonthier_kink
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 
 
 class PackedBristleFriction(Record):
@@ -37,7 +38,7 @@ _ON = -1
 
 
 @inlined
-def _bent(words: Floats, at: int, rate: float, own: tuple[Floats, int]) -> tuple[float, float, float, float]:
+def _bent(words: Floats, at: int, rate: float, own: Own) -> tuple[float, float, float, float]:
     """Torque of the bristles, their deflection, the rate of that, and of the dwell."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     law = words[at + SIZE : at + SIZE + FRICTION_SIZE]
@@ -50,7 +51,7 @@ def _bent(words: Floats, at: int, rate: float, own: tuple[Floats, int]) -> tuple
 
 
 @inlined
-def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int]) -> float:
+def effort_of(words: Floats, at: int, motion: Motion, own: Own) -> float:
     """Torque [N m], or force [N], without that of a load."""
     _, _, rate = motion
     force, _, _, _ = _bent(words, at, rate, own)
@@ -58,9 +59,7 @@ def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: t
 
 
 @inlined
-def write_rates_of(
-    words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
-) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Power that is lost [W], and the rates of deflection and dwell [1/s]."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     _, rate, power = motion
@@ -72,7 +71,7 @@ def write_rates_of(
 
 
 @inlined
-def stored_of(words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
     """Energy stored in the bristles [J]."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     y, i = own
@@ -81,9 +80,7 @@ def stored_of(words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> 
 
 
 @inlined
-def kink_of(
-    words: Floats, at: int, k: int, motion: tuple[float, float, float], own: tuple[Floats, int]
-) -> float:
+def kink_of(words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
     """Its rate, for where the joint turns back bristles go another way; of Gonthier's law its functions."""
     law = words[at + SIZE : at + SIZE + FRICTION_SIZE]
     _, _, rate = motion
@@ -102,7 +99,7 @@ def bearing(words: Floats, at: int) -> tuple[float, float, float, float]:
 
 
 @inlined
-def rub(words: Floats, at: int, rate: float, own: tuple[Floats, int]) -> float:
+def rub(words: Floats, at: int, rate: float, own: Own) -> float:
     """Torque by load, with its sign [-]."""
     share = words[at + _ON] * record(words[at : at + SIZE], LAYOUT).share
     if share == 0.0:

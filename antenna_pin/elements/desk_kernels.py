@@ -14,7 +14,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from antenna_pin.base.records import Floats, Matrix3, Record, Vector3, layout, words_of
+from antenna_pin.base.records import Floats, Matrix3, Record, Records, Triple, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined
 
 
@@ -53,7 +53,7 @@ class Link(Record):
 
 LINK = layout(Link)
 
-#: A joint: its head in programs; angle [rad] ([m]) and rate; the torque on the child [N m] ([N]).
+#: Length of an element's head in programs (``dynamics.kernels.ELEMENT``).
 HEAD_WORDS = 13
 
 
@@ -98,9 +98,12 @@ SEEN_JOINT_WORDS: Any = np.int64(words_of(JOINT))
 STATE_WORDS: Any = np.int64(words_of(STATE))
 BOOK_WORDS: Any = np.int64(words_of(BOOK))
 
+#: Of one element on links: itself (1,), its links, joints and states.
+Desk = tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]]
+
 
 @inlined
-def clear(desk: Any) -> None:
+def clear(desk: Desk) -> None:
     """Let no force, torque, energy or rate stand on a desk."""
     whole, links, joints, states = desk
     whole[0].energy = 0.0
@@ -117,7 +120,7 @@ def clear(desk: Any) -> None:
 
 
 @inlined
-def turned(rotation: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
+def turned(rotation: Floats, x: float, y: float, z: float) -> Triple:
     """Return a vector of a link's axes in world axes."""
     return (
         rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2] * z,

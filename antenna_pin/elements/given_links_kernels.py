@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin.base.records import Floats, Record, Records, layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.calls import call_3
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.elements.desk_kernels import DeskJoint, DeskState, Link, Whole, clear
+from antenna_pin.elements.desk_kernels import Desk, clear
 
 
 class PackedGivenLinks(Record):
@@ -25,7 +25,7 @@ def act(
     words: Floats,
     at: int,
     t: float,
-    desk: tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]],
+    desk: Desk,
 ) -> None:
     """Have the function write what it does; not-a-number where it raises."""
     own = record(words[at : at + SIZE], LAYOUT)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin.base.records import Floats, Record, Records, Vector3, layout, words_of
+from antenna_pin.base.records import Floats, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.elements.desk_kernels import DeskJoint, DeskState, Link, Whole
+from antenna_pin.elements.desk_kernels import Desk
 
 
 class PackedGravityGradient(Record):
@@ -26,7 +26,7 @@ def act(
     words: Floats,
     at: int,
     t: float,
-    desk: tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]],
+    desk: Desk,
 ) -> None:
     """Write force and torque on every body, whose points are their mass centres."""
     own = record(words[at : at + SIZE], LAYOUT)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.angle_table_kernels import ends_at, given_at, torque_at
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 
 
 class PackedHarness(Record):
@@ -31,7 +32,7 @@ def _half(words: Floats, at: int, angle: float) -> tuple[float, float]:
 
 
 @inlined
-def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int]) -> float:
+def effort_of(words: Floats, at: int, motion: Motion, own: Own) -> float:
     """Torque [N m], or force [N]."""
     table = record(words[at : at + SIZE], LAYOUT)
     _, angle, _ = motion
@@ -42,9 +43,7 @@ def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: t
 
 
 @inlined
-def write_rates_of(
-    words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
-) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Power that is lost [W], and the rate of z [1/s]."""
     table = record(words[at : at + SIZE], LAYOUT)
     angle, rate, _ = motion
@@ -56,7 +55,7 @@ def write_rates_of(
 
 
 @inlined
-def stored_of(words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
     """Energy stored [J]."""
     table = record(words[at : at + SIZE], LAYOUT)
     y, i = own

@@ -3,13 +3,27 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Protocol
 
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.elements.hook_kernels import Loaded
 
 # Its modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
 OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
+
+
+class Window(Protocol):
+    """A latch, compliant or rigid, as its capture depends on it; see :class:`PackedLatch`."""
+
+    lower: float
+    middle: float
+    upper: float
+    greatest_rate: float
+    greatest_energy: float
+    direction: float
+    mode: int
+    side: float
 
 
 class PackedLatch(Record):
@@ -85,7 +99,7 @@ def stored(words: Floats, at: int, angle: float) -> float:
 
 
 @inlined
-def beyond_capture(latch: Any, rate: float, inertia: float) -> float:
+def beyond_capture(latch: Window, rate: float, inertia: float) -> float:
     """By how much the rate is not one to be captured at [rad/s]; zero or less where it is.
 
     A latch with a greatest energy asks for the joint's reduced inertia; not-a-number gives not-a-number.
@@ -102,13 +116,13 @@ def beyond_capture(latch: Any, rate: float, inertia: float) -> float:
 
 
 @inlined
-def inside(latch: Any, angle: float) -> float:
+def inside(latch: Window, angle: float) -> float:
     """How far the joint is inside the window; negative outside."""
     return float(min(angle - latch.lower, latch.upper - angle))
 
 
 @kernel
-def capture(latch: Any, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
+def capture(latch: Window, k: int, motion: Loaded) -> tuple[float, float]:
     """Functions that a latch has whatever holds: 0 the window's end, 1 the rates that it captures at."""
     _, angle, rate, inertia = motion
     if k == 0 and latch.mode != HELD:
@@ -137,7 +151,7 @@ def _flanks(latch: PackedLatch, angle: float, rate: float) -> tuple[float, float
 
 
 @kernel
-def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Functions 0 and 1 are those of capture, 2 what the torque lacks to the holding one, 3 the flanks'."""
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion

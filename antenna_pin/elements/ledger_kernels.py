@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
@@ -30,7 +28,7 @@ def write_work(
 
 
 @inlined
-def write_work_change(power: float, change: float, rates: Any, x: int) -> None:
+def write_work_change(power: float, change: float, rates: Floats, x: int) -> None:
     """Change of what :func:`write_work` writes, with that of the power."""
     works = record(rates[x : x + WORKS_WORDS], WORKS)
     works.work = change

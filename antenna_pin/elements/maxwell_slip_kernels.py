@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.hook_kernels import Loaded, Own, Powered
 
 
 class PackedMaxwellSlip(Record):
@@ -43,9 +44,7 @@ def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float
 
 
 @inlined
-def write_rates_of(
-    words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
-) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Power of those that slip [W]: by what is decided, for it jumps where one begins to."""
     angle, rate, _ = motion
     springs = record(words[at : at + SIZE], LAYOUT)
@@ -85,7 +84,7 @@ def mode(words: Floats, at: int) -> int:
 
 
 @inlined
-def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """What is left until one slips (the other way), or one more; the rate of those that slip, or soon do."""
     springs = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion

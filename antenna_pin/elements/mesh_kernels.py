@@ -14,6 +14,7 @@ import math
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.curve_kernels import curve
+from antenna_pin.elements.hook_kernels import Loaded
 
 # Springs: 1 on the side of a positive deflection, 2 on both sides, 0 one that acts both ways, without room.
 BOTH_WAYS = 0
@@ -130,7 +131,7 @@ def stored(words: Floats, at: int, angle: float) -> float:
 
 
 @kernel
-def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Function k: how far side 0 (plus) or 1 (minus) is off, or in, and its rate; 2: the rate going in."""
     mesh = record(words[at : at + SIZE], LAYOUT)
     x, rate = motion[1], motion[2]

@@ -6,6 +6,7 @@ import math
 
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 
 
 class PackedMotor(Record):
@@ -50,7 +51,7 @@ def _voltage(m: PackedMotor, back: float) -> float:
 
 
 @inlined
-def _current(m: PackedMotor, back: float, voltage: float, own: tuple[Floats, int]) -> float:
+def _current(m: PackedMotor, back: float, voltage: float, own: Own) -> float:
     """Current [A]: a state where there is an inductance."""
     y, i = own
     return float(y[i + CURRENT] if m.inductance > 0.0 else (voltage - back) / m.resistance)
@@ -63,7 +64,7 @@ def _cogging(m: PackedMotor, angle: float) -> float:
 
 
 @inlined
-def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int]) -> float:
+def effort_of(words: Floats, at: int, motion: Motion, own: Own) -> float:
     """Torque [N m], or force [N]."""
     m = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate = motion
@@ -73,9 +74,7 @@ def effort_of(words: Floats, at: int, motion: tuple[float, float, float], own: t
 
 
 @inlined
-def write_rates_of(
-    words: Floats, at: int, motion: tuple[float, float, float], own: tuple[Floats, int], rates: Floats, x: int
-) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Powers without the cogging's, which is stored, [W], and the rate of the current [A/s]."""
     m = record(words[at : at + SIZE], LAYOUT)
     angle, rate, power = motion
@@ -93,7 +92,7 @@ def write_rates_of(
 
 
 @inlined
-def stored_of(words: Floats, at: int, angle: float, own: tuple[Floats, int]) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
     """Energy stored in the cogging [J]."""
     m = record(words[at : at + SIZE], LAYOUT)
     if m.cogging == 0.0:

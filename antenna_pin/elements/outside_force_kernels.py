@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.base.records import Floats, Record, Records, Vector3, layout, words_of
+from antenna_pin.base.records import Floats, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.elements.desk_kernels import DeskJoint, DeskState, Link, Whole, turned
+from antenna_pin.elements.desk_kernels import Desk, turned
 from antenna_pin.elements.term_kernels import course
 
 
@@ -31,7 +31,7 @@ def act(
     words: Floats,
     at: int,
     t: float,
-    desk: tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]],
+    desk: Desk,
 ) -> None:
     """Write force and torque on the link."""
     own = record(words[at : at + SIZE], LAYOUT)

@@ -6,6 +6,7 @@ import math
 
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.latch_kernels import HELD, capture
 
 
@@ -43,7 +44,7 @@ def write_rates(
 
 
 @kernel
-def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Functions 0 and 1 are those of capture, 2 what the row's torque lacks to the holding torque."""
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, load = motion

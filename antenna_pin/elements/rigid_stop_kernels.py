@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.stop_kernels import FREE, LOWER, UPPER, beyond
 
 
@@ -34,7 +35,7 @@ def write_rates(
 
 
 @kernel
-def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Function k: how far off a side the joint is, and its rate; 2: how hard it rests on one [N m]."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if k < 2:

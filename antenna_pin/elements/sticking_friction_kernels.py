@@ -7,10 +7,10 @@ What depends on the load is not in ``effort``: where rows are solved, it is adde
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.hook_kernels import Loaded, Own
 
 
 class PackedStickingFriction(Record):
@@ -98,14 +98,14 @@ def hold(words: Floats, at: int) -> tuple[bool, float]:
 
 
 @inlined
-def grip(words: Any, at: int) -> float:
+def grip(words: Floats, at: int) -> float:
     """Torque up to which it holds, under the load of the last evaluation [N m] ([N])."""
     law = record(words[at : at + SIZE], LAYOUT)
     return float(law.static + law.static_coefficient * law.burden)
 
 
 @inlined
-def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Rate in the direction of slipping; what is left of the grip while it sticks.
 
     Where the rate is prescribed the function passes zero once the joint moves the other way: round-off of a
@@ -134,7 +134,7 @@ def bearing(words: Floats, at: int) -> tuple[float, float, float, float]:
 
 
 @inlined
-def rub(words: Floats, at: int, rate: float, own: tuple[Floats, int]) -> float:
+def rub(words: Floats, at: int, rate: float, own: Own) -> float:
     """Torque by load, with its sign [-]."""
     law = record(words[at : at + SIZE], LAYOUT)
     level = law.coefficient + (law.static_coefficient - law.coefficient) * _fade(law, rate)

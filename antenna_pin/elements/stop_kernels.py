@@ -7,6 +7,7 @@ import math
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force, normal_force
+from antenna_pin.elements.hook_kernels import Loaded
 
 # Its modes: off both sides, on the lower one, on the upper one.
 FREE, LOWER, UPPER = 0, 1, 2
@@ -105,7 +106,7 @@ def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: fl
 
 
 @kernel
-def switch(words: Floats, at: int, k: int, motion: tuple[float, float, float, float]) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Function k: how far off a side the joint is, or how far in, and its rate; 2: the rate going in."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if k == TURNS:

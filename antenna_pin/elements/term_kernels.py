@@ -7,7 +7,6 @@ begins with, and stands still.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
@@ -134,7 +133,7 @@ def _swept(words: Floats, at: int, term: Term, t: float) -> tuple[float, float, 
 
 
 @inlined
-def _cycloid(term: Any, t: float) -> tuple[float, float, float]:
+def _cycloid(term: Term, t: float) -> tuple[float, float, float]:
     s = (t - term.begin) / term.span
     if s <= 0.0:
         return 0.0, 0.0, 0.0

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from antenna_pin.base.records import Floats, Record, Records, Vector3, layout, words_of
+from antenna_pin.base.records import Floats, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.elements.desk_kernels import DeskJoint, DeskState, Link, Whole, turned
+from antenna_pin.elements.desk_kernels import Desk, turned
 
 
 class PackedThruster(Record):
@@ -27,7 +27,7 @@ def act(
     words: Floats,
     at: int,
     t: float,
-    desk: tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]],
+    desk: Desk,
 ) -> None:
     """Write the force on the link, and the rate of its level if that follows."""
     own = record(words[at : at + SIZE], LAYOUT)

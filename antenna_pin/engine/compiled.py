@@ -15,8 +15,8 @@ from antenna_pin.compiled.calls import CALLED_BACK
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics import outside_kernels as kernels
 from antenna_pin.dynamics.by_pinocchio import accelerations_of, terms_of
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.engine.implicit_kernels import attempt_implicit
-from antenna_pin.engine.numbers_kernels import Numbers
 from antenna_pin.engine.step_kernels import attempt, derivative, prepare_dense
 from antenna_pin.errors import FunctionError, MechanismError
 from antenna_pin.integrate import Method, Stepper

@@ -11,9 +11,9 @@ from antenna_pin.base.records import Floats, Ints, Memory, Record, Records, layo
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.peak_kernels import Peak
 from antenna_pin.dynamics.trial_kernels import locate
-from antenna_pin.engine.numbers_kernels import Numbers
 from antenna_pin.engine.step_kernels import accelerate
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
 from antenna_pin.joints.kernels import unit_normal_force

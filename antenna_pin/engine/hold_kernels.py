@@ -15,9 +15,9 @@ from antenna_pin.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS, co
 from antenna_pin.dynamics.audit_kernels import energy_of
 from antenna_pin.dynamics.kernels import head_of, stored_energy
 from antenna_pin.dynamics.link_kernels import stored
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.outside_kernels import ask_at
 from antenna_pin.dynamics.trial_kernels import locate
-from antenna_pin.engine.numbers_kernels import Numbers
 from antenna_pin.integrate.manifold_kernels import move_by_velocity
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tree_kernels import PLACE

@@ -15,10 +15,10 @@ from antenna_pin.constraints.loaded_kernels import solve
 from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.link_kernels import add_forces, write_wrenches
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.outside_kernels import ask_at, has_failed
 from antenna_pin.dynamics.query_kernels import has_queries, set_out_queries, take_in_queries
 from antenna_pin.engine.hold_kernels import AS_IT_WAS, LOST, MOVED, factorize_rows, project
-from antenna_pin.engine.numbers_kernels import Numbers
 from antenna_pin.geometry.coal_kernels import MOST_QUERIES
 from antenna_pin.integrate.explicit_kernels import (
     ASK,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from antenna_pin.base.records import Floats, Ints, Memory, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
 from antenna_pin.dynamics.peak_kernels import Peak
 from antenna_pin.dynamics.trial_kernels import Trial, contacts_in
@@ -17,7 +18,6 @@ from antenna_pin.dynamics.turn_kernels import Turn, turn_on
 from antenna_pin.engine.episode_kernels import Book, keep_peaks
 from antenna_pin.engine.gross_kernels import settle
 from antenna_pin.engine.hold_kernels import close
-from antenna_pin.engine.numbers_kernels import Numbers
 from antenna_pin.engine.pace_kernels import Pace, Sizes
 from antenna_pin.engine.step_kernels import attempt, prepare_dense
 from antenna_pin.engine.touch_kernels import Touch, keep_efforts

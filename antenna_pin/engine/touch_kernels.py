@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from antenna_pin.base.records import Floats, Ints, Record, Records, layout
+from antenna_pin.base.records import Floats, Record, Records, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, element_state, head_of
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.elements import kernels as elements
-from antenna_pin.engine.numbers_kernels import Numbers
-from antenna_pin.integrate.kernels import STATE_ROW, dense_state
+from antenna_pin.integrate.kernels import STATE_ROW, DenseStep, dense_state
 
 # Equal parts of a step at whose ends the effort is evaluated; interpolations that follow at most, and the
 # distance [-] of two of them that ends them: the effort is off by its square.
@@ -34,7 +34,7 @@ def keep_efforts(
     t: float,
     h: float,
     touches: Records[Touch],
-    step: tuple[Ints, Floats, Floats, int, Floats],
+    step: DenseStep,
     numbers: Numbers,
 ) -> None:
     """Update the largest effort of each side in touch by the step of size h from t [s].
@@ -65,7 +65,7 @@ def keep_efforts(
 
 @kernel
 def _largest(
-    top: int, t: float, h: float, own: Touch, step: tuple[Ints, Floats, Floats, int, Floats], program: Floats
+    top: int, t: float, h: float, own: Touch, step: DenseStep, program: Floats
 ) -> tuple[float, float]:
     """Return place in the step and size of the largest effort, by successive parabolas near a node."""
     looks, most = own.looks, own.looks[top]
@@ -105,7 +105,7 @@ def _effort(
     h: float,
     theta: float,
     block: int,
-    step: tuple[Ints, Floats, Floats, int, Floats],
+    step: DenseStep,
     program: Floats,
 ) -> float:
     """Return the size of an element's effort at a fraction of a step [N m] ([N])."""

@@ -18,10 +18,10 @@ from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import hold_at, plan_of
 from antenna_pin.dynamics.kernels import element_kink, element_switch, evaluate, head_of, joint_motion
 from antenna_pin.dynamics.link_kernels import kink_on_links
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.trial_kernels import locate
-from antenna_pin.engine.numbers_kernels import Numbers
 from antenna_pin.engine.step_kernels import ask_elements, derivative
-from antenna_pin.integrate.kernels import STATE_ROW, dense_state
+from antenna_pin.integrate.kernels import STATE_ROW, DenseStep, dense_state
 
 # What is watched: a function of an element where its effort has a kink, the angle (or way) of a joint, its
 # rate, a gap, a normal force, a function of an element where its mode changes.
@@ -134,7 +134,7 @@ def _may_dip(
     t: float,
     h: float,
     w: Watch,
-    step: tuple[Ints, Floats, Floats, int, Floats],
+    step: DenseStep,
     numbers: Numbers,
     watched: Watched,
 ) -> bool:

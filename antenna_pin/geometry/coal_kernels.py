@@ -20,6 +20,7 @@ from antenna_pin.base.records import (
     Pose,
     Record,
     Records,
+    Triple,
     Vector3,
     layout,
     words_of,
@@ -195,7 +196,7 @@ def _place_point(shape: Revolute, frame: Frame, end: End) -> None:
 
 
 @inlined
-def _in_bearing(at: Frame, x: float, y: float, z: float) -> tuple[float, float, float]:
+def _in_bearing(at: Frame, x: float, y: float, z: float) -> Triple:
     """Return a direction of J in H."""
     return (
         at.rotation[0, 0] * x + at.rotation[1, 0] * y + at.rotation[2, 0] * z,
@@ -205,9 +206,7 @@ def _in_bearing(at: Frame, x: float, y: float, z: float) -> tuple[float, float, 
 
 
 @inlined
-def _newton(
-    shape: Revolute, at: Frame, end: End, normal: tuple[float, float, float], gap: float
-) -> tuple[float, float, float]:
+def _newton(shape: Revolute, at: Frame, end: End, normal: Triple, gap: float) -> Triple:
     """Return a Newton step of d gap / d phi = 0 in an END [rad], what the gap loses by it [m], and the slope.
 
     The derivative of the gap along the circle is -n . dQ/dphi, n the normal in H; its own derivative follows

@@ -14,7 +14,6 @@ towards the wall, and by the smaller else: so the gap does not jump as an end pa
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from antenna_pin.base.records import Contact, Pose, Record, Vector2, Vector3, layout
 from antenna_pin.compiled.decorators import kernel
@@ -37,7 +36,7 @@ _MAX_ITERATIONS = 60
 
 
 @kernel
-def edge_contact(shape: Any, pose: Any, out: Any) -> None:
+def edge_contact(shape: Edge, pose: Pose, out: Contact) -> None:
     """Candidate at one end of what a slider's long edge has within the guide: its corner, or the mouth.
 
     Exact for a slider apart from its wall and for one that presses, where the depth is along the one of the

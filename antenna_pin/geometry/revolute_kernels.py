@@ -9,7 +9,6 @@ one record.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from antenna_pin.base.records import Contact, Pose, Record, Records, layout
 from antenna_pin.compiled.decorators import kernel
@@ -252,7 +251,9 @@ def contact_scenario(
 
 
 @kernel
-def scenario_in(dimensions: Any, poses: Any, table: Any) -> tuple[int, int]:
+def scenario_in(
+    dimensions: Records[Revolute], poses: Records[Pose], table: Records[Contact]
+) -> tuple[int, int]:
     """Return the contact scenario of poses[0], filling the five rows of a table; REVOLUTE and POSE, (1,)."""
     shape, pose = dimensions[0], poses[0]
     revolute_contacts(shape, pose, table)

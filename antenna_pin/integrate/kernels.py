@@ -45,6 +45,9 @@ STATE_ROW: Any = np.int64(0)
 CHART_ROW: Any = np.int64(1)
 FIRST_STAGE: Any = np.int64(0)
 
+#: A step with dense output: layout of states, coefficients, work rows, row of the start, rows to write to.
+DenseStep = tuple[Ints, Floats, Floats, int, Floats]
+
 
 @kernel
 def begin(stages: int, layout: Ints, work: Floats) -> None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import kernel
 
 
 @kernel
-def decompose(matrix: Any, pivots: Any) -> bool:
+def decompose(matrix: Floats, pivots: Ints) -> bool:
     """Overwrite a square matrix with its factors L and U, rows exchanged; return whether it is regular.
 
     Args:
@@ -39,7 +38,7 @@ def decompose(matrix: Any, pivots: Any) -> bool:
 
 
 @kernel
-def solve(matrix: Any, pivots: Any, right: Any) -> None:
+def solve(matrix: Floats, pivots: Ints, right: Floats) -> None:
     """Overwrite the right-hand side, (n,), with the solution, by the factors of :func:`decompose`."""
     n = pivots.shape[0]
     for k in range(n):

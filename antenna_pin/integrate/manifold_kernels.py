@@ -10,10 +10,9 @@ the axes of the parent, R = R0 exp(u_w).
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from antenna_pin.base import records
-from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR, Floats, Ints
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR, Floats, Ints, Triple
 from antenna_pin.compiled.decorators import inlined, kernel, record
 
 
@@ -57,7 +56,7 @@ def factor_of(layout: Ints, number: int) -> Factor:
 
 
 @inlined
-def _turn(q0: Floats, r0: int, i: int, way: tuple[float, float, float], q: Floats, r: int) -> None:
+def _turn(q0: Floats, r0: int, i: int, way: Triple, q: Floats, r: int) -> None:
     """Write q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
     ux, uy, uz = way
     square = ux * ux + uy * uy + uz * uz
@@ -156,7 +155,7 @@ def move_factor(factor: Factor, rows: Floats, r: int, step: Floats) -> None:
 
 
 @inlined
-def factor_size(factor: Any) -> int:
+def factor_size(factor: Factor) -> int:
     """Return how many numbers of q a factor has."""
     if factor.kind == VECTOR:
         return int(factor.nv)
@@ -174,9 +173,7 @@ def move_by_velocity(layout: Ints, rows: Floats, r: int, step: Floats) -> None:
 
 
 @inlined
-def _unwind(
-    vector: tuple[float, float, float], spin: tuple[float, float, float], out: Floats, r: int, j: int
-) -> None:
+def _unwind(vector: Triple, spin: Triple, out: Floats, r: int, j: int) -> None:
     """Write the rate of a rotation vector for a body angular velocity.
 
     It is the velocity times the inverse right Jacobian of SO(3).
@@ -237,7 +234,7 @@ def chart_rate(layout: Ints, u: Floats, ru: int, y: Floats, ry: int, out: Floats
 
 
 @kernel
-def write_bracket(layout: Any, v: Any, way: Any, out: Any) -> None:
+def write_bracket(layout: Ints, v: Floats, way: Floats, out: Floats) -> None:
     """Write the bracket [v, w] of a velocity with a way w, both from one configuration, (nv,) each."""
     for f in range(space_of(layout).factors):
         factor = factor_of(layout, f)

@@ -11,8 +11,6 @@ stay those of the deepest point.
 
 from __future__ import annotations
 
-from typing import Any
-
 from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
@@ -293,14 +291,25 @@ def clearance_joint(
 
 @kernel
 def alone(
-    p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
+    p: Floats,
+    b: int,
+    y: Floats,
+    nq: int,
+    nv: int,
+    memory: Records[Memory],
+    table: Records[Contact],
+    pose: Records[Pose],
+    tau: Floats,
+    rates: Floats,
 ) -> None:
     """:func:`clearance_joint` of one joint by itself, called from outside; pose: POSE, (1,)."""
     clearance_joint(p, b, y, nq, nv, memory, table, pose[0], tau, rates)
 
 
 @kernel
-def geometry_alone(p: Any, b: int, y: Any, nq: int, table: Any, pose: Any) -> None:
+def geometry_alone(
+    p: Floats, b: int, y: Floats, nq: int, table: Records[Contact], pose: Records[Pose]
+) -> None:
     """Fill gap, normal and point of a joint's rows for a state, called from outside; pose: POSE, (1,)."""
     journal_state(joint_at(p, b), y, nq, pose[0])
     contact_geometry(p, b, pose[0], table)

@@ -7,8 +7,6 @@ array the place is returned, not the array: compiled code that counts no referen
 
 from __future__ import annotations
 
-from typing import Any
-
 from antenna_pin.base.records import Floats, Matrix3, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
@@ -116,7 +114,7 @@ def friction_at(b: int, k: int) -> int:
 
 
 @inlined
-def patches_at(p: Any, b: int) -> Any:
+def patches_at(p: Floats, b: int) -> Patches:
     """Return the record of distributed load of a joint with four contacts."""
     at = candidate_at(b, 4)
     return record(p[at : at + PATCHES_WORDS], PATCHES)

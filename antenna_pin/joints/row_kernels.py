@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import Contact, Floats, Memory, Pose
+from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records, Six
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.bristle_kernels import bristle_force
 from antenna_pin.contact.friction_kernels import friction_force
@@ -69,7 +68,7 @@ def row_forces(normal: Floats, friction: Floats, remembered: Memory, out: Contac
 
 
 @inlined
-def no_forces(out: Any) -> None:
+def no_forces(out: Contact) -> None:
     """Clear the forces of a row."""
     out.force = 0.0
     out.elastic = 0.0
@@ -87,7 +86,7 @@ def friction_power(out: Contact) -> float:
 
 
 @inlined
-def row_wrench(pose: Pose, out: Contact) -> tuple[float, float, float, float, float, float]:
+def row_wrench(pose: Pose, out: Contact) -> Six:
     """Return force and torque about the journal's centre of one row, in bearing axes."""
     gx = out.force * out.normal[0] + out.friction[0]
     gy = out.force * out.normal[1] + out.friction[1]
@@ -119,7 +118,16 @@ def no_wrench(pose: Pose) -> None:
 
 
 @kernel
-def bristles(p: Any, b: int, y: Any, x0: int, memory: Any, table: Any, rates: Any, r0: int) -> None:
+def bristles(
+    p: Floats,
+    b: int,
+    y: Floats,
+    x0: int,
+    memory: Records[Memory],
+    table: Records[Contact],
+    rates: Floats,
+    r0: int,
+) -> None:
     """Fill the friction of a joint whose law has bristles, and the rates of what they remember.
 
     The bristle of a contact that is apart does not change; at the onset it is set to zero.
@@ -203,13 +211,13 @@ def place_flange_force(shape: Revolute, pose: Pose, out: Contact) -> None:
 
 
 @inlined
-def arm_power(pose: Any, out: Any) -> float:
+def arm_power(pose: Pose, out: Contact) -> float:
     """Power of a flange's spring between its deepest point, where it is pressed, and the force's [W]."""
     return float(out.elastic * arm_rate(pose, out))
 
 
 @inlined
-def arm_rate(pose: Any, out: Any) -> float:
+def arm_rate(pose: Pose, out: Contact) -> float:
     """Return how fast the one goes from the other along the normal as the journal turns [m/s]."""
     ax, ay, az = out.arm[0], out.arm[1], out.arm[2]
     vx = pose.spin[1] * az - pose.spin[2] * ay

@@ -8,7 +8,7 @@ how they move is known: all is in world axes, and goes from a body to the one it
 
 from __future__ import annotations
 
-from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE, Floats, Records
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE, Floats, Records, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.room_kernels import (
     BodyRoom,
@@ -183,7 +183,7 @@ def _way(
     at: int,
     m: float,
     h: Floats,
-    axis: tuple[float, float, float],
+    axis: Triple,
     mass: Floats,
 ) -> None:
     """Write the column of a displacement along an axis."""
@@ -199,7 +199,7 @@ def _turn(
     at: int,
     h: Floats,
     d: Floats,
-    axis: tuple[float, float, float],
+    axis: Triple,
     mass: Floats,
 ) -> None:
     """Write the column of a turn about an axis."""
@@ -213,8 +213,8 @@ def _column(
     bodies: tuple[Records[Body], Records[Place], Records[BodyRoom]],
     b: int,
     at: int,
-    force: tuple[float, float, float],
-    moment: tuple[float, float, float],
+    force: Triple,
+    moment: Triple,
     mass: Floats,
 ) -> None:
     """Write a column and its mirror image: what a wrench on a body is to its joint and those below."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from antenna_pin.base.records import Floats, Record, Records, Vector3, Vector6, layout
+from antenna_pin.base.records import Floats, Record, Records, Six, Triple, Vector3, Vector6, layout
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.mechanism.tree_kernels import Body, Place, relative
 
@@ -38,9 +38,12 @@ class BodyRoom(Place, Carrying):
 
 ROOM = layout(BodyRoom)
 
+#: A matrix, row after row.
+Nine = tuple[float, float, float, float, float, float, float, float, float]
+
 
 @inlined
-def turned(r: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
+def turned(r: Floats, x: float, y: float, z: float) -> Triple:
     """Return R a: a vector of the body in the axes of the one it is on."""
     return (
         r[0, 0] * x + r[0, 1] * y + r[0, 2] * z,
@@ -50,7 +53,7 @@ def turned(r: Floats, x: float, y: float, z: float) -> tuple[float, float, float
 
 
 @inlined
-def turned_back(r: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
+def turned_back(r: Floats, x: float, y: float, z: float) -> Triple:
     """Return R^T a."""
     return (
         r[0, 0] * x + r[1, 0] * y + r[2, 0] * z,
@@ -60,13 +63,13 @@ def turned_back(r: Floats, x: float, y: float, z: float) -> tuple[float, float, 
 
 
 @inlined
-def crossed(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> tuple[float, float, float]:
+def crossed(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Triple:
     """Return a x b."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 @inlined
-def symmetric_times(s: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
+def symmetric_times(s: Floats, x: float, y: float, z: float) -> Triple:
     """Return S a of a symmetric matrix."""
     return (
         s[0] * x + s[1] * y + s[2] * z,
@@ -76,7 +79,7 @@ def symmetric_times(s: Floats, x: float, y: float, z: float) -> tuple[float, flo
 
 
 @inlined
-def turned_symmetric(r: Floats, s: Floats) -> tuple[float, float, float, float, float, float]:
+def turned_symmetric(r: Floats, s: Floats) -> Six:
     """Return R S R^T of a symmetric matrix."""
     x0, y0, z0 = symmetric_times(s, r[0, 0], r[0, 1], r[0, 2])
     x1, y1, z1 = symmetric_times(s, r[1, 0], r[1, 1], r[1, 2])
@@ -92,9 +95,7 @@ def turned_symmetric(r: Floats, s: Floats) -> tuple[float, float, float, float, 
 
 
 @inlined
-def turned_matrix(
-    r: Floats, s: Floats
-) -> tuple[float, float, float, float, float, float, float, float, float]:
+def turned_matrix(r: Floats, s: Floats) -> Nine:
     """Return R B R^T of any matrix, row after row, (9,)."""
     x0, x1, x2 = turned(r, s[0], s[3], s[6])
     y0, y1, y2 = turned(r, s[1], s[4], s[7])
@@ -139,9 +140,7 @@ def move(body: Body, y: Floats, nq: int, room: Records[BodyRoom], own: BodyRoom,
 
 
 @inlined
-def carried_acceleration(
-    body: Body, gravity: Floats, room: Records[BodyRoom], own: BodyRoom
-) -> tuple[float, float, float, float, float, float]:
+def carried_acceleration(body: Body, gravity: Floats, room: Records[BodyRoom], own: BodyRoom) -> Six:
     """Return the acceleration of a body whose joint does not accelerate, (6,)."""
     r, p, bias, bias_spin = own.rotation, own.origin, own.bias, own.bias_spin
     if body.parent < 0:
@@ -156,9 +155,7 @@ def carried_acceleration(
 
 
 @inlined
-def hand_on(
-    own: BodyRoom, on: BodyRoom, force: tuple[float, float, float], moment: tuple[float, float, float]
-) -> None:
+def hand_on(own: BodyRoom, on: BodyRoom, force: Triple, moment: Triple) -> None:
     """Add a wrench at a body's origin, in its axes, to that of the body it is on."""
     fx, fy, fz = turned(own.rotation, force[0], force[1], force[2])
     mx, my, mz = turned(own.rotation, moment[0], moment[1], moment[2])
@@ -172,7 +169,7 @@ def hand_on(
 
 
 @inlined
-def gyroscopic_wrench(body: Body, own: BodyRoom) -> tuple[float, float, float, float, float, float]:
+def gyroscopic_wrench(body: Body, own: BodyRoom) -> Six:
     """Return the wrench at a body's origin that keeps its velocity, as a spatial one, constant.
 
     With the centre's velocity u: ``f = w x m u`` and ``c x f + w x (I w)``, I about the centre.
@@ -189,7 +186,7 @@ def gyroscopic_wrench(body: Body, own: BodyRoom) -> tuple[float, float, float, f
 
 
 @inlined
-def inertia_at_origin(body: Body) -> tuple[float, float, float, float, float, float]:
+def inertia_at_origin(body: Body) -> Six:
     """Return a body's moment by its angular acceleration, at its origin: a symmetric matrix."""
     c, i = body.centre, body.inertia
     x, y, z = c[0], c[1], c[2]

@@ -6,18 +6,14 @@ acceleration that it has along the others. What remains of its inertia and force
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import SLIDE, Floats
+from antenna_pin.base.records import SLIDE, Floats, Six, Triple
 from antenna_pin.compiled.decorators import inlined
-from antenna_pin.mechanism.room_kernels import BodyRoom, crossed, inertia_at_origin, symmetric_times
+from antenna_pin.mechanism.room_kernels import BodyRoom, Nine, crossed, inertia_at_origin, symmetric_times
 from antenna_pin.mechanism.tree_kernels import Body
 
 
 @inlined
-def _factors(
-    xx: float, xy: float, xz: float, yy: float, yz: float, zz: float
-) -> tuple[float, float, float, float, float, float]:
+def _factors(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> Six:
     """Return L (three entries) and the inverse of D (three) of a symmetric matrix, L D L^T."""
     x = 1.0 / xx
     a, b = xy * x, xz * x
@@ -28,9 +24,7 @@ def _factors(
 
 
 @inlined
-def _solved(
-    factors: tuple[float, float, float, float, float, float], x: float, y: float, z: float
-) -> tuple[float, float, float]:
+def _solved(factors: Six, x: float, y: float, z: float) -> Triple:
     """Solve for a vector with the factors of a matrix."""
     a, b, c, dx, dy, dz = factors
     y -= a * x
@@ -183,13 +177,13 @@ def take_out_axis(body: Body, own: BodyRoom, tau: Floats) -> None:
 @inlined
 def _condense(
     own: BodyRoom,
-    k: tuple[float, float, float, float, float, float],
-    n: tuple[float, float, float, float, float, float, float, float, float],
-    q: tuple[float, float, float, float, float, float],
+    k: Floats | Six,
+    n: Nine,
+    q: Floats | Six,
     x: float,
     y: float,
     z: float,
-) -> tuple[float, float, float, float, float, float, float, float, float]:
+) -> Nine:
     """Take three free directions out of an inertia of six: K among them, N to the others, Q among those.
 
     Writes ``K^-1 N`` and ``K^-1 (x, y, z)`` for the accelerations; returns what is left of Q, and what the
@@ -218,7 +212,7 @@ def _condense(
 
 
 @inlined
-def take_out_rotation(body: Any, own: Any, tau: Any) -> None:
+def take_out_rotation(body: Body, own: BodyRoom, tau: Floats) -> None:
     """Take a joint that turns every way out: no moment goes through but its own."""
     a, b, d, f, m, v = own.block_a, own.block_b, own.block_d, own.force, own.moment, body.v
     n = (b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8])

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from antenna_pin.base.records import (
     CIRCLE,
@@ -86,7 +85,7 @@ def _of_quaternion(q: Floats, i: int, m: Floats) -> None:
 
 
 @inlined
-def relative(body: Body, y: Floats, nq: int, way: Any) -> None:
+def relative(body: Body, y: Floats, nq: int, way: Place) -> None:
     """Write how a joint places and moves its body, in a ``PLACE``.
 
     Its rotation; its displacement in the joint's frame; its velocities in the body's own.

@@ -81,7 +81,7 @@ def test_a_record_refuses_names_that_numpy_has():
     """Without the compiler ``record.diagonal`` would be NumPy's method, whatever stands in the field."""
     for name in ("base", "diagonal", "size", "T"):
         kind = type("Kind", (Record,), {"__annotations__": {"rate": float, name: float}})
-        for declare in (lambda kind=kind: layout(kind), lambda name=name: dissipation_record(name)):
+        for declare in (lambda kind=kind: layout(kind), lambda kind=kind: dissipation_record(kind)):
             with pytest.raises(ValueError, match=re.escape(f"an attribute of numpy.void, got {name}:")):
                 declare()
         assert hasattr(np.void, name)
