@@ -8,8 +8,6 @@ Their blocks stand at the end of a program, from ``points`` of its head on, with
 
 from __future__ import annotations
 
-from typing import Any
-
 from antenna_pin.base.records import Floats, Record, Records, Triple, Vector3, layout
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.audit_kernels import mass_centre
@@ -27,6 +25,7 @@ from antenna_pin.elements.desk_kernels import (
     STATE_WORDS,
     WHOLE,
     WHOLE_WORDS,
+    Desk,
     Link,
     LinksBook,
     clear,
@@ -45,7 +44,7 @@ APPLIED = layout(Applied)
 
 
 @inlined
-def desk_of(program: Floats, b: int) -> tuple[Any, Any, Any, Any]:
+def desk_of(program: Floats, b: int) -> Desk:
     """Return the desk of the element at b: whole, links, joints, states."""
     first = b + element_at(program, b).partner
     whole = program[first : first + WHOLE_WORDS].view(WHOLE)

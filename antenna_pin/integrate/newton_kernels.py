@@ -11,6 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from antenna_pin.base import records
 from antenna_pin.base.records import Floats, Ints, Records
@@ -79,10 +80,10 @@ class Radau(NamedTuple):
     f: Floats
     jacobian: Floats
     real: Floats
-    complex: Any
+    complex: NDArray[np.complex128]
     pivots: Ints
     solved: Floats
-    paired: Any
+    paired: NDArray[np.complex128]
 
 
 @inlined
