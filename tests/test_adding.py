@@ -112,7 +112,7 @@ class CubicSpring(Element):
         return f"cubic {readable(self.cubic, self.unit('cubic', slides))}"
 '''
 CUBIC_KERNELS = '''
-"""A cubic spring, compiled."""
+"""A cubic spring, compiled: two of the hooks that elements/hook_kernels.py declares."""
 
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.base.records import Record, layout, words_of
