@@ -35,15 +35,7 @@ def closure_columns(plan: Floats, work: Floats, closure: Closure) -> None:
 
 
 @inlined
-def _columns(
-    plan: Floats,
-    work: Floats,
-    row: int,
-    b: int,
-    sign: float,
-    origin: Triple,
-    holds: Holds,
-) -> None:
+def _columns(plan: Floats, work: Floats, row: int, b: int, sign: float, origin: Triple, holds: Holds) -> None:
     """Write the columns of a closure's rows that belong to the joint of a body.
 
     Args:
@@ -82,15 +74,7 @@ def _columns(
 
 
 @inlined
-def _way_column(
-    work: Floats,
-    at: int,
-    x: float,
-    y: float,
-    z: float,
-    frame: Nine,
-    held: Held,
-) -> None:
+def _way_column(work: Floats, at: int, x: float, y: float, z: float, frame: Nine, held: Held) -> None:
     """Write one column of a closure's rows, at ``work[at:]``: of a way along (x, y, z)."""
     if held[0] != 0:
         work[at] = frame[0] * x + frame[1] * y + frame[2] * z
@@ -103,14 +87,7 @@ def _way_column(
 
 
 @inlined
-def _turn_column(
-    work: Floats,
-    at: int,
-    length: float,
-    axis: Triple,
-    d: Triple,
-    holds: Holds,
-) -> None:
+def _turn_column(work: Floats, at: int, length: float, axis: Triple, d: Triple, holds: Holds) -> None:
     """Write one column of a closure's rows, at ``work[at:]``: of a turn about an axis, d away."""
     x, y, z = axis
     frame, held, square = holds

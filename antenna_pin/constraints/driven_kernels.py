@@ -55,13 +55,7 @@ def _about(axes: Floats, values: Floats, at: int, k: int) -> float:
 
 
 @inlined
-def _turned_twist(
-    h: Triple,
-    qw: float,
-    s: float,
-    turn: Triple,
-    w: Triple,
-) -> Triple:
+def _turned_twist(h: Triple, qw: float, s: float, turn: Triple, w: Triple) -> Triple:
     """Return gx, gy and bias of a twist whose body is turned further by s times a turn."""
     x, y, z = turn
     hx = h[0] + 0.5 * s * (qw * x + h[1] * z - h[2] * y)

@@ -52,14 +52,7 @@ def steady_coefficient(law: Floats, speed: float) -> float:
 
 
 @kernel
-def _dahl(
-    mu: float,
-    sigma_0: float,
-    exponent: float,
-    speed: float,
-    v: Triple,
-    z: Triple,
-) -> Triple:
+def _dahl(mu: float, sigma_0: float, exponent: float, speed: float, v: Triple, z: Triple) -> Triple:
     """Rate of the deflection of Dahl's law: ``|v| w |w|^(i - 1)``, ``w = v / |v| - sigma_0 z / mu``."""
     vx, vy, vz = v
     zx, zy, zz = z
@@ -118,12 +111,7 @@ def gonthier_kink(law: Floats, k: int, rate: float, bend: float, dwell: float) -
 
 @kernel
 def bristle(
-    law: Floats,
-    force: float,
-    slip: Triple,
-    whole: Triple,
-    along: Triple,
-    dwell: float,
+    law: Floats, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """Friction [N] of a law with bristles, then the rates of their deflection, and of its dwell.
 
@@ -180,12 +168,7 @@ def bristle(
 
 @kernel
 def bristle_force(
-    law: Floats,
-    force: float,
-    slip: Triple,
-    normal: Triple,
-    state: Floats,
-    rates: Floats,
+    law: Floats, force: float, slip: Triple, normal: Triple, state: Floats, rates: Floats
 ) -> Triple:
     """Friction on the journal [N] of a law with bristles; writes the rates of its state.
 

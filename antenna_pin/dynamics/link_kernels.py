@@ -176,13 +176,7 @@ def _apply(
 
 
 @inlined
-def _book(
-    book: LinksBook,
-    force: Triple,
-    torque: Triple,
-    place: Triple,
-    centre: Floats,
-) -> None:
+def _book(book: LinksBook, force: Triple, torque: Triple, place: Triple, centre: Floats) -> None:
     """Add a force at a place, and a torque, to the rates of impulses."""
     fx, fy, fz = force
     mx, my, mz = torque

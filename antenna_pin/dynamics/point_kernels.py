@@ -138,14 +138,7 @@ def draw(
 
 
 @kernel
-def push(
-    body: Body,
-    own: Place,
-    force: Triple,
-    torque: Triple,
-    point: Triple,
-    tau: Floats,
-) -> None:
+def push(body: Body, own: Place, force: Triple, torque: Triple, point: Triple, tau: Floats) -> None:
     """Add what a force at a point of the world, and a torque, do at the joint of a body."""
     fx, fy, fz = force
     tx, ty, tz = torque
@@ -171,12 +164,7 @@ def push(
 
 @inlined
 def add_wrench(
-    body: int,
-    places: Records[Place],
-    force: Triple,
-    torque: Triple,
-    point: Triple,
-    out: Floats,
+    body: int, places: Records[Place], force: Triple, torque: Triple, point: Triple, out: Floats
 ) -> None:
     """Add a force at a point of the world, and a torque, to those on a body about its origin, (bodies, 6)."""
     fx, fy, fz = force

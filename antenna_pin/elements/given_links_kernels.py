@@ -21,12 +21,7 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def act(
-    words: Floats,
-    at: int,
-    t: float,
-    desk: Desk,
-) -> None:
+def act(words: Floats, at: int, t: float, desk: Desk) -> None:
     """Have the function write what it does; not-a-number where it raises."""
     own = record(words[at : at + SIZE], LAYOUT)
     if own.address == 0.0:

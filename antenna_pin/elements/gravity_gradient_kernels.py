@@ -22,12 +22,7 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def act(
-    words: Floats,
-    at: int,
-    t: float,
-    desk: Desk,
-) -> None:
+def act(words: Floats, at: int, t: float, desk: Desk) -> None:
     """Write force and torque on every body, whose points are their mass centres."""
     own = record(words[at : at + SIZE], LAYOUT)
     c, s = math.cos(own.angular_rate * t), math.sin(own.angular_rate * t)

@@ -119,13 +119,7 @@ def _effort(asked: int, words: Floats, at: int, motion: Motion, own: Own) -> flo
 
 
 def _write_rates(
-    asked: int,
-    words: Floats,
-    at: int,
-    motion: Powered,
-    own: Own,
-    rates: Floats,
-    x: int,
+    asked: int, words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int
 ) -> None:
     angle, rate, power = motion
     write_rates(asked, words, at, angle, rate, power, rates, x)

@@ -27,12 +27,7 @@ SIZE: Any = np.int64(words_of(LAYOUT))
 
 
 @inlined
-def act(
-    words: Floats,
-    at: int,
-    t: float,
-    desk: Desk,
-) -> None:
+def act(words: Floats, at: int, t: float, desk: Desk) -> None:
     """Write force and torque on the link."""
     own = record(words[at : at + SIZE], LAYOUT)
     value = own.value

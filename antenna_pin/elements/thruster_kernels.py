@@ -23,12 +23,7 @@ SIZE = words_of(LAYOUT)
 
 
 @inlined
-def act(
-    words: Floats,
-    at: int,
-    t: float,
-    desk: Desk,
-) -> None:
+def act(words: Floats, at: int, t: float, desk: Desk) -> None:
     """Write the force on the link, and the rate of its level if that follows."""
     own = record(words[at : at + SIZE], LAYOUT)
     level = 1.0 if own.firing != 0.0 else own.throttle

@@ -30,13 +30,7 @@ TOUCH = layout(Touch)
 
 
 @kernel
-def keep_efforts(
-    t: float,
-    h: float,
-    touches: Records[Touch],
-    step: DenseStep,
-    numbers: Numbers,
-) -> None:
+def keep_efforts(t: float, h: float, touches: Records[Touch], step: DenseStep, numbers: Numbers) -> None:
     """Update the largest effort of each side in touch by the step of size h from t [s].
 
     Args:
@@ -100,14 +94,7 @@ def _largest(
 
 
 @kernel
-def _effort(
-    t: float,
-    h: float,
-    theta: float,
-    block: int,
-    step: DenseStep,
-    program: Floats,
-) -> float:
+def _effort(t: float, h: float, theta: float, block: int, step: DenseStep, program: Floats) -> float:
     """Return the size of an element's effort at a fraction of a step [N m] ([N])."""
     space, dense, work, start, out = step
     dense_state(theta, space, dense, work, start, out)

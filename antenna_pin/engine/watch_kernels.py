@@ -130,14 +130,7 @@ def interpolated(x: float, f: Floats) -> float:
 
 
 @kernel
-def _may_dip(
-    t: float,
-    h: float,
-    w: Watch,
-    step: DenseStep,
-    numbers: Numbers,
-    watched: Watched,
-) -> bool:
+def _may_dip(t: float, h: float, w: Watch, step: DenseStep, numbers: Numbers, watched: Watched) -> bool:
     """Whether a function without a rate, whose value at the start is known, may come to zero in a step."""
     space, dense, work, start, out = step
     f = watched.dips

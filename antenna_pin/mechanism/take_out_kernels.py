@@ -175,15 +175,7 @@ def take_out_axis(body: Body, own: BodyRoom, tau: Floats) -> None:
 
 
 @inlined
-def _condense(
-    own: BodyRoom,
-    k: Floats | Six,
-    n: Nine,
-    q: Floats | Six,
-    x: float,
-    y: float,
-    z: float,
-) -> Nine:
+def _condense(own: BodyRoom, k: Floats | Six, n: Nine, q: Floats | Six, x: float, y: float, z: float) -> Nine:
     """Take three free directions out of an inertia of six: K among them, N to the others, Q among those.
 
     Writes ``K^-1 N`` and ``K^-1 (x, y, z)`` for the accelerations; returns what is left of Q, and what the
