@@ -113,12 +113,19 @@ class CubicSpring(Element):
         return f"cubic {readable(self.cubic, self.unit('cubic', slides))}"
 '''
 CUBIC_KERNELS = '''
-"""A cubic spring, compiled."""
+"""A cubic spring, compiled: two of the hooks that elements/hook_kernels.py declares."""
 
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Record, layout, words_of
 
-LAYOUT = layout(("cubic", "f8"))
+
+class PackedCubic(Record):
+    """A cubic spring's parameters."""
+
+    cubic: float  # [N m/rad^3] ([N/m^3])
+
+
+LAYOUT = layout(PackedCubic)
 SIZE = words_of(LAYOUT)
 
 

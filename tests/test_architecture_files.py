@@ -121,12 +121,41 @@ def compiled_code():
 def test_kernels_take_few_arguments():
     """Beyond seven a call can no longer be read, and what travels together has no name."""
     counts = {
-        f"{file}: {one.name}": len(one.args.posonlyargs + one.args.args + one.args.kwonlyargs)
+        f"{file}: {one.name}": sum(
+            a.arg != "self" for a in one.args.posonlyargs + one.args.args + one.args.kwonlyargs
+        )
         for file, code in compiled_code()
         for one in ast.walk(code)
         if isinstance(one, ast.FunctionDef)
     }
     assert {name: count for name, count in counts.items() if count > ARGUMENTS} == TOO_MANY
+
+
+UNTYPED = {
+    "elements/kernels.py: _branch": 2,
+    "elements/kernels.py: _no_deflection": 1,
+    "elements/kernels.py: _no_kind": 1,
+    "elements/kernels.py: _no_rates": 1,
+    "elements/kernels.py: _nothing": 1,
+    "elements/kernels.py: branch": 1,
+}
+"""Functions that pass on arguments of any type, and how many: a list that gets shorter only."""
+
+
+def test_what_kernels_take_has_types():
+    """An ``Any`` hides a misspelt field, and that a room knows one above it."""
+    counts, fields = {}, []
+    for file, code in compiled_code():
+        for one in ast.walk(code):
+            if isinstance(one, ast.FunctionDef):
+                every = [*one.args.posonlyargs, *one.args.args, one.args.vararg, *one.args.kwonlyargs]
+                taken = [ast.unparse(a.annotation or ast.Name("Any")) for a in every if a and a.arg != "self"]
+                counts[f"{file}: {one.name}"] = taken.count("Any")
+            if isinstance(one, ast.ClassDef):
+                own = (field for field in one.body if isinstance(field, ast.AnnAssign))
+                fields += [f"{file}: {one.name}" for field in own if ast.unparse(field.annotation) == "Any"]
+    assert {name: count for name, count in counts.items() if count} == UNTYPED
+    assert not fields
 
 
 def test_a_constant_of_compiled_code_has_one_value():

@@ -1,18 +1,21 @@
 """Layouts of the numbers that compiled code and classes share: each is declared once, and read by name.
 
-Kernels work on flat arrays of 8-byte words; a stretch of such an array is read as a record inside, at the
-cost of an offset: ``record(words[at : at + words_of(POSE)], POSE).axis[2]``, with ``record`` of
-``compiled.decorators``. Integers and floats may stand side by side in one. Here are the records that several
-rooms share; those of laws, shapes and elements stand with their kernels.
+Kernels work on flat arrays of 8-byte words; a part of such an array is read as a record, at the cost of an
+offset: ``record(words[at : at + words_of(POSE)], POSE).axis[2]``, with ``record`` of ``compiled.decorators``.
+A record is a class with one annotated field a line; ``float`` and ``int`` may stand side by side. Here are
+the records that several rooms share; those of laws, shapes and elements stand with their kernels.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+import inspect
+import sys
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+
+from antenna_pin.compiled.record import Layout
 
 __all__ = [
     "BLOCK",
@@ -27,56 +30,118 @@ __all__ = [
     "ROTATION",
     "SLIDE",
     "VECTOR",
+    "Block",
+    "Contact",
+    "Floats",
+    "Indices2",
+    "Indices3",
+    "Ints",
+    "Matrix3",
+    "Memory",
+    "Pose",
+    "Program",
     "Record",
+    "Records",
+    "Six",
+    "Triple",
+    "Vector2",
+    "Vector3",
+    "Vector6",
     "memory_numbers",
     "memory_records",
     "place_of",
-    "check_names",
+    "fields_of",
     "layout",
     "words_of",
 ]
 
 
-class Record(np.void):  # type: ignore[misc]  # final in NumPy's stubs only
-    """A record whose fields are attributes, as in compiled code; ``numpy.record``, in Python, is slow."""
+#: Arrays of any size.
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
-    __getattr__ = np.void.__getitem__  # of what a record has not itself
-    __setattr__ = np.void.__setitem__
+#: Numbers by themselves, as of a vector, or of a motion or wrench with the linear part first.
+Triple = tuple[float, float, float]
+Six = tuple[float, float, float, float, float, float]
 
-
-def check_names(names: Iterable[str]) -> None:
-    """Refuse names of fields that a record of NumPy's has itself: read uncompiled, they would be those.
-
-    Raises:
-        ValueError: Says which.
-    """
-    if taken := [name for name in names if hasattr(Record, name)]:
-        raise ValueError(
-            f"record: no field may have the name of an attribute of numpy.void, got {', '.join(taken)}: "
-            "without the compiler it would be that attribute; take another name"
-        )
+#: Arrays of fixed size in a record: fields of others are ``Annotated[Floats, shape]``.
+Vector2 = Annotated[Floats, 2]
+Vector3 = Annotated[Floats, 3]
+Vector6 = Annotated[Floats, 6]
+Matrix3 = Annotated[Floats, (3, 3)]
+Indices2 = Annotated[Ints, 2]
+Indices3 = Annotated[Ints, 3]
 
 
-def layout(*fields: Any) -> np.dtype[Any]:
-    """Return the layout of a record whose fields are read as attributes, compiled or not.
+if TYPE_CHECKING:
 
-    Args:
-        *fields: As NumPy takes them, of 8-byte numbers: ``("rate", "f8")``, ``("normal", "f8", (3,))``.
+    class Record(np.generic):
+        """As below: ``numpy.void`` is final in NumPy's stubs, and fields are those that are annotated."""
+
+        def __new__(cls) -> Self: ...  # noqa: D102
+        def __getitem__(self, name: str) -> Any: ...
+        def __setitem__(self, name: str, value: Any) -> None: ...
+
+else:
+
+    class Record(np.void):
+        """A record whose fields are attributes, as in compiled code; ``numpy.record``, in Python, is slow."""
+
+        __getattr__ = np.void.__getitem__  # of what a record has not itself
+        __setattr__ = np.void.__setitem__
+
+
+_Record = TypeVar("_Record", bound=Record)
+
+#: Records in a row, (n,).
+Records = np.ndarray[tuple[int], np.dtype[_Record]]
+
+
+def fields_of(kind: type[Record]) -> dict[str, Any]:
+    """Return the fields of a record and their annotations, in order.
 
     Raises:
         ValueError: A field that NumPy's own attributes would hide.
     """
-    check_names(field[0] for field in fields)
-    return np.dtype((Record, list(fields)))
+    names = {"float": float, "int": int} | globals() | vars(sys.modules[kind.__module__])
+    fields = {
+        name: names.get(hint) or eval(hint, names) if isinstance(hint, str) else hint
+        for base in reversed(kind.__mro__)
+        for name, hint in inspect.get_annotations(base).items()
+    }
+    if taken := [name for name in fields if hasattr(Record, name)]:
+        raise ValueError(
+            f"record: no field may have the name of an attribute of numpy.void, got {', '.join(taken)}: "
+            "without the compiler it would be that attribute; take another name"
+        )
+    return fields
+
+
+def layout(kind: type[_Record]) -> Layout[_Record]:
+    """Return the layout of a record in 8-byte numbers, its fields in the order of their annotations.
+
+    Args:
+        kind: A class with fields ``float``, ``int``, or an array of these, as :data:`Vector3`.
+    """
+    return Layout((kind, [_field(name, hint) for name, hint in fields_of(kind).items()]))
+
+
+def _field(name: str, hint: Any) -> tuple[Any, ...]:
+    """Return a field as NumPy takes it."""
+    if hint is float or hint is int:
+        return name, hint
+    array, shape = get_args(hint)
+    (number,) = get_args(get_args(array)[1])
+    return name, number, shape if isinstance(shape, tuple) else (shape,)
 
 
 def words_of(kind: np.dtype[Any]) -> int:
-    """Return how many 8-byte numbers a record has."""
+    """Return the size of a record in 8-byte numbers."""
     return kind.itemsize // 8
 
 
 def place_of(kind: np.dtype[Any], field: str) -> int:
-    """Return where in a record a field begins, in 8-byte numbers."""
+    """Return the place in a record at which a field begins, in 8-byte numbers."""
     assert kind.fields is not None
     return int(kind.fields[field][1]) // 8
 
@@ -87,52 +152,75 @@ def place_of(kind: np.dtype[Any], field: str) -> int:
 # alike, and of the last kind: q' = v.
 FIXED_AXIS, CIRCLE, SLIDE, PLANE, ROTATION, RIGID, VECTOR = range(7)
 
-#: A candidate contact, a row of the contact table; vectors in bearing axes. Geometry fills the gap [m], the
-#: normal (bearing to journal) and the point [m] from the bearing's centre, a joint the rest: depth rate
-#: [m/s], slip [m/s], normal force, friction on the journal and the normal force's elastic part [N]; of a
-#: patch under distributed load the power lost in normal direction and to friction [W]; of a strip or sector
-#: its ``share`` of its patch's law (of a flange's own row: sin of half its loaded arc's half-angle); of a
-#: flange under point load the ``arm`` from the force's point to the deepest one [m].
-CONTACT = layout(
-    ("gap", "f8"),
-    ("normal", "f8", (3,)),
-    ("point", "f8", (3,)),
-    ("rate", "f8"),
-    ("slip", "f8", (3,)),
-    ("force", "f8"),
-    ("friction", "f8", (3,)),
-    ("elastic", "f8"),
-    ("lost_normal", "f8"),
-    ("lost_friction", "f8"),
-    ("share", "f8"),
-    ("arm", "f8", (3,)),
-)
 
-#: What a contact remembers: whether it touches (0 or 1), approach speed [m/s] and effective mass [kg] at the
-#: onset of the present contact.
-MEMORY = layout(("touching", "f8"), ("approach_speed", "f8"), ("effective_mass", "f8"))
+class Contact(Record):
+    """A candidate contact, a row of the contact table; vectors in bearing axes."""
 
-#: Pose and twist of a journal in its bearing, all in bearing axes: centre [m], unit axis, sine of the tilt
-#: between the axes, rotation from the axes of the joint's frame on the journal's side, velocity of the centre
-#: [m/s], angular velocity [rad/s]; and room for the resultant of its contacts about the centre [N, N m].
-POSE = layout(
-    ("centre", "f8", (3,)),
-    ("axis", "f8", (3,)),
-    ("sine", "f8"),
-    ("rotation", "f8", (3, 3)),
-    ("velocity", "f8", (3,)),
-    ("spin", "f8", (3,)),
-    ("force", "f8", (3,)),
-    ("moment", "f8", (3,)),
-)
+    gap: float  # [m]; by geometry, as normal and point
+    normal: Vector3  # unit, from bearing to journal
+    point: Vector3  # from the bearing's centre [m]
+    rate: float  # of the depth [m/s]; by the joint, as all that follows
+    slip: Vector3  # [m/s]
+    force: float  # normal force [N]
+    friction: Vector3  # on the journal [N]
+    elastic: float  # part of the normal force [N]
+    lost_normal: float  # power lost in normal direction, of a patch under distributed load [W]
+    lost_friction: float  # power lost to friction, of a patch [W]
+    share: float  # of its patch's law; of a flange's own row: sin of half its loaded arc's half-angle
+    arm: Vector3  # of a flange under point load: from the force's point to the deepest one [m]
 
-#: Head of a system's program, the flat numbers of all its force elements: sizes of q and v, contacts, rows of
-#: its contact table (contacts, then strips and sectors), and where behind the blocks of joints those of
-#: springs between points begin: its end if there are none.
-PROGRAM = layout(("nq", "i8"), ("nv", "i8"), ("contacts", "i8"), ("rows", "i8"), ("points", "i8"))
 
-#: How every block of a program begins: what it is, and how many 8-byte numbers it takes.
-BLOCK = layout(("kind", "i8"), ("length", "i8"))
+CONTACT = layout(Contact)
+
+
+class Memory(Record):
+    """The discrete state of a contact."""
+
+    touching: float  # 0 or 1
+    approach_speed: float  # at the onset of the present contact [m/s]
+    effective_mass: float  # at the onset [kg]
+
+
+MEMORY = layout(Memory)
+
+
+class Pose(Record):
+    """Pose, twist and load of a journal in its bearing, in bearing axes."""
+
+    centre: Vector3  # [m]
+    axis: Vector3  # unit
+    sine: float  # of the tilt between the axes
+    rotation: Matrix3  # from the axes of the joint's frame on the journal's side
+    velocity: Vector3  # of the centre [m/s]
+    spin: Vector3  # angular velocity [rad/s]
+    force: Vector3  # resultant of the contacts on the journal [N]
+    moment: Vector3  # of the contacts about the centre [N m]
+
+
+POSE = layout(Pose)
+
+
+class Program(Record):
+    """The head of a system's program, the flat numbers of all its force elements."""
+
+    nq: int  # size of q
+    nv: int  # size of v
+    contacts: int  # how many
+    rows: int  # of the contact table: contacts, then strips and sectors
+    points: int  # where springs between points begin, behind the blocks of joints; the end if none
+
+
+PROGRAM = layout(Program)
+
+
+class Block(Record):
+    """The beginning of every block of a program."""
+
+    kind: int  # of the block
+    length: int  # in 8-byte words
+
+
+BLOCK = layout(Block)
 
 
 def memory_records(numbers: Any) -> NDArray[Any]:

@@ -15,9 +15,9 @@ import types
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from antenna_pin.compiled.record import record
+from antenna_pin.compiled.record import Layout, record
 
-__all__ = ["composed", "composed_later", "in_python", "inlined", "kernel", "record", "released"]
+__all__ = ["Layout", "composed", "composed_later", "in_python", "inlined", "kernel", "record", "released"]
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 

@@ -26,14 +26,7 @@ from typing import Any
 from antenna_pin.compiled.machine_code import Kept, Part, called, kept_of, link
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.stale_files import pack_of, sweep
-from antenna_pin.compiled.stand_alone import (
-    all_needs,
-    kernel_named,
-    needs_of,
-    noted,
-    parts_of,
-    symbols_of,
-)
+from antenna_pin.compiled.stand_alone import all_needs, kernel_named, needs_of, noted, parts_of, symbols_of
 from antenna_pin.compiled.turns import Turn
 
 try:

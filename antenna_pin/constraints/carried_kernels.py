@@ -9,12 +9,12 @@ then numbers for scratch.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE, Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.force_kernels import least_forces, wrenches
 from antenna_pin.constraints.layout_kernels import (
+    Closure,
     applied_in,
     body_at,
     closure_at,
@@ -23,7 +23,7 @@ from antenna_pin.constraints.layout_kernels import (
     plan_of,
 )
 from antenna_pin.elements import kernels as elements
-from antenna_pin.mechanism.tree_kernels import cross
+from antenna_pin.mechanism.tree_kernels import Body, Place, cross
 
 OF_BODY = 12
 SCRATCH = 24
@@ -35,7 +35,9 @@ def room_for(bodies: int, closures: int, rows: int) -> int:
 
 
 @kernel
-def write_carried(program: Any, plan: Any, work: Any, rates: Any, room: Any, out: Any) -> None:
+def write_carried(
+    program: Floats, plan: Floats, work: Floats, rates: Floats, room: Floats, out: Floats
+) -> None:
     """Write what joints with friction by load carry, (holds, 6).
 
     Across the axis force and moment, (2,) each, then along it both, at the bearing's middle, on the child.
@@ -71,7 +73,7 @@ def write_carried(program: Any, plan: Any, work: Any, rates: Any, room: Any, out
 
 
 @inlined
-def _complete(axes: Any) -> None:
+def _complete(axes: Floats) -> None:
     """Write two directions that are at right angles to a third, and to each other."""
     least = 0
     for c in range(1, 3):
@@ -85,7 +87,7 @@ def _complete(axes: Any) -> None:
 
 
 @kernel
-def _write_wrenches(plan: Any, work: Any, rates: Any, room: Any) -> None:
+def _write_wrenches(plan: Floats, work: Floats, rates: Floats, room: Floats) -> None:
     """Write accelerations of the bodies, and what their joints carry at their origins, in the world."""
     head = plan_of(plan)
     for b in range(head.bodies):
@@ -109,7 +111,7 @@ def _write_wrenches(plan: Any, work: Any, rates: Any, room: Any) -> None:
 
 
 @inlined
-def _move(plan: Any, work: Any, rates: Any, room: Any, b: int) -> None:
+def _move(plan: Floats, work: Floats, rates: Floats, room: Floats, b: int) -> None:
     """Write a body's acceleration, and what it needs for it by itself: against gravity, at its origin."""
     head, body, place, at = plan_of(plan), body_at(plan, b), place_at(work, b), OF_BODY * b
     spare = room[OF_BODY * head.bodies :]
@@ -159,7 +161,7 @@ def _move(plan: Any, work: Any, rates: Any, room: Any, b: int) -> None:
 
 
 @inlined
-def _gyrate(body: Any, place: Any, spin: Any, out: Any) -> None:
+def _gyrate(body: Body, place: Place, spin: Floats, out: Floats) -> None:
     """Write the moment about its centre that a body needs, in the world: I alpha + w x (I w)."""
     own = out[3:6]
     _turn_inertia(body, place, spin, out[6:12], own)
@@ -171,7 +173,7 @@ def _gyrate(body: Any, place: Any, spin: Any, out: Any) -> None:
 
 
 @inlined
-def _turn_inertia(body: Any, place: Any, vector: Any, spare: Any, out: Any) -> None:
+def _turn_inertia(body: Body, place: Place, vector: Floats, spare: Floats, out: Floats) -> None:
     """Write R I R^T times a vector."""
     r, inertia = place.rotation, body.inertia
     for k in range(3):
@@ -183,7 +185,7 @@ def _turn_inertia(body: Any, place: Any, vector: Any, spare: Any, out: Any) -> N
 
 
 @inlined
-def _take_closures(plan: Any, work: Any, room: Any) -> None:
+def _take_closures(plan: Floats, work: Floats, room: Floats) -> None:
     """Take from what bodies need what closures do to them."""
     head = plan_of(plan)
     if head.closures == 0:
@@ -219,7 +221,7 @@ def _take_closures(plan: Any, work: Any, room: Any) -> None:
 
 
 @inlined
-def _from_body(work: Any, closure: Any, b: int, lever: Any) -> None:
+def _from_body(work: Floats, closure: Closure, b: int, lever: Floats) -> None:
     """Write the way from a body's origin to the second side's point."""
     point = closure.second_origin
     for k in range(3):

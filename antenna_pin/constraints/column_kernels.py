@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE, Floats, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.constraints.layout_kernels import body_at, place_at, plan_of
+from antenna_pin.constraints.layout_kernels import Closure, body_at, place_at, plan_of
+from antenna_pin.mechanism.room_kernels import Nine
+
+#: What a closure holds, 0 or 1: along and about each axis of its first frame, and the angle between two axes.
+Held = tuple[int, int, int, int, int, int, int]
+#: The axes of the first frame, row after row, what is held, and the direction of the angle between two axes.
+Holds = tuple[Nine, Held, Triple]
 
 
 @kernel
-def closure_columns(plan: Any, work: Any, closure: Any) -> None:
+def closure_columns(plan: Floats, work: Floats, closure: Closure) -> None:
     """Write J of a closure whose frames are placed; its square turns about ``slide`` of the first."""
     # In numbers of their own: what is written might be them, for all that a compiler knows.
     a, b = place_at(work, plan_of(plan).bodies + 1), place_at(work, plan_of(plan).bodies + 2)
@@ -31,7 +35,7 @@ def closure_columns(plan: Any, work: Any, closure: Any) -> None:
 
 
 @inlined
-def _columns(plan: Any, work: Any, row: int, b: int, sign: float, origin: Any, holds: Any) -> None:
+def _columns(plan: Floats, work: Floats, row: int, b: int, sign: float, origin: Triple, holds: Holds) -> None:
     """Write the columns of a closure's rows that belong to the joint of a body.
 
     Args:
@@ -70,7 +74,7 @@ def _columns(plan: Any, work: Any, row: int, b: int, sign: float, origin: Any, h
 
 
 @inlined
-def _way_column(work: Any, at: int, x: float, y: float, z: float, frame: Any, held: Any) -> None:
+def _way_column(work: Floats, at: int, x: float, y: float, z: float, frame: Nine, held: Held) -> None:
     """Write one column of a closure's rows, at ``work[at:]``: of a way along (x, y, z)."""
     if held[0] != 0:
         work[at] = frame[0] * x + frame[1] * y + frame[2] * z
@@ -83,7 +87,7 @@ def _way_column(work: Any, at: int, x: float, y: float, z: float, frame: Any, he
 
 
 @inlined
-def _turn_column(work: Any, at: int, length: float, axis: Any, d: Any, holds: Any) -> None:
+def _turn_column(work: Floats, at: int, length: float, axis: Triple, d: Triple, holds: Holds) -> None:
     """Write one column of a closure's rows, at ``work[at:]``: of a turn about an axis, d away."""
     x, y, z = axis
     frame, held, square = holds

@@ -9,11 +9,10 @@ they are smooth on the scale of one.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import PLANE
+from antenna_pin.base.records import PLANE, Floats, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.constraints.layout_kernels import driven_at, plan_of
+from antenna_pin.constraints.layout_kernels import Driven, driven_at, plan_of
 from antenna_pin.mechanism.tree_kernels import unwrapped
 from antenna_pin.mechanism.twist_kernels import twist_angle, twist_bias
 
@@ -23,7 +22,7 @@ _TURN = 1e-3
 
 
 @kernel
-def twist_row(y: Any, plan: Any, work: Any, driven: Any) -> tuple[float, float]:
+def twist_row(y: Floats, plan: Floats, work: Floats, driven: Driven) -> tuple[float, float]:
     """Write the columns of a motion of a joint that moves otherwise too: the gradient of its motion angle.
 
     Returns:
@@ -50,13 +49,13 @@ def twist_row(y: Any, plan: Any, work: Any, driven: Any) -> tuple[float, float]:
 
 
 @inlined
-def _about(axes: Any, values: Any, at: int, k: int) -> float:
+def _about(axes: Floats, values: Floats, at: int, k: int) -> float:
     """Return component k of a vector at values[at:] in axes that are columns."""
     return float(axes[0, k] * values[at] + axes[1, k] * values[at + 1] + axes[2, k] * values[at + 2])
 
 
 @inlined
-def _turned_twist(h: Any, qw: float, s: float, turn: Any, w: Any) -> tuple[float, float, float]:
+def _turned_twist(h: Triple, qw: float, s: float, turn: Triple, w: Triple) -> Triple:
     """Return gx, gy and bias of a twist whose body is turned further by s times a turn."""
     x, y, z = turn
     hx = h[0] + 0.5 * s * (qw * x + h[1] * z - h[2] * y)
@@ -69,7 +68,9 @@ def _turned_twist(h: Any, qw: float, s: float, turn: Any, w: Any) -> tuple[float
 
 
 @kernel
-def change_of_twist(y: Any, way: Any, acceleration: Any, plan: Any, driven: Any, out: Any) -> None:
+def change_of_twist(
+    y: Floats, way: Floats, acceleration: Floats, plan: Floats, driven: Driven, out: Floats
+) -> None:
     """Write how the gradient, the bias and the rate of a driven twist change along a displacement.
 
     Args:
@@ -114,7 +115,13 @@ def change_of_twist(y: Any, way: Any, acceleration: Any, plan: Any, driven: Any,
 
 @kernel
 def change_motions(
-    y: Any, way: Any, acceleration: Any, force: Any, plan: Any, scratch: Any, out: Any
+    y: Floats,
+    way: Floats,
+    acceleration: Floats,
+    force: Floats,
+    plan: Floats,
+    scratch: tuple[Floats, Floats, Floats],
+    out: Floats,
 ) -> None:
     """Add how rows of motions change along a displacement, time and numbers of the system left as they are.
 
@@ -146,7 +153,7 @@ def change_motions(
 
 
 @inlined
-def driven_rate(y: Any, plan: Any, work: Any, driven: Any) -> float:
+def driven_rate(y: Floats, plan: Floats, work: Floats, driven: Driven) -> float:
     """Return the rate of a joint with a motion [rad/s or m/s], by its row where that is written."""
     head = plan_of(plan)
     if driven.moves == 0:

@@ -12,13 +12,14 @@ A direction is taken out of all rows behind it four rows at a time (:mod:`antenn
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.compiled.lanes import LANES, lane, put_lane, same_lane, sum_of_lane
 from antenna_pin.constraints.layout_kernels import (
+    Coupled,
     closure_at,
     coupled_at,
     driven_at,
@@ -43,7 +44,7 @@ NOTHING = 1e-12
 
 
 @inlined
-def inner_product(one: Any, at: int, other: Any, also_at: int, size: int) -> float:
+def inner_product(one: Floats, at: int, other: Floats, also_at: int, size: int) -> float:
     """Return the inner product of as many numbers, in whole lanes."""
     total = same_lane(0.0)
     for k in range(0, size, LANES):
@@ -52,14 +53,14 @@ def inner_product(one: Any, at: int, other: Any, also_at: int, size: int) -> flo
 
 
 @inlined
-def add_multiple(factor: float, one: Any, at: int, out: Any, size: int) -> None:
+def add_multiple(factor: float, one: Floats, at: int, out: Floats, size: int) -> None:
     """Add a factor times as many numbers, in whole lanes."""
     for k in range(0, size, LANES):
         put_lane(out, k, lane(out, k) + factor * lane(one, at + k))
 
 
 @kernel
-def brace(plan: Any, mass: Any) -> None:
+def brace(plan: Floats, mass: Floats) -> None:
     """Add to a mass matrix, (nv, nv), in place, what couplings make of no consequence.
 
     That is ``c j^T j`` for the row j of each coupling, with its mass c. As ``j a = 0``, neither accelerations
@@ -79,7 +80,7 @@ def brace(plan: Any, mass: Any) -> None:
 
 
 @inlined
-def _slope(own: Any, k: int) -> float:
+def _slope(own: Coupled, k: int) -> float:
     """What a coupling's row has of its follower, leader or second leader before it is scaled."""
     if k == 0:
         return 1.0
@@ -87,7 +88,7 @@ def _slope(own: Any, k: int) -> float:
 
 
 @kernel
-def factorize(plan: Any, work: Any, mass: Any) -> None:
+def factorize(plan: Floats, work: Floats, mass: Floats) -> None:
     """Factorize rows that :func:`write_rows` has written, with the mass matrix, (nv, nv), which is braced."""
     head, found = plan_of(plan), found_in(plan, work)
     brace(plan, mass)
@@ -140,7 +141,7 @@ def factorize(plan: Any, work: Any, mass: Any) -> None:
 
 
 @inlined
-def _reduce(plan: Any, work: Any, left: Any, squares: Any, weights: Any) -> None:
+def _reduce(plan: Floats, work: Floats, left: Floats, squares: Floats, weights: Floats) -> None:
     """Write L^-1 J^T, the squares of its rows' lengths, and by what these count.
 
     Of a row whose numbers are round-off all is zero.
@@ -189,7 +190,7 @@ def _reduce(plan: Any, work: Any, left: Any, squares: Any, weights: Any) -> None
 
 
 @inlined
-def _scale(largest: Any, first: int, count: int) -> None:
+def _scale(largest: Floats, first: int, count: int) -> None:
     """Let a closure's rows of ways, or of turns, count by their numbers beside the largest of all.
 
     Where a row vanishes an equation is lost. Numbers of J are geometry: lengths, in which kinetic energies
@@ -210,7 +211,7 @@ def _entry(s: int, nv: int) -> int:
 
 
 @inlined
-def _take(p: int, best: int, scale: float, nv: int, own: Any, left: Any) -> None:
+def _take(p: int, best: int, scale: float, nv: int, own: Floats, left: Floats) -> None:
     """Write a multiple of the row at place ``best`` to ``own``, and in its place that of place p."""
     entry, first = _entry(best, nv), _entry(p, nv)
     for k in range(nv):
@@ -221,7 +222,7 @@ def _take(p: int, best: int, scale: float, nv: int, own: Any, left: Any) -> None
 
 
 @inlined
-def _gather(nv: int, own: Any, numbers: Any, at: Any) -> int:
+def _gather(nv: int, own: Floats, numbers: Floats, at: Ints) -> int:
     """Write what numbers of a direction are not zero, and where their lanes are; return how many.
 
     Rows see some freedoms only: those of their limbs.
@@ -235,7 +236,7 @@ def _gather(nv: int, own: Any, numbers: Any, at: Any) -> int:
 
 
 @inlined
-def _clean(plan: Any, work: Any, p: int, length: float, own: Any, triangle: Any) -> float:
+def _clean(plan: Floats, work: Floats, p: int, length: float, own: Floats, triangle: Floats) -> float:
     """Take out of ``own``, row p over its length, what round-off has left of the directions before.
 
     Of a row of which little was left that is round-off of most of it. Returns by how much it has shrunk.
@@ -253,7 +254,15 @@ def _clean(plan: Any, work: Any, p: int, length: float, own: Any, triangle: Any)
 
 
 @inlined
-def _take_out(p: int, nv: int, width: int, direction: Any, left: Any, triangle: Any, squares: Any) -> None:
+def _take_out(
+    p: int,
+    nv: int,
+    width: int,
+    direction: tuple[int, Floats, Ints],
+    left: Floats,
+    triangle: Floats,
+    squares: Floats,
+) -> None:
     """Take the direction p out of all rows behind it; write its row of R and the squares that are left.
 
     ``direction`` is how many of its numbers are not zero, these, and where they stand.

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import (
     closure_at,
@@ -18,7 +17,7 @@ from antenna_pin.constraints.root_kernels import solve_back, solve_forth, write_
 
 
 @kernel
-def least_forces(plan: Any, work: Any, room: Any, out: Any) -> None:
+def least_forces(plan: Floats, work: Floats, room: Floats, out: Floats) -> None:
     """Write the multipliers of least norm that do what those of the last solution do.
 
     Redundant rows share what their independent ones would carry alone: of R = [R1 R2], the columns of
@@ -70,7 +69,7 @@ def least_forces(plan: Any, work: Any, room: Any, out: Any) -> None:
 
 
 @inlined
-def _axis(work: Any, b: int, rotation: Any, k: int) -> float:
+def _axis(work: Floats, b: int, rotation: Floats, k: int) -> float:
     """Return component k, in the world, of the third axis of a frame on a body, or on the world."""
     if b < 0:
         return float(rotation[k, 2])
@@ -79,7 +78,7 @@ def _axis(work: Any, b: int, rotation: Any, k: int) -> float:
 
 
 @inlined
-def _on_first(work: Any, b: int, rotation: Any, vector: Any, k: int) -> float:
+def _on_first(work: Floats, b: int, rotation: Floats, vector: Floats, k: int) -> float:
     """Return component k of a vector of the world in the axes of a frame."""
     total = 0.0
     for i in range(3):
@@ -92,7 +91,7 @@ def _on_first(work: Any, b: int, rotation: Any, vector: Any, k: int) -> float:
 
 
 @kernel
-def wrenches(plan: Any, work: Any, forces: Any, out: Any) -> None:
+def wrenches(plan: Floats, work: Floats, forces: Floats, out: Floats) -> None:
     """Write force [N] and moment [N m] of each closure on its second link, (closures, 2, 3).
 
     In axes of the first side's frame, the moment about the second side's point.
@@ -133,7 +132,7 @@ def wrenches(plan: Any, work: Any, forces: Any, out: Any) -> None:
 
 
 @kernel
-def joint_forces(plan: Any, forces: Any, out: Any) -> None:
+def joint_forces(plan: Floats, forces: Floats, out: Floats) -> None:
     """Write the forces [N] and torques [N m] that hold motions, and couplings' followers, for multipliers.
 
     First those of the motions, then those of the couplings, then those of elements that hold.
@@ -152,7 +151,9 @@ def joint_forces(plan: Any, forces: Any, out: Any) -> None:
 
 
 @kernel
-def write_holding(plan: Any, work: Any, room: Any, forces: Any, closures: Any, joints: Any) -> None:
+def write_holding(
+    plan: Floats, work: Floats, room: Floats, forces: Floats, closures: Floats, joints: Floats
+) -> None:
     """Write what holds closures, motions and couplings in the state that was solved last.
 
     Args:

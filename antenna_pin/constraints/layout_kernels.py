@@ -9,124 +9,122 @@ plan's head names.
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Indices3, Matrix3, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.mechanism.tree_kernels import BODY, PLACE
+from antenna_pin.mechanism.tree_kernels import BODY, PLACE, Body, Place
 
-#: Head of a plan. Sizes: bodies, closures, motions, couplings, elements that may hold, all rows, these in
-#: whole lanes (``width``; zeros fill the last), nq and nv, this in whole lanes (``span``). Length by which
-#: turns count against ways [m]. Where in a work array the following start. By the rows' own numbers: J^T,
-#: (nv, width); what accelerations lack, residuals of position and of velocity, multipliers, and the share
-#: that was left of each row, each (width,). By the places of the rows in the order in which they are made
-#: orthogonal: what is left of L^-1 J^T behind the directions, (width / LANES, nv, LANES); the directions,
-#: (rows, span); the triangle R without its diagonal, (rows, width), and that one's ``inverses``; the squares
-#: of the lengths that are left, by what these count, and which rows stand there, each (width,). L with
-#: inverses on the diagonal, (nv, nv); where its rows begin, (nv,); numbers for scratch, (2, max(span,
-#: width)); ``FOUND``; room of friction by load, 0 where no joint has such, first in it what elements on
-#: links do to each body, force and moment about its origin, (bodies, 6); gravity [m/s^2].
-PLAN = layout(
-    ("bodies", "i8"),
-    ("closures", "i8"),
-    ("motions", "i8"),
-    ("couplings", "i8"),
-    ("holds", "i8"),
-    ("rows", "i8"),
-    ("width", "i8"),
-    ("nq", "i8"),
-    ("nv", "i8"),
-    ("span", "i8"),
-    ("length", "f8"),
-    ("jacobian", "i8"),
-    ("lack", "i8"),
-    ("gap", "i8"),
-    ("speed", "i8"),
-    ("force", "i8"),
-    ("shares", "i8"),
-    ("reduced", "i8"),
-    ("directions", "i8"),
-    ("triangle", "i8"),
-    ("inverses", "i8"),
-    ("squares", "i8"),
-    ("weights", "i8"),
-    ("order", "i8"),
-    ("root", "i8"),
-    ("first", "i8"),
-    ("scratch", "i8"),
-    ("found", "i8"),
-    ("loaded", "i8"),
-    ("gravity", "f8", (3,)),
-)
+
+class Plan(Record):
+    """The head of a plan: sizes, and the starts of its arrays in a work array."""
+
+    bodies: int  # how many
+    closures: int  # how many
+    motions: int  # how many
+    couplings: int  # how many
+    holds: int  # elements that may hold
+    rows: int  # in all
+    width: int  # rows in whole lanes; zeros fill the last
+    nq: int  # size of q
+    nv: int  # size of v
+    span: int  # nv in whole lanes
+    length: float  # by which turns count against displacements [m]
+    jacobian: int  # J^T by the rows' own numbers, (nv, width)
+    lack: int  # what accelerations lack, (width,)
+    gap: int  # residuals of position, (width,)
+    speed: int  # residuals of velocity, (width,)
+    force: int  # multipliers, (width,)
+    shares: int  # share of each row that was left, (width,)
+    reduced: int  # rest of L^-1 J^T behind the directions, in order, (width / LANES, nv, LANES)
+    directions: int  # orthogonal, in order, (rows, span)
+    triangle: int  # R without its diagonal, in order, (rows, width)
+    inverses: int  # of R's diagonal, (width,)
+    squares: int  # of the lengths that are left, (width,)
+    weights: int  # by which these count, (width,)
+    order: int  # which rows stand there, (width,)
+    root: int  # L with inverses on the diagonal, (nv, nv)
+    first: int  # where its rows begin, (nv,)
+    scratch: int  # (2, max(span, width))
+    found: int  # FOUND
+    loaded: int  # room of friction by load, efforts on bodies first, (bodies, 6); 0: no such joint
+    gravity: Vector3  # [m/s^2]
+
+
+PLAN = layout(Plan)
 PLAN_WORDS = words_of(PLAN)
 
-#: A closure: indices of its two bodies (-1: the world), its first row and how many it has, which
-#: axes of the first frame its translations and turns are held along and about (0 or 1), whether it holds two
-#: axes at right angles, and all turns; the frames in their bodies: rotation and origin [m].
-CLOSURE = layout(
-    ("first", "i8"),
-    ("second", "i8"),
-    ("row", "i8"),
-    ("rows", "i8"),
-    ("along", "i8", (3,)),
-    ("about", "i8", (3,)),
-    ("square", "i8"),
-    ("attitude", "i8"),
-    ("first_rotation", "f8", (3, 3)),
-    ("first_origin", "f8", (3,)),
-    ("second_rotation", "f8", (3, 3)),
-    ("second_origin", "f8", (3,)),
-)
+
+class Closure(Record):
+    """A closure of a loop between two bodies."""
+
+    first: int  # index of a body; -1: the world
+    second: int  # index of a body; -1: the world
+    row: int  # its first
+    rows: int  # how many
+    along: Indices3  # axes of the first frame along which translations are held, 0 or 1
+    about: Indices3  # axes of the first frame about which turns are held, 0 or 1
+    square: int  # 1: holds two axes at right angles
+    attitude: int  # 1: holds all turns
+    first_rotation: Matrix3  # frame in the first body
+    first_origin: Vector3  # [m]
+    second_rotation: Matrix3  # frame in the second body
+    second_origin: Vector3  # [m]
+
+
+CLOSURE = layout(Closure)
 CLOSURE_WORDS = words_of(CLOSURE)
 
-#: A motion: its row, starts of its joint's q and v, whether the joint slides, place of its turned angle in x
-#: (-1: an angle that is known itself), the kind of its element, where in the program the element's own record
-#: begins, and where in x its works are; of a joint that does more than turn about its axis, as one with play,
-#: how it moves (PLANE or RIGID, else 0) and axes of which z is the joint's, in the joint's frame (columns).
-DRIVEN = layout(
-    ("row", "i8"),
-    ("q", "i8"),
-    ("v", "i8"),
-    ("slides", "i8"),
-    ("turn", "i8"),
-    ("kind", "i8"),
-    ("words", "i8"),
-    ("x", "i8"),
-    ("moves", "i8"),
-    ("axes", "f8", (3, 3)),
-)
+
+class Driven(Record):
+    """A prescribed motion of a joint."""
+
+    row: int  # its row
+    q: int  # start of the joint's slice
+    v: int  # start of the joint's slice
+    slides: int  # 1: prismatic
+    turn: int  # place of the turned angle in x; -1: an angle that is known itself
+    kind: int  # of its element
+    words: int  # where the element's own record begins in the program
+    x: int  # where its works begin
+    moves: int  # PLANE or RIGID of a joint that does more than turn about its axis, else 0
+    axes: Matrix3  # of which z is the joint's, in the joint's frame (columns)
+
+
+DRIVEN = layout(Driven)
 DRIVEN_WORDS = words_of(DRIVEN)
 
-#: A coupling: its row, whether its follower slides, multiplier and offset, by what the row is multiplied so
-#: that its larger number is the one that a motion's row has; the mass that its row is given [kg]
-#: (``factor_kernels.brace``), zero where the tree needs none; of follower and leader, in this order, the
-#: starts of q and v, and the place of the turned angle in x (-1: none). A leader that does not move has a
-#: multiplier of zero and the follower's places.
-COUPLED = layout(
-    ("row", "i8"),
-    ("slides", "i8"),
-    ("multiplier", "f8"),
-    ("second", "f8"),
-    ("offset", "f8"),
-    ("scale", "f8"),
-    ("brace", "f8"),
-    ("q", "i8", (3,)),
-    ("v", "i8", (3,)),
-    ("turn", "i8", (3,)),
-)
+
+class Coupled(Record):
+    """A coupling: follower, leader and second leader, in this order in ``q``, ``v``, ``turn``."""
+
+    row: int  # its row
+    slides: int  # 1: the follower slides
+    multiplier: float  # of the leader's angle
+    second: float  # multiplier of the second leader's
+    offset: float  # [rad] ([m])
+    scale: float  # of the row, so that its larger number is that of a motion's row
+    brace: float  # mass that the row is given (``factor_kernels.brace``) [kg]; 0: none needed
+    q: Indices3  # starts of the joints' slices
+    v: Indices3  # starts of the joints' slices
+    turn: Indices3  # places of the turned angles in x; -1: none
+
+
+COUPLED = layout(Coupled)
 COUPLED_WORDS = words_of(COUPLED)
 
-#: What solving finds: rank; the least of what was left of a row counted as independent, and the most of one
-#: that was not, over its scale [-]; largest residual in ways [m], turns [rad] and their rates.
-FOUND = layout(
-    ("rank", "i8"),
-    ("least", "f8"),
-    ("most", "f8"),
-    ("gap", "f8"),
-    ("turn", "f8"),
-    ("speed", "f8"),
-    ("spin", "f8"),
-)
+
+class Found(Record):
+    """The outcome of solving for the constraints."""
+
+    rank: int  # of the rows
+    least: float  # of what was left of an independent row, over its scale
+    most: float  # of what was left of a dependent row, over its scale
+    gap: float  # largest residual [m]
+    turn: float  # largest residual [rad]
+    speed: float  # largest residual [m/s]
+    spin: float  # largest residual [rad/s]
+
+
+FOUND = layout(Found)
 FOUND_WORDS = words_of(FOUND)
 
 BODY_WORDS = words_of(BODY)
@@ -134,27 +132,27 @@ PLACE_WORDS = words_of(PLACE)
 
 
 @inlined
-def plan_of(plan: Any) -> Any:
+def plan_of(plan: Floats) -> Plan:
     """Return the head of a plan."""
     return record(plan[:PLAN_WORDS], PLAN)
 
 
 @inlined
-def body_at(plan: Any, b: int) -> Any:
+def body_at(plan: Floats, b: int) -> Body:
     """Return a body of the tree."""
     at = PLAN_WORDS + BODY_WORDS * b
     return record(plan[at : at + BODY_WORDS], BODY)
 
 
 @inlined
-def closure_at(plan: Any, c: int) -> Any:
+def closure_at(plan: Floats, c: int) -> Closure:
     """Return a closure."""
     at = PLAN_WORDS + BODY_WORDS * plan_of(plan).bodies + CLOSURE_WORDS * c
     return record(plan[at : at + CLOSURE_WORDS], CLOSURE)
 
 
 @inlined
-def driven_at(plan: Any, m: int) -> Any:
+def driven_at(plan: Floats, m: int) -> Driven:
     """Return a motion."""
     head = plan_of(plan)
     at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures + DRIVEN_WORDS * m
@@ -162,7 +160,7 @@ def driven_at(plan: Any, m: int) -> Any:
 
 
 @inlined
-def coupled_at(plan: Any, k: int) -> Any:
+def coupled_at(plan: Floats, k: int) -> Coupled:
     """Return a coupling."""
     head = plan_of(plan)
     at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures
@@ -171,7 +169,7 @@ def coupled_at(plan: Any, k: int) -> Any:
 
 
 @inlined
-def hold_at(plan: Any, k: int) -> Any:
+def hold_at(plan: Floats, k: int) -> Driven:
     """Return an element that may hold its joint."""
     head = plan_of(plan)
     at = PLAN_WORDS + BODY_WORDS * head.bodies + CLOSURE_WORDS * head.closures
@@ -180,20 +178,20 @@ def hold_at(plan: Any, k: int) -> Any:
 
 
 @inlined
-def place_at(work: Any, b: int) -> Any:
+def place_at(work: Floats, b: int) -> Place:
     """Return where a body is."""
     return record(work[PLACE_WORDS * b : PLACE_WORDS * (b + 1)], PLACE)
 
 
 @inlined
-def applied_in(plan: Any) -> tuple[int, int]:
+def applied_in(plan: Floats) -> tuple[int, int]:
     """Return from where to where elements on links act on bodies, 6 words each; nowhere if none asks."""
     head = plan_of(plan)
     return head.loaded, head.loaded + (6 * head.bodies if head.loaded != 0 else 0)
 
 
 @inlined
-def found_in(plan: Any, work: Any) -> Any:
+def found_in(plan: Floats, work: Floats) -> Found:
     """Return what solving found."""
     at = plan_of(plan).found
     return record(work[at : at + FOUND_WORDS], FOUND)

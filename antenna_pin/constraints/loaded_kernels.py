@@ -16,12 +16,12 @@ about.
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.carried_kernels import write_carried
 from antenna_pin.constraints.factor_kernels import factorize
-from antenna_pin.constraints.layout_kernels import hold_at, plan_of
+from antenna_pin.constraints.layout_kernels import Driven, Plan, hold_at, plan_of
 from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.constraints.solve_kernels import solve_rows
 from antenna_pin.elements import kernels as elements
@@ -34,7 +34,15 @@ _RIGHT = 1e-15
 
 @kernel
 def accelerate(
-    t: float, y: Any, program: Any, plan: Any, work: Any, effort: Any, mass: Any, bias: Any, rates: Any
+    t: float,
+    y: Floats,
+    program: Floats,
+    plan: Floats,
+    work: Floats,
+    effort: Floats,
+    mass: Floats,
+    bias: Floats,
+    rates: Floats,
 ) -> None:
     """Write accelerations under constraints to rates[:nv], powers of motions behind; multipliers to work.
 
@@ -55,7 +63,9 @@ def accelerate(
 
 
 @kernel
-def solve(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, rates: Any) -> None:
+def solve(
+    y: Floats, program: Floats, plan: Floats, work: Floats, effort: Floats, bias: Floats, rates: Floats
+) -> None:
     """Do what :func:`accelerate` does once rows are written and factorized, with its arguments."""
     solve_rows(y, program, plan, work, effort, bias, rates)
     if plan_of(plan).loaded != 0:
@@ -63,7 +73,9 @@ def solve(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, ra
 
 
 @kernel
-def _bear(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, rates: Any) -> None:
+def _bear(
+    y: Floats, program: Floats, plan: Floats, work: Floats, effort: Floats, bias: Floats, rates: Floats
+) -> None:
     """Add what friction by load does to a solution without it, and tell elements of their loads."""
     head = plan_of(plan)
     nv, n = head.nv, head.holds
@@ -107,14 +119,14 @@ def _bear(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, ra
 
 
 @inlined
-def _rub(y: Any, program: Any, head: Any, own: Any) -> float:
+def _rub(y: Floats, program: Floats, head: Plan, own: Driven) -> float:
     """Return the torque of a hold's friction by its load, with its sign."""
     states = y, head.nq + head.nv + own.x
     return float(elements.rub(own.kind, program, own.words, y[head.nq + own.v], states))
 
 
 @kernel
-def _newton(y: Any, program: Any, plan: Any, carried: Any, tau: Any, room: Any) -> bool:
+def _newton(y: Floats, program: Floats, plan: Floats, carried: Floats, tau: Floats, room: Floats) -> bool:
     """Write the torques of friction by load, from zero on; return whether they are a solution."""
     head = plan_of(plan)
     n = head.holds
@@ -147,7 +159,7 @@ def _newton(y: Any, program: Any, plan: Any, carried: Any, tau: Any, room: Any) 
 
 
 @inlined
-def _eliminate(n: int, room: Any) -> bool:
+def _eliminate(n: int, room: Floats) -> bool:
     """Solve n equations, row by row with their right sides, in place; return whether det > 0."""
     positive = True
     for p in range(n):
@@ -174,7 +186,9 @@ def _eliminate(n: int, room: Any) -> bool:
 
 
 @kernel
-def _burden(program: Any, plan: Any, own: Any, carried: Any, tau: Any, i: int, j: int) -> tuple[float, float]:
+def _burden(
+    program: Floats, plan: Floats, own: Driven, carried: Floats, tau: Floats, i: int, j: int
+) -> tuple[float, float]:
     """Return the load N of hold i, and its derivative by the torque of friction of hold j (-1: of none)."""
     n = plan_of(plan).holds
     radial, axial, bending, _ = elements.bearing(own.kind, program, own.words)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined
 
 
 @inlined
-def write_root(mass: Any, nv: int, root: Any, first: Any) -> None:
+def write_root(mass: Floats, nv: int, root: Floats, first: Floats) -> None:
     """Write L of M = L L^T row by row, (nv nv,), and where each row begins: limbs leave zeros in it.
 
     On the diagonal stand inverses.
@@ -32,7 +32,7 @@ def write_root(mass: Any, nv: int, root: Any, first: Any) -> None:
 
 
 @inlined
-def solve_forth(nv: int, root: Any, first: Any, out: Any) -> None:
+def solve_forth(nv: int, root: Floats, first: Floats, out: Floats) -> None:
     """Solve L x = out in place."""
     for i in range(nv):
         total = out[i]
@@ -42,7 +42,7 @@ def solve_forth(nv: int, root: Any, first: Any, out: Any) -> None:
 
 
 @inlined
-def solve_back(nv: int, root: Any, first: Any, out: Any) -> None:
+def solve_back(nv: int, root: Floats, first: Floats, out: Floats) -> None:
     """Solve L^T x = out in place."""
     for i in range(nv - 1, -1, -1):
         out[i] *= root[i * nv + i]

@@ -30,8 +30,8 @@ and the axes a of A and b of B held at right angles, with e = b x a::
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.column_kernels import closure_columns
 from antenna_pin.constraints.driven_kernels import driven_rate, twist_row
@@ -39,6 +39,9 @@ from antenna_pin.constraints.layout_kernels import (
     BODY_WORDS,
     PLACE_WORDS,
     PLAN_WORDS,
+    Closure,
+    Coupled,
+    Driven,
     closure_at,
     coupled_at,
     driven_at,
@@ -51,6 +54,7 @@ from antenna_pin.elements import kernels as elements
 from antenna_pin.mechanism.tree_kernels import (
     BODY,
     PLACE,
+    Place,
     bias_accelerations,
     cross,
     place_bodies,
@@ -62,19 +66,19 @@ _ROUND_OFF = 4.0 * 2.220446049250313e-16
 
 
 @kernel
-def write_rows(t: float, y: Any, program: Any, plan: Any, work: Any) -> None:
+def write_rows(t: float, y: Floats, program: Floats, plan: Floats, work: Floats) -> None:
     """Write the rows of all constraints at time t [s] and state y, with their residuals, to a work array."""
     _write(t, y, program, plan, work, True)
 
 
 @kernel
-def write_residuals(t: float, y: Any, program: Any, plan: Any, work: Any) -> None:
+def write_residuals(t: float, y: Floats, program: Floats, plan: Floats, work: Floats) -> None:
     """Write residuals as :func:`write_rows` does, and leave J as it is; what accelerations lack is lost."""
     _write(t, y, program, plan, work, False)
 
 
 @inlined
-def _write(t: float, y: Any, program: Any, plan: Any, work: Any, whole: bool) -> None:
+def _write(t: float, y: Floats, program: Floats, plan: Floats, work: Floats, whole: bool) -> None:
     head = plan_of(plan)
     tree = plan[PLAN_WORDS : PLAN_WORDS + BODY_WORDS * head.bodies].view(BODY)
     places = work[: PLACE_WORDS * (head.bodies + 1)].view(PLACE)
@@ -105,7 +109,7 @@ def _larger(a: float, b: float) -> float:
 
 
 @inlined
-def _note(plan: Any, work: Any, row: int, turns: bool, gap: float, speed: float, lack: float) -> None:
+def _note(plan: Floats, work: Floats, row: int, turns: bool, gap: float, speed: float, lack: float) -> None:
     """Write a row's numbers, and remember the largest residuals."""
     head, found = plan_of(plan), found_in(plan, work)
     scale = head.length if turns else 1.0
@@ -121,7 +125,7 @@ def _note(plan: Any, work: Any, row: int, turns: bool, gap: float, speed: float,
 
 
 @inlined
-def _position(y: Any, x: int, q: int, turn: int) -> float:
+def _position(y: Floats, x: int, q: int, turn: int) -> float:
     """Position of a joint with one axis in a state [q, v, x], where x begins: its angle with whole turns."""
     if turn < 0:
         return float(y[q])
@@ -129,7 +133,7 @@ def _position(y: Any, x: int, q: int, turn: int) -> float:
 
 
 @kernel
-def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: Any) -> None:
+def _motion_row(t: float, y: Floats, program: Floats, plan: Floats, work: Floats, driven: Driven) -> None:
     head = plan_of(plan)
     wanted, rate, acceleration = elements.motion(driven.kind, program, driven.words, t)
     if driven.moves != 0:
@@ -145,7 +149,7 @@ def _motion_row(t: float, y: Any, program: Any, plan: Any, work: Any, driven: An
 
 
 @kernel
-def _hold_row(y: Any, program: Any, plan: Any, work: Any, own: Any) -> None:
+def _hold_row(y: Floats, program: Floats, plan: Floats, work: Floats, own: Driven) -> None:
     """Write the row of an element that may hold its joint where it is: of zeros where it does not.
 
     Rows of zeros are dropped when rows are factorized.
@@ -163,7 +167,7 @@ def _hold_row(y: Any, program: Any, plan: Any, work: Any, own: Any) -> None:
 
 
 @kernel
-def _coupling_row(y: Any, plan: Any, work: Any, coupled: Any) -> None:
+def _coupling_row(y: Floats, plan: Floats, work: Floats, coupled: Coupled) -> None:
     head = plan_of(plan)
     q, v, turn, x = coupled.q, coupled.v, coupled.turn, head.nq + head.nv
     follower = _position(y, x, q[0], turn[0])
@@ -188,7 +192,7 @@ def _coupling_row(y: Any, plan: Any, work: Any, coupled: Any) -> None:
 
 
 @inlined
-def _place_frame(plan: Any, work: Any, b: int, rotation: Any, origin: Any, own: Any) -> None:
+def _place_frame(plan: Floats, work: Floats, b: int, rotation: Floats, origin: Floats, own: Place) -> None:
     """Write where a closure's frame is and how it moves: of a body, or of the world."""
     if b < 0:
         for k in range(3):
@@ -219,7 +223,7 @@ def _place_frame(plan: Any, work: Any, b: int, rotation: Any, origin: Any, own: 
 
 
 @kernel
-def _closure_rows(plan: Any, work: Any, closure: Any) -> None:
+def _closure_rows(plan: Floats, work: Floats, closure: Closure) -> None:
     head = plan_of(plan)
     # The frames' slide, turn and the scratch body's fields serve as room for vectors.
     a, b = place_at(work, head.bodies + 1), place_at(work, head.bodies + 2)
@@ -268,7 +272,7 @@ def _closure_rows(plan: Any, work: Any, closure: Any) -> None:
 
 
 @inlined
-def _rotation_vector(a: Any, b: Any, attitude: int, angle: Any) -> None:
+def _rotation_vector(a: Place, b: Place, attitude: int, angle: Floats) -> None:
     """Write the rotation vector of B in A, in axes of A; unless the attitude counts, of the third axis."""
     p, q = a.rotation, b.rotation
     zx = p[0, 0] * q[0, 2] + p[1, 0] * q[1, 2] + p[2, 0] * q[2, 2]
@@ -296,7 +300,9 @@ def _rotation_vector(a: Any, b: Any, attitude: int, angle: Any) -> None:
 
 
 @inlined
-def _square_row(plan: Any, work: Any, row: int, a: Any, b: Any, spin: Any, bias_spin: Any) -> None:
+def _square_row(
+    plan: Floats, work: Floats, row: int, a: Place, b: Place, spin: Floats, bias_spin: Floats
+) -> None:
     """Write the row of two axes held at right angles; its direction e to the first frame's ``slide``."""
     gap = speed = lack = 0.0
     for n in range(3):

@@ -9,8 +9,7 @@ and corrections of least kinetic energy come from the same factors.
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.compiled.lanes import LANES, lane, put_lane, same_lane, sum_of_lane
 from antenna_pin.constraints.driven_kernels import driven_rate
@@ -29,7 +28,7 @@ OPEN = 1e-11
 
 
 @inlined
-def _forward(plan: Any, work: Any, wanted: int, sign: float, out: Any) -> None:
+def _forward(plan: Floats, work: Floats, wanted: int, sign: float, out: Floats) -> None:
     """Solve R^T y = sign * wanted for the rows that count; zero stands for the others, (width,)."""
     head, rank = plan_of(plan), found_in(plan, work).rank
     width = head.width
@@ -49,7 +48,7 @@ def _forward(plan: Any, work: Any, wanted: int, sign: float, out: Any) -> None:
 
 
 @inlined
-def _add_directions(plan: Any, work: Any, factors: Any, out: Any) -> None:
+def _add_directions(plan: Floats, work: Floats, factors: Floats, out: Floats) -> None:
     """Add Q times as many factors as rows count to out, (span,)."""
     head = plan_of(plan)
     for p in range(found_in(plan, work).rank):
@@ -57,7 +56,7 @@ def _add_directions(plan: Any, work: Any, factors: Any, out: Any) -> None:
 
 
 @inlined
-def _from_reduced(plan: Any, work: Any, reduced: Any, out: Any) -> None:
+def _from_reduced(plan: Floats, work: Floats, reduced: Floats, out: Floats) -> None:
     """Write L^-T of numbers into out[:nv]."""
     head = plan_of(plan)
     nv, root = head.nv, head.root
@@ -67,7 +66,7 @@ def _from_reduced(plan: Any, work: Any, reduced: Any, out: Any) -> None:
 
 
 @kernel
-def correction(plan: Any, work: Any, of_speed: bool, out: Any) -> None:
+def correction(plan: Floats, work: Floats, of_speed: bool, out: Floats) -> None:
     """Write the generalized step that takes the residuals of position (of velocity) away, least in energy."""
     head = plan_of(plan)
     span, width, second = head.span, head.width, head.scratch + max(head.span, head.width)
@@ -80,7 +79,9 @@ def correction(plan: Any, work: Any, of_speed: bool, out: Any) -> None:
 
 
 @kernel
-def solve_rows(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: Any, rates: Any) -> None:
+def solve_rows(
+    y: Floats, program: Floats, plan: Floats, work: Floats, effort: Floats, bias: Floats, rates: Floats
+) -> None:
     """Write accelerations, powers of motions and multipliers, once rows are written and factorized.
 
     Its arguments are those of :func:`antenna_pin.constraints.loaded_kernels.accelerate`; friction of joints
@@ -101,7 +102,7 @@ def solve_rows(y: Any, program: Any, plan: Any, work: Any, effort: Any, bias: An
 
 
 @kernel
-def solve_changes(plan: Any, work: Any, out: Any, force: Any) -> None:
+def solve_changes(plan: Floats, work: Floats, out: Floats, force: Floats) -> None:
     """Write how accelerations and multipliers change, where rows are factorized.
 
     A change of ``M a + h - J^T lambda = tau`` that is none of a or lambda, and one of ``J a - lack``, make
@@ -121,7 +122,7 @@ def solve_changes(plan: Any, work: Any, out: Any, force: Any) -> None:
 
 
 @inlined
-def _solve(plan: Any, work: Any, rates: Any, force: Any) -> None:
+def _solve(plan: Floats, work: Floats, rates: Floats, force: Floats) -> None:
     """Write accelerations and multipliers under forces that stand, (nv,), where numbers for scratch begin."""
     head = plan_of(plan)
     nv, rows, width, root = head.nv, head.rows, head.width, head.root

@@ -9,13 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import (
-    factor_kernels,
-    force_kernels,
-    loaded_kernels,
-    rows_kernels,
-    solve_kernels,
-)
+from antenna_pin.constraints import factor_kernels, force_kernels, loaded_kernels, rows_kernels, solve_kernels
 from antenna_pin.constraints import layout_kernels as _layout
 from antenna_pin.constraints.plan import Plan
 from antenna_pin.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS

@@ -25,74 +25,88 @@ goes back by s_a x, and it is b's frame that moves by w - s_a + s_b.
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Matrix3, Record, Records, Six, Triple, Vector3, Vector6, layout
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.constraints.layout_kernels import body_at, closure_at, coupled_at, place_at, plan_of
+from antenna_pin.constraints.layout_kernels import (
+    Closure,
+    Coupled,
+    body_at,
+    closure_at,
+    coupled_at,
+    place_at,
+    plan_of,
+)
 from antenna_pin.mechanism.number_kernels import write_frame_change
 from antenna_pin.mechanism.room_kernels import crossed
-from antenna_pin.mechanism.spatial_kernels import add_six, cross_motion, cross_wrench, set_six
-
-#: A closure in a state: the origin of its second frame from the point, that one's third axis, the axes of the
-#: first (columns); U and U', the wrench on the second body, and the moment along e alone. Then for one
-#: displacement: how far the frames move on their bodies; how far the second moves as the first sees it, and
-#: the changes of U, U', and of the wrench.
-TIE = layout(
-    ("point", np.float64, (3,)),
-    ("other", np.float64, (3,)),
-    ("axes", np.float64, (3, 3)),
-    ("velocity", np.float64, (6,)),
-    ("acceleration", np.float64, (6,)),
-    ("wrench", np.float64, (6,)),
-    ("couple", np.float64),
-    ("first_shift", np.float64, (6,)),
-    ("second_shift", np.float64, (6,)),
-    ("way", np.float64, (6,)),
-    ("velocity_change", np.float64, (6,)),
-    ("acceleration_change", np.float64, (6,)),
-    ("wrench_change", np.float64, (6,)),
+from antenna_pin.mechanism.spatial_kernels import (
+    Change,
+    Spatial,
+    add_six,
+    cross_motion,
+    cross_wrench,
+    set_six,
 )
+from antenna_pin.mechanism.tree_kernels import Place
+
+
+class Tie(Record):
+    """A closure in a state about a point, and for one displacement."""
+
+    point: Vector3  # origin of its second frame, from the point [m]
+    other: Vector3  # third axis of the second frame
+    axes: Matrix3  # of the first frame (columns)
+    velocity: Vector6  # U
+    acceleration: Vector6  # U'
+    wrench: Vector6  # on the second body
+    couple: float  # moment along e alone [N m]
+    first_shift: Vector6  # of the first frame on its body, by the displacement
+    second_shift: Vector6  # of the second frame on its body
+    way: Vector6  # of the second frame, as the first sees it
+    velocity_change: Vector6  # of U
+    acceleration_change: Vector6  # of U'
+    wrench_change: Vector6  # of the wrench
+
+
+TIE = layout(Tie)
 
 
 @inlined
-def _six(a: Any) -> tuple[float, float, float, float, float, float]:
+def _six(a: Floats) -> Six:
     return a[0], a[1], a[2], a[3], a[4], a[5]
 
 
 @inlined
-def _less(a: Any) -> tuple[float, float, float, float, float, float]:
+def _less(a: Spatial) -> Six:
     return -a[0], -a[1], -a[2], -a[3], -a[4], -a[5]
 
 
 @inlined
-def _at(motion: Any, p: Any) -> tuple[float, float, float]:
+def _at(motion: Spatial, p: Floats) -> Triple:
     """Return what a motion is at a point: its linear part there."""
     x, y, z = crossed(motion[3], motion[4], motion[5], p[0], p[1], p[2])
     return motion[0] + x, motion[1] + y, motion[2] + z
 
 
 @inlined
-def _inner(a: Any, b: Any) -> float:
+def _inner(a: Triple, b: Triple) -> float:
     return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
 @inlined
-def _column(axes: Any, k: int) -> tuple[float, float, float]:
+def _column(axes: Floats, k: int) -> Triple:
     return axes[0, k], axes[1, k], axes[2, k]
 
 
 @inlined
-def _own(closure: Any, second: bool, bodies: Any, ground: int) -> Any:
+def _own(closure: Closure, second: bool, bodies: Records[Change], ground: int) -> Change:
     """Return how the body moves that carries a side; the ground stands behind the bodies."""
     b = closure.second if second else closure.first
-    return bodies[b if b >= 0 else ground]
+    found: Change = bodies[b if b >= 0 else ground]
+    return found
 
 
 @inlined
-def _axis(work: Any, b: int, rotation: Any, k: int, n: int) -> float:
+def _axis(work: Floats, b: int, rotation: Floats, k: int, n: int) -> float:
     """Return component n, in the world, of axis k of a frame on a body, or on the world."""
     if b < 0:
         return float(rotation[n, k])
@@ -101,7 +115,9 @@ def _axis(work: Any, b: int, rotation: Any, k: int, n: int) -> float:
 
 
 @kernel
-def read_ties(plan: Any, work: Any, gravity: Any, bodies: Any, ties: Any) -> None:
+def read_ties(
+    plan: Floats, work: Floats, gravity: Floats, bodies: Records[Change], ties: Records[Tie]
+) -> None:
     """Write what closures are in a state that is solved, and take their wrenches from those of joints.
 
     Args:
@@ -128,7 +144,7 @@ def read_ties(plan: Any, work: Any, gravity: Any, bodies: Any, ties: Any) -> Non
 
 
 @inlined
-def _read(plan: Any, work: Any, closure: Any, bodies: Any, tie: Any) -> None:
+def _read(plan: Floats, work: Floats, closure: Closure, bodies: Records[Change], tie: Tie) -> None:
     """Write what a closure is in a state."""
     head, p, row = plan_of(plan), tie.point, closure.row
     for n in range(3):
@@ -168,7 +184,7 @@ def _read(plan: Any, work: Any, closure: Any, bodies: Any, tie: Any) -> None:
 
 
 @kernel
-def change_ties(plan: Any, bodies: Any, ties: Any, lack: Any) -> None:
+def change_ties(plan: Floats, bodies: Records[Change], ties: Records[Tie], lack: Floats) -> None:
     """Add how what accelerations lack in closures' rows changes; take changes of wrenches from bodies'.
 
     Args:
@@ -207,7 +223,7 @@ def change_ties(plan: Any, bodies: Any, ties: Any, lack: Any) -> None:
 
 
 @inlined
-def _change_motion(a: Any, b: Any, tie: Any) -> None:
+def _change_motion(a: Change, b: Change, tie: Tie) -> None:
     """Write how U and U' change."""
     u, du, shift, way = tie.velocity_change, tie.acceleration_change, tie.first_shift, tie.way
     set_six(u, _six(b.velocity_change))
@@ -225,7 +241,7 @@ def _change_motion(a: Any, b: Any, tie: Any) -> None:
 
 
 @inlined
-def _direction_changes(closure: Any, tie: Any) -> tuple[float, float, float, float, float, float]:
+def _direction_changes(closure: Closure, tie: Tie) -> Six:
     """Return how e changes, and how the moment of a closure's wrench about the point does."""
     w, s, p, b, f = tie.way, (tie.first_shift, tie.second_shift), tie.point, tie.other, tie.wrench
     moved = (
@@ -247,7 +263,7 @@ def _direction_changes(closure: Any, tie: Any) -> tuple[float, float, float, flo
 
 
 @inlined
-def _write_lacks(closure: Any, length: float, tie: Any, turned: Any, lack: Any) -> None:
+def _write_lacks(closure: Closure, length: float, tie: Tie, turned: Triple, lack: Floats) -> None:
     """Write minus the changes of a closure's rows; ``turned`` is that of e."""
     p, b, w, row = tie.point, tie.other, tie.way, closure.row
     U, dU, A, dA = tie.velocity, tie.velocity_change, tie.acceleration, tie.acceleration_change
@@ -283,7 +299,7 @@ def _write_lacks(closure: Any, length: float, tie: Any, turned: Any, lack: Any) 
 
 
 @kernel
-def shift_ties(plan: Any, places: Any, moved: Any, ties: Any) -> None:
+def shift_ties(plan: Floats, places: Records[Place], moved: Records[Closure], ties: Records[Tie]) -> None:
     """Write how far closures' frames move on their bodies with a number of the system.
 
     Args:
@@ -301,7 +317,7 @@ def shift_ties(plan: Any, places: Any, moved: Any, ties: Any) -> None:
 
 
 @kernel
-def let_ties_rest(ties: Any) -> None:
+def let_ties_rest(ties: Records[Tie]) -> None:
     """Let closures' frames rest on their bodies."""
     for c in range(ties.shape[0]):
         set_six(ties[c].first_shift, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
@@ -309,7 +325,9 @@ def let_ties_rest(ties: Any) -> None:
 
 
 @kernel
-def shift_couplings(plan: Any, moved: Any, force: Any, acceleration: Any, lack: Any, out: Any) -> None:
+def shift_couplings(
+    plan: Floats, moved: Records[Coupled], force: Floats, acceleration: Floats, lack: Floats, out: Floats
+) -> None:
     """Add how what accelerations lack in couplings' rows changes with a number, and how their forces do.
 
     By what a row is multiplied does not count: it is of no equation.

@@ -6,8 +6,8 @@ Their kinds and records stand with those of all (:mod:`antenna_pin.contact.frict
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Floats, Triple
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.friction_kernels import (
     DAHL,
@@ -31,7 +31,7 @@ def stribeck_level(mu_c: float, mu_s: float, v_s: float, speed: float) -> float:
 
 
 @kernel
-def steady_coefficient(law: Any, speed: float) -> float:
+def steady_coefficient(law: Floats, speed: float) -> float:
     """Friction coefficient of a bristle law in steady sliding [-]."""
     kind = record(law, FRICTION_LAW).kind
     if kind == DAHL:
@@ -52,9 +52,7 @@ def steady_coefficient(law: Any, speed: float) -> float:
 
 
 @kernel
-def _dahl(
-    mu: float, sigma_0: float, exponent: float, speed: float, v: Any, z: Any
-) -> tuple[float, float, float]:
+def _dahl(mu: float, sigma_0: float, exponent: float, speed: float, v: Triple, z: Triple) -> Triple:
     """Rate of the deflection of Dahl's law: ``|v| w |w|^(i - 1)``, ``w = v / |v| - sigma_0 z / mu``."""
     vx, vy, vz = v
     zx, zy, zz = z
@@ -69,9 +67,7 @@ def _dahl(
 
 
 @kernel
-def _gonthier(
-    mu_d: float, v_s: float, sigma_0: float, sigma_1: float, v_e: float, speed: float
-) -> tuple[float, float, float]:
+def _gonthier(mu_d: float, v_s: float, sigma_0: float, sigma_1: float, v_e: float, speed: float) -> Triple:
     """Stick s and the factors of v and -z in the rate of the deflection of Gonthier's law.
 
     The bristle sticks (rate v) as far as s says, and slides (bristle force mu_d) as far as 1 - s.
@@ -89,7 +85,7 @@ def _strength(mu_d: float, mu_s: float, dwell: float) -> float:
 
 
 @kernel
-def gonthier_kink(law: Any, k: int, rate: float, bend: float, dwell: float) -> float:
+def gonthier_kink(law: Floats, k: int, rate: float, bend: float, dwell: float) -> float:
     """Function k of a joint's friction by Gonthier's law that is zero where it has a kink.
 
     0: how much it sticks beyond its dwell, which grows slowly and fades fast; 1: what its bristles would give
@@ -115,7 +111,7 @@ def gonthier_kink(law: Any, k: int, rate: float, bend: float, dwell: float) -> f
 
 @kernel
 def bristle(
-    law: Any, force: float, slip: Any, whole: Any, along: Any, dwell: float
+    law: Floats, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """Friction [N] of a law with bristles, then the rates of their deflection, and of its dwell.
 
@@ -172,8 +168,8 @@ def bristle(
 
 @kernel
 def bristle_force(
-    law: Any, force: float, slip: Any, normal: Any, state: Any, rates: Any
-) -> tuple[float, float, float]:
+    law: Floats, force: float, slip: Triple, normal: Triple, state: Floats, rates: Floats
+) -> Triple:
     """Friction on the journal [N] of a law with bristles; writes the rates of its state.
 
     Args:

@@ -3,18 +3,46 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
+from antenna_pin.base.records import Record
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.contact.power_kernels import power
 from antenna_pin.contact.records import elastic_record
 
-FOUNDATION_LAW = elastic_record("factor", "clearance")  # (pi/2) E* L / sqrt 2, dR
-BAI_ZHAO_LAW = elastic_record("factor", "clearance", "exponent")  # (pi/8) E* L sqrt 2, dR, n
-# 2 pi E* L dR, dR, largest tan^2(eps/2), that of an infinite load
-PERSSON_LAW = elastic_record("factor", "clearance", "largest", "root")
+
+class FoundationLaw(Record):
+    """An elastic foundation."""
+
+    factor: float  # (pi/2) E* L / sqrt 2 [N/m]
+    clearance: float  # dR, difference of the radii [m]
+
+
+FOUNDATION_LAW = elastic_record(FoundationLaw)
+
+
+class BaiZhaoLaw(Record):
+    """The hybrid law of Bai and Zhao."""
+
+    factor: float  # (pi/8) E* L sqrt 2 [N/m]
+    clearance: float  # dR, difference of the radii [m]
+    exponent: float  # n [-]
+
+
+BAI_ZHAO_LAW = elastic_record(BaiZhaoLaw)
+
+
+class PerssonLaw(Record):
+    """Persson's conformal contact."""
+
+    factor: float  # 2 pi E* L dR [N]
+    clearance: float  # dR, difference of the radii [m]
+    largest: float  # tan^2(eps/2) [-]
+    root: float  # that of an infinite load [-]
+
+
+PERSSON_LAW = elastic_record(PerssonLaw)
 
 # Gauss-Legendre on [-1, 1].
 LOAD_NODES, LOAD_WEIGHTS = np.polynomial.legendre.leggauss(24)
@@ -39,7 +67,7 @@ def foundation_energy(factor: float, clearance: float, depth: float) -> float:
 
 
 @kernel
-def bai_zhao_force(law: Any, depth: float) -> float:
+def bai_zhao_force(law: BaiZhaoLaw, depth: float) -> float:
     """Elastic force [N] of a record of ``BAI_ZHAO_LAW``."""
     if depth <= 0.0:
         return 0.0
@@ -54,7 +82,7 @@ def bai_zhao_force(law: Any, depth: float) -> float:
 
 
 @kernel
-def bai_zhao_energy(law: Any, depth: float) -> float:
+def bai_zhao_energy(law: BaiZhaoLaw, depth: float) -> float:
     """Energy stored [J] by a record of ``BAI_ZHAO_LAW`` with an exponent of 1.
 
     K_n L is the slope of Liu's force F, whose factor is twice K_n's: F d - integral of F.
@@ -64,7 +92,7 @@ def bai_zhao_energy(law: Any, depth: float) -> float:
 
 
 @kernel
-def persson_force(law: Any, depth: float) -> float:
+def persson_force(law: PerssonLaw, depth: float) -> float:
     """Elastic force [N] of a record of ``PERSSON_LAW``, continued analytically below zero depth."""
     x = max(depth, -0.5 * law.clearance)
     square = min(x / (2.0 * law.clearance + x), law.largest)  # tan^2(eps/2)
@@ -72,7 +100,7 @@ def persson_force(law: Any, depth: float) -> float:
 
 
 @kernel
-def persson_energy(law: Any, depth: float) -> float:
+def persson_energy(law: PerssonLaw, depth: float) -> float:
     """Energy stored [J] by a record of ``PERSSON_LAW``, over s = tan^2(eps/2): depth = 2 dR s / (1 - s).
 
     The force has a pole at ``root``, just beyond the range: it is taken out, r / (s - root), and integrated

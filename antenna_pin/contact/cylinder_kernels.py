@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Record
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.contact.records import elastic_record
 
-# F_0, d_0: d = d_0 s ln(1/s), F = F_0 s
-LOGARITHMIC_LAW = elastic_record("force_scale", "depth_scale")
+
+class LogarithmicLaw(Record):
+    """A line contact: d = d_0 s ln(1/s), F = F_0 s."""
+
+    force_scale: float  # F_0 [N]
+    depth_scale: float  # d_0 [m]
+
+
+LOGARITHMIC_LAW = elastic_record(LogarithmicLaw)
 
 
 @kernel
@@ -36,7 +43,7 @@ def log_ratio(ratio: float) -> float:
 
 
 @kernel
-def logarithmic_force(law: Any, depth: float) -> float:
+def logarithmic_force(law: LogarithmicLaw, depth: float) -> float:
     """Elastic force [N] of a record of ``LOGARITHMIC_LAW``; odd in the depth.
 
     d = d_0 w exp(-w), F = F_0 exp(-w), on the branch below the turn-over at w = 1. Odd, as the law is nearly
@@ -50,7 +57,7 @@ def logarithmic_force(law: Any, depth: float) -> float:
 
 
 @kernel
-def logarithmic_energy(law: Any, depth: float) -> float:
+def logarithmic_energy(law: LogarithmicLaw, depth: float) -> float:
     """Energy stored [J] by a record of ``LOGARITHMIC_LAW``.
 
     F d - integral of d dF, with d = d_0 s ln(1/s): F_0 d_0 s^2 (w/2 - 1/4), w = ln(1/s).

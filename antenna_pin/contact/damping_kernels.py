@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.base.records import Floats, Record
+from antenna_pin.compiled.decorators import Layout, inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED_WHOLE, CALLED_WHOLE_LAW, called_whole
 from antenna_pin.contact.records import NORMAL_LAW, dissipation_record
 
@@ -19,14 +20,55 @@ SECANT_LOADING = 6.0
 STEP = 7.0
 HYSTERETIC_LOADING = 8.0  # in the approach only
 
-HYSTERETIC_LAW = dissipation_record("hysteresis")  # chi
-PROPORTIONAL_LAW = dissipation_record("hysteresis_over_speed")  # chi over the approach speed
-DAMPER_LAW = dissipation_record("damping")  # D, or c of c sqrt(depth)
-SECANT_LAW = dissipation_record("damping", "mass")  # alpha or 2 xi, m; a mass of 0 stands for the contact's
-STEP_LAW = dissipation_record("damping", "full_damping_depth")  # D, d
 
-DISSIPATION_RECORDS = {
-    CONSERVATIVE: dissipation_record(),
+class HystereticLaw(Record):
+    """Damping by a hysteresis factor."""
+
+    hysteresis: float  # chi
+
+
+HYSTERETIC_LAW = dissipation_record(HystereticLaw)
+
+
+class ProportionalLaw(Record):
+    """Damping by a hysteresis factor that goes with the approach speed."""
+
+    hysteresis_over_speed: float  # chi over the approach speed
+
+
+PROPORTIONAL_LAW = dissipation_record(ProportionalLaw)
+
+
+class DamperLaw(Record):
+    """A damper, constant or by the root of the depth."""
+
+    damping: float  # D [N s/m], or c of c sqrt(depth)
+
+
+DAMPER_LAW = dissipation_record(DamperLaw)
+
+
+class SecantLaw(Record):
+    """Damping by the secant stiffness."""
+
+    damping: float  # alpha or 2 xi [-]
+    mass: float  # m [kg]; 0: the contact's
+
+
+SECANT_LAW = dissipation_record(SecantLaw)
+
+
+class StepLaw(Record):
+    """A damper that sets in over a depth."""
+
+    damping: float  # D [N s/m]
+    full_damping_depth: float  # d [m]
+
+
+STEP_LAW = dissipation_record(StepLaw)
+
+DISSIPATION_RECORDS: dict[float, Layout[Any]] = {
+    CONSERVATIVE: dissipation_record(Record),
     HYSTERETIC: HYSTERETIC_LAW,
     PROPORTIONAL: PROPORTIONAL_LAW,
     VISCOUS: DAMPER_LAW,
@@ -40,7 +82,9 @@ DISSIPATION_RECORDS = {
 
 
 @kernel
-def _additive_force(law: Any, kind: float, elastic: float, depth: float, rate: float, mass: float) -> float:
+def _additive_force(
+    law: Floats, kind: float, elastic: float, depth: float, rate: float, mass: float
+) -> float:
     """Elastic force and a damping that is no multiple of it [N], cut off at zero."""
     damping = 0.0
     if kind == VISCOUS:
@@ -62,7 +106,7 @@ def _additive_force(law: Any, kind: float, elastic: float, depth: float, rate: f
 
 @inlined
 def damped_force(
-    law: Any, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+    law: Floats, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
 ) -> float:
     """Normal force on the journal [N], from its elastic part; never adhesive at positive depth.
 
@@ -88,7 +132,7 @@ def damped_force(
 
 
 @kernel
-def takes_mass_of_contact(law: Any) -> bool:
+def takes_mass_of_contact(law: Floats) -> bool:
     """Whether the force depends on a mass that the law does not have itself."""
     kind = record(law, NORMAL_LAW).dissipation
     return bool((kind == SECANT or kind == SECANT_LOADING) and record(law, SECANT_LAW).mass == 0.0)

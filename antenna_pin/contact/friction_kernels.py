@@ -12,7 +12,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.base.records import Floats, Record, Triple
+from antenna_pin.compiled.decorators import Layout, inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED_FRICTION, CALLED_FRICTION_LAW, called_ratio
 from antenna_pin.contact.records import FRICTION_LAW, FRICTION_SIZE, friction_record
 
@@ -41,25 +42,145 @@ DAHL = 100.0
 LUGRE = 101.0
 GONTHIER = 102.0
 
-_BRISTLES = ("dynamic", "static", "stribeck_speed", "bristle_stiffness", "bristle_damping", "viscous")
 
-VELOCITY_BASED_LAW = friction_record("static", "dynamic", "static_speed", "dynamic_speed")
-AMBROSIO_LAW = friction_record("coefficient_of_friction", "lower_speed", "upper_speed")
-TANH_LAW = friction_record("coefficient_of_friction", "transition_speed")
-COULOMB_LAW = friction_record("coefficient_of_friction", "regularisation_speed")
-STRIBECK_LAW = friction_record(
-    "dynamic", "static", "stribeck_speed", "exponent", "viscous", "transition_speed"
-)
-THRELFALL_LAW = friction_record("coefficient_of_friction", "transition_speed")
-BENGISU_AKAY_LAW = friction_record("dynamic", "static", "static_speed", "decay")
-LINEAR_LAW = friction_record("coefficient_of_friction", "regularisation_speed")
-BROWN_MCPHEE_LAW = friction_record("static", "dynamic", "transition_speed", "viscous", "transition_force")
-DAHL_LAW = friction_record("coefficient_of_friction", "bristle_stiffness", "exponent")
-LUGRE_LAW = friction_record(*_BRISTLES)
-GONTHIER_LAW = friction_record(*_BRISTLES, "dwell_time", "rounding_speed")  # begins as LUGRE_LAW does
+class VelocityBasedLaw(Record):
+    """Two coefficients, and the slip speeds at which they hold."""
 
-FRICTION_RECORDS = {
-    FRICTIONLESS: friction_record(),
+    static: float  # coefficient [-]
+    dynamic: float  # coefficient [-]
+    static_speed: float  # of the static one [m/s]
+    dynamic_speed: float  # from which on it is the dynamic one [m/s]
+
+
+VELOCITY_BASED_LAW = friction_record(VelocityBasedLaw)
+
+
+class AmbrosioLaw(Record):
+    """A coefficient that grows between two slip speeds."""
+
+    coefficient_of_friction: float  # [-]
+    lower_speed: float  # [m/s]
+    upper_speed: float  # [m/s]
+
+
+AMBROSIO_LAW = friction_record(AmbrosioLaw)
+
+
+class TanhLaw(Record):
+    """Coulomb's law smoothed by tanh."""
+
+    coefficient_of_friction: float  # [-]
+    transition_speed: float  # [m/s]
+
+
+TANH_LAW = friction_record(TanhLaw)
+
+
+class CoulombLaw(Record):
+    """Coulomb's law, regularised."""
+
+    coefficient_of_friction: float  # [-]
+    regularisation_speed: float  # [m/s]
+
+
+COULOMB_LAW = friction_record(CoulombLaw)
+
+
+class StribeckLaw(Record):
+    """Stribeck's curve."""
+
+    dynamic: float  # coefficient [-]
+    static: float  # coefficient [-]
+    stribeck_speed: float  # [m/s]
+    exponent: float  # [-]
+    viscous: float  # coefficient over slip speed [s/m]
+    transition_speed: float  # [m/s]
+
+
+STRIBECK_LAW = friction_record(StribeckLaw)
+
+
+class ThrelfallLaw(Record):
+    """Threlfall's law."""
+
+    coefficient_of_friction: float  # [-]
+    transition_speed: float  # [m/s]
+
+
+THRELFALL_LAW = friction_record(ThrelfallLaw)
+
+
+class BengisuAkayLaw(Record):
+    """The law of Bengisu and Akay."""
+
+    dynamic: float  # coefficient [-]
+    static: float  # coefficient [-]
+    static_speed: float  # of the static one [m/s]
+    decay: float  # from static to dynamic [s/m]
+
+
+BENGISU_AKAY_LAW = friction_record(BengisuAkayLaw)
+
+
+class LinearLaw(Record):
+    """A coefficient that grows linearly up to a slip speed."""
+
+    coefficient_of_friction: float  # [-]
+    regularisation_speed: float  # [m/s]
+
+
+LINEAR_LAW = friction_record(LinearLaw)
+
+
+class BrownMcPheeLaw(Record):
+    """The law of Brown and McPhee."""
+
+    static: float  # coefficient [-]
+    dynamic: float  # coefficient [-]
+    transition_speed: float  # [m/s]
+    viscous: float  # force over slip speed [N s/m]
+    transition_force: float  # normal force of full viscous friction [N]
+
+
+BROWN_MCPHEE_LAW = friction_record(BrownMcPheeLaw)
+
+
+class DahlLaw(Record):
+    """Dahl's bristles."""
+
+    coefficient_of_friction: float  # [-]
+    bristle_stiffness: float  # over the normal force [1/m]
+    exponent: float  # [-]
+
+
+DAHL_LAW = friction_record(DahlLaw)
+
+
+class LuGreLaw(Record):
+    """The bristles of LuGre."""
+
+    dynamic: float  # coefficient [-]
+    static: float  # coefficient [-]
+    stribeck_speed: float  # [m/s]
+    bristle_stiffness: float  # over the normal force [1/m]
+    bristle_damping: float  # over the normal force [s/m]
+    viscous: float  # coefficient over slip speed [s/m]
+
+
+LUGRE_LAW = friction_record(LuGreLaw)
+
+
+class GonthierLaw(LuGreLaw):
+    """Gonthier's bristles; begins as :class:`LuGreLaw`."""
+
+    dwell_time: float  # [s]
+    rounding_speed: float  # [m/s]
+
+
+GONTHIER_LAW = friction_record(GonthierLaw)
+
+FRICTION_RECORDS: dict[float, Layout[Any]] = {
+    FRICTIONLESS: friction_record(Record),
     VELOCITY_BASED: VELOCITY_BASED_LAW,
     AMBROSIO: AMBROSIO_LAW,
     TANH: TANH_LAW,
@@ -83,7 +204,7 @@ def tanh_ratio(y: float) -> float:
 
 
 @kernel
-def _threlfall_ratio(law: Any, speed: float) -> float:
+def _threlfall_ratio(law: ThrelfallLaw, speed: float) -> float:
     mu, v_0 = law.coefficient_of_friction, law.transition_speed
     if speed == 0.0:
         return float(3.0 * mu / v_0)
@@ -91,7 +212,7 @@ def _threlfall_ratio(law: Any, speed: float) -> float:
 
 
 @kernel
-def _bengisu_akay_ratio(law: Any, speed: float) -> float:
+def _bengisu_akay_ratio(law: BengisuAkayLaw, speed: float) -> float:
     mu_c, mu_s, v_0 = law.dynamic, law.static, law.static_speed
     if speed < v_0:
         return float(mu_s * (2.0 * v_0 - speed) / (v_0 * v_0))
@@ -99,7 +220,7 @@ def _bengisu_akay_ratio(law: Any, speed: float) -> float:
 
 
 @kernel
-def _stribeck_ratio(law: Any, speed: float) -> float:
+def _stribeck_ratio(law: StribeckLaw, speed: float) -> float:
     level = law.dynamic + (law.static - law.dynamic) * math.exp(
         -((speed / law.stribeck_speed) ** law.exponent)
     )
@@ -107,7 +228,7 @@ def _stribeck_ratio(law: Any, speed: float) -> float:
 
 
 @kernel
-def _brown_mcphee_ratio(law: Any, speed: float, force: float) -> float:
+def _brown_mcphee_ratio(law: BrownMcPheeLaw, speed: float, force: float) -> float:
     y = speed / law.transition_speed
     valley = 0.25 * y * y + 0.75
     dry = 4.0 * law.dynamic * tanh_ratio(4.0 * y) + (law.static - law.dynamic) / (valley * valley)
@@ -118,7 +239,7 @@ def _brown_mcphee_ratio(law: Any, speed: float, force: float) -> float:
 
 
 @kernel
-def _other_friction_ratio(law: Any, kind: float, speed: float, force: float) -> float:
+def _other_friction_ratio(law: Floats, kind: float, speed: float, force: float) -> float:
     """Friction coefficient over slip speed [s/m] of the rarer laws."""
     if kind == COULOMB:
         rounded = record(law, COULOMB_LAW)
@@ -141,7 +262,7 @@ def _other_friction_ratio(law: Any, kind: float, speed: float, force: float) -> 
 
 
 @inlined
-def friction_ratio(law: Any, speed: float, force: float) -> float:
+def friction_ratio(law: Floats, speed: float, force: float) -> float:
     """Friction coefficient over slip speed, ``mu(|v|) / |v|`` [s/m]; finite at rest for regular laws.
 
     Only a law whose friction is not proportional to the normal force [N] looks at it.
@@ -179,9 +300,7 @@ def friction_ratio(law: Any, speed: float, force: float) -> float:
 
 
 @inlined
-def friction_force(
-    law: Any, force: float, slip_x: float, slip_y: float, slip_z: float
-) -> tuple[float, float, float]:
+def friction_force(law: Floats, force: float, slip_x: float, slip_y: float, slip_z: float) -> Triple:
     """Friction on the journal [N] of a law of the slip speed, for a normal force [N] and a slip [m/s]."""
     speed = math.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
     factor = -force * friction_ratio(law, speed, force)

@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import Layout, inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED, CALLED_LAW, called_energy, called_force
 from antenna_pin.contact.conformal_kernels import (
     BAI_ZHAO_LAW,
@@ -28,11 +29,7 @@ from antenna_pin.contact.conformal_kernels import (
     persson_energy,
     persson_force,
 )
-from antenna_pin.contact.cylinder_kernels import (
-    LOGARITHMIC_LAW,
-    logarithmic_energy,
-    logarithmic_force,
-)
+from antenna_pin.contact.cylinder_kernels import LOGARITHMIC_LAW, logarithmic_energy, logarithmic_force
 from antenna_pin.contact.damping_kernels import DISSIPATION_RECORDS, damped_force, takes_mass_of_contact
 from antenna_pin.contact.pin_joint_kernels import PIN_JOINT_LAW, pin_joint_force
 from antenna_pin.contact.power_kernels import POWER_LAW, power
@@ -58,7 +55,7 @@ __all__ = [
     "takes_mass_of_contact",
 ]
 
-ELASTIC_RECORDS = {
+ELASTIC_RECORDS: dict[float, Layout[Any]] = {
     POWER: POWER_LAW,
     LOGARITHMIC: LOGARITHMIC_LAW,
     FOUNDATION: FOUNDATION_LAW,
@@ -73,7 +70,7 @@ DEPTH_NODES, DEPTH_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @kernel
-def _other_force(law: Any, kind: float, depth: float) -> float:
+def _other_force(law: Floats, kind: float, depth: float) -> float:
     """Elastic force [N] of the rarer kinds."""
     if kind == LOGARITHMIC:
         return logarithmic_force(record(law, LOGARITHMIC_LAW), depth)
@@ -89,7 +86,7 @@ def _other_force(law: Any, kind: float, depth: float) -> float:
 
 
 @inlined
-def elastic_force(law: Any, depth: float) -> float:
+def elastic_force(law: Floats, depth: float) -> float:
     """Elastic part of the normal force [N] at ``depth`` [m]."""
     kind = record(law, NORMAL_LAW).elastic
     if kind == POWER:
@@ -102,7 +99,7 @@ def elastic_force(law: Any, depth: float) -> float:
 
 
 @kernel
-def _quadrature(law: Any, kind: float, depth: float) -> float:
+def _quadrature(law: Floats, kind: float, depth: float) -> float:
     """Integral of the elastic force from 0 to ``depth`` [J], where it has no closed form.
 
     Over u of ``depth exp(-u)``, in which these forces are smooth down to depth zero; what lies beyond u = 40
@@ -121,7 +118,7 @@ def _quadrature(law: Any, kind: float, depth: float) -> float:
 
 
 @kernel
-def _other_energy(law: Any, kind: float, depth: float) -> float:
+def _other_energy(law: Floats, kind: float, depth: float) -> float:
     """Energy stored [J] by the kinds that are no power of the depth."""
     if kind == FOUNDATION:
         bed = record(law, FOUNDATION_LAW)
@@ -138,7 +135,7 @@ def _other_energy(law: Any, kind: float, depth: float) -> float:
 
 
 @kernel
-def elastic_energy(law: Any, depth: float) -> float:
+def elastic_energy(law: Floats, depth: float) -> float:
     """Energy stored by the elastic part [J]: the integral of the force from 0 to ``depth``."""
     if depth <= 0.0:
         return 0.0
@@ -150,6 +147,6 @@ def elastic_energy(law: Any, depth: float) -> float:
 
 
 @kernel
-def normal_force(law: Any, depth: float, rate: float, approach_speed: float, mass: float) -> float:
+def normal_force(law: Floats, depth: float, rate: float, approach_speed: float, mass: float) -> float:
     """Normal force on the journal [N]; never adhesive at positive depth, continued below zero depth."""
     return damped_force(law, elastic_force(law, depth), depth, rate, approach_speed, mass)

@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Record
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.contact.records import elastic_record
 
-# (pi/2) E* L, R_j, R_i, dR, the share of the depth that shapes the contact
-PIN_JOINT_LAW = elastic_record("factor", "journal_radius", "bearing_radius", "clearance", "share")
+
+class PinJointLaw(Record):
+    """Liu's pin joint."""
+
+    factor: float  # (pi/2) E* L [N/m]
+    journal_radius: float  # R_j [m]
+    bearing_radius: float  # R_i [m]
+    clearance: float  # dR [m]
+    share: float  # of the depth that shapes the contact [-]
+
+
+PIN_JOINT_LAW = elastic_record(PinJointLaw)
 
 
 @kernel
-def pin_joint_force(law: Any, depth: float) -> float:
+def pin_joint_force(law: PinJointLaw, depth: float) -> float:
     """Elastic force [N] of a record of ``PIN_JOINT_LAW``; odd in the depth.
 
     Liu et al. 2013 (24) and (28); a^2 is written so that nothing cancels at small depth.

@@ -4,10 +4,19 @@ from __future__ import annotations
 
 import math
 
+from antenna_pin.base.records import Record
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.contact.records import elastic_record
 
-POWER_LAW = elastic_record("stiffness", "exponent")  # K, n
+
+class PowerLaw(Record):
+    """A power of the depth."""
+
+    stiffness: float  # K [N/m^n]
+    exponent: float  # n [-]
+
+
+POWER_LAW = elastic_record(PowerLaw)
 
 
 @inlined

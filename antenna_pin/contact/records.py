@@ -12,60 +12,75 @@ The classes write it by the same names, with :func:`coded`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.records import Record, check_names
-from antenna_pin.compiled.decorators import record
+from antenna_pin.base.records import Record, fields_of
+from antenna_pin.compiled.record import Layout, record
+
+_Record = TypeVar("_Record", bound=Record)
 
 _ELASTIC_ROOM = 8
 _DISSIPATION_ROOM = 6
-_KINDS = ("elastic", "dissipation")
+_KINDS = 2  # of elastic part and dissipation, before the parameters of both
 
 # Kinds of elastic laws, as ``elastic`` of a normal law has them; functions of a user's have theirs in
 # :mod:`antenna_pin.contact.called_kernels`.
 POWER, LOGARITHMIC, FOUNDATION, BAI_ZHAO, PERSSON, PIN_JOINT = 1.0, 2.0, 3.0, 4.0, 5.0, 6.0
 
-NORMAL_SIZE = len(_KINDS) + _ELASTIC_ROOM + _DISSIPATION_ROOM
+NORMAL_SIZE = _KINDS + _ELASTIC_ROOM + _DISSIPATION_ROOM
 FRICTION_SIZE = 12
 
 
-def _record(size: int, first: int, room: int, names: tuple[str, ...]) -> np.dtype[Any]:
+def _record(size: int, first: int, room: int, kind: type[_Record]) -> Layout[_Record]:
     """Return a record of ``size`` floats with names for those from ``first`` on, ``room`` of them at most."""
+    names = tuple(fields_of(kind))
     if len(names) > room:
         raise ValueError(f"{', '.join(names)}: there is room for {room}")
-    check_names(names)
     layout = {
         "names": names,
         "formats": ["f8"] * len(names),
         "offsets": [8 * (first + i) for i in range(len(names))],
         "itemsize": 8 * size,
     }
-    return np.dtype((Record, layout))
+    return Layout((kind, layout))
 
 
-def elastic_record(*names: str) -> np.dtype[Any]:
-    """Return the record of a normal law with names for what its elastic part has."""
-    return _record(NORMAL_SIZE, len(_KINDS), _ELASTIC_ROOM, names)
+def elastic_record(kind: type[_Record]) -> Layout[_Record]:
+    """Return the record of a normal law with names for the parameters of its elastic part."""
+    return _record(NORMAL_SIZE, _KINDS, _ELASTIC_ROOM, kind)
 
 
-def dissipation_record(*names: str) -> np.dtype[Any]:
-    """Return the record of a normal law with names for what its dissipation has."""
-    return _record(NORMAL_SIZE, len(_KINDS) + _ELASTIC_ROOM, _DISSIPATION_ROOM, names)
+def dissipation_record(kind: type[_Record]) -> Layout[_Record]:
+    """Return the record of a normal law with names for the parameters of its dissipation."""
+    return _record(NORMAL_SIZE, _KINDS + _ELASTIC_ROOM, _DISSIPATION_ROOM, kind)
 
 
-def friction_record(*names: str) -> np.dtype[Any]:
-    """Return the record of a friction law with names for what it has."""
-    return _record(FRICTION_SIZE, 1, FRICTION_SIZE - 1, names)
+def friction_record(kind: type[_Record]) -> Layout[_Record]:
+    """Return the record of a friction law with names for its parameters."""
+    return _record(FRICTION_SIZE, 1, FRICTION_SIZE - 1, kind)
 
 
-NORMAL_LAW = _record(NORMAL_SIZE, 0, len(_KINDS), _KINDS)
-FRICTION_LAW = _record(FRICTION_SIZE, 0, 1, ("kind",))
+class NormalLaw(Record):
+    """The kinds of a normal law, before its parameters."""
+
+    elastic: float  # POWER, LOGARITHMIC, ...
+    dissipation: float  # CONSERVATIVE, HYSTERETIC, ... of ``damping_kernels``
 
 
-def coded(code: NDArray[np.float64], layout: np.dtype[Any], values: Mapping[str, float]) -> None:
+class FrictionLaw(Record):
+    """The kind of a friction law, before its parameters."""
+
+    kind: float  # FRICTIONLESS, VELOCITY_BASED, ... of ``friction_kernels``
+
+
+NORMAL_LAW = _record(NORMAL_SIZE, 0, _KINDS, NormalLaw)
+FRICTION_LAW = _record(FRICTION_SIZE, 0, 1, FrictionLaw)
+
+
+def coded(code: NDArray[np.float64], layout: Layout[Any], values: Mapping[str, float]) -> None:
     """Write the parameters of a law into its flat numbers.
 
     Args:

@@ -11,11 +11,17 @@ form: the axis of what is on the parent is n x w as the child turns by w, its ce
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.dynamics.kernels import ABOUT_JOURNAL, ABOUT_MOTION, act_at, element_at, own_motion
-from antenna_pin.joints.layout_kernels import joint_at
+from antenna_pin.dynamics.kernels import (
+    ABOUT_JOURNAL,
+    ABOUT_MOTION,
+    ElementHead,
+    act_at,
+    element_at,
+    own_motion,
+)
+from antenna_pin.joints.layout_kernels import Joint, joint_at
 from antenna_pin.joints.pose_kernels import axis_of_parent, journal_centre
 from antenna_pin.mechanism.twist_kernels import twist_slopes
 
@@ -27,7 +33,7 @@ ROWS, MOST = 10, 6
 
 
 @inlined
-def freedoms_of(p: Any, b: int) -> tuple[int, int]:
+def freedoms_of(p: Floats, b: int) -> tuple[int, int]:
     """Return the first of the freedoms that an element's head at b knows, in v, and how many they are."""
     e = element_at(p, b)
     if e.play < 0:
@@ -39,23 +45,25 @@ def freedoms_of(p: Any, b: int) -> tuple[int, int]:
 
 
 @inlined
-def _cross(a: Any, b: Any) -> tuple[float, float, float]:
+def _cross(a: Triple, b: Triple) -> Triple:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @inlined
-def _unit(k: int) -> tuple[float, float, float]:
+def _unit(k: int) -> Triple:
     return 1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0
 
 
 @inlined
-def _axis_goes(j: Any, e: Any) -> bool:
+def _axis_goes(j: Joint, e: ElementHead) -> bool:
     """Whether it acts along the axis of what is on the parent, which the child sees turn."""
     return bool((e.about == ABOUT_JOURNAL) == (j.on_child != 0))
 
 
 @inlined
-def _write_turned(j: Any, e: Any, y: Any, first: int, slope: Any, out: Any) -> None:
+def _write_turned(
+    j: Joint, e: ElementHead, y: Floats, first: int, slope: tuple[float, float], out: Floats
+) -> None:
     """Write the rows of a joint with play that turns, but for n; ``slope``: gx and gy of its angle."""
     a, i = j.axes, j.q + 3
     gx, gy = slope
@@ -78,7 +86,7 @@ def _write_turned(j: Any, e: Any, y: Any, first: int, slope: Any, out: Any) -> N
 
 
 @inlined
-def _write_slid(j: Any, e: Any, y: Any, first: int, out: Any) -> None:
+def _write_slid(j: Joint, e: ElementHead, y: Floats, first: int, out: Floats) -> None:
     """Write the rows of a joint with play that slides, but for n.
 
     Its way has the gradient (a, c x a), of what is on the parent's axis a and the child's centre c, or with
@@ -109,7 +117,7 @@ def _write_slid(j: Any, e: Any, y: Any, first: int, out: Any) -> None:
 
 
 @kernel
-def write_motion(p: Any, b: int, y: Any, nq: int, tau: Any, out: Any) -> tuple[float, float]:
+def write_motion(p: Floats, b: int, y: Floats, nq: int, tau: Floats, out: Floats) -> tuple[float, float]:
     """Write what a head of an element sees of its joint and along what it acts, and how that changes.
 
     Args:
@@ -148,7 +156,7 @@ def write_motion(p: Any, b: int, y: Any, nq: int, tau: Any, out: Any) -> tuple[f
 
 
 @inlined
-def change_along(rows: Any, first: int, count: int, way: Any, nv: int) -> tuple[float, float, float]:
+def change_along(rows: Floats, first: int, count: int, way: Floats, nv: int) -> Triple:
     """Return how an angle changes along a displacement, its rate, and the rate along which it acts."""
     angle, rate, speed = 0.0, 0.0, 0.0
     for k in range(count):
@@ -160,7 +168,7 @@ def change_along(rows: Any, first: int, count: int, way: Any, nv: int) -> tuple[
 
 
 @inlined
-def turn_push(rows: Any, first: int, count: int, way: Any, effort: float, out: Any) -> None:
+def turn_push(rows: Floats, first: int, count: int, way: Floats, effort: float, out: Floats) -> None:
     """Write how an effort along a joint changes along a displacement with the joint alone."""
     for k in range(count):
         out[first + k] = 0.0

@@ -3,30 +3,32 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-import numpy as np
-
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, Records, Triple, Vector3, layout
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.mechanism.tree_kernels import place_bodies
+from antenna_pin.mechanism.tree_kernels import Body, Place, place_bodies
 
-# What a state has: energies [J] (those stored in contacts and springs are others' to write), momenta, the
-# angular one about the mass centre, and their scales [kg m/s, kg m^2/s].
-AUDIT = layout(
-    ("kinetic", np.float64),
-    ("contacts", np.float64),
-    ("springs", np.float64),
-    ("gravity", np.float64),
-    ("linear", np.float64, (3,)),
-    ("angular", np.float64, (3,)),
-    ("linear_scale", np.float64),
-    ("angular_scale", np.float64),
-)
+
+class Audit(Record):
+    """Energies and momenta of a state; those of contacts and springs are written elsewhere."""
+
+    kinetic: float  # [J]
+    contacts: float  # stored there [J]
+    springs: float  # stored there [J]
+    gravity: float  # [J]
+    linear: Vector3  # momentum [kg m/s]
+    angular: Vector3  # momentum about the mass centre [kg m^2/s]
+    linear_scale: float  # [kg m/s]
+    angular_scale: float  # [kg m^2/s]
+
+
+AUDIT = layout(Audit)
 
 
 @kernel
-def audit_state(y: Any, nq: int, tree: Any, gravity: Any, places: Any, audits: Any) -> None:
+def audit_state(
+    y: Floats, nq: int, tree: Records[Body], gravity: Floats, places: Records[Place], audits: Records[Audit]
+) -> None:
     """Write the energies and momenta of a state but those of contacts and springs.
 
     Args:
@@ -78,7 +80,7 @@ def audit_state(y: Any, nq: int, tree: Any, gravity: Any, places: Any, audits: A
 
 
 @kernel
-def energy_of(tree: Any, places: Any, gravity: Any) -> float:
+def energy_of(tree: Records[Body], places: Records[Place], gravity: Floats) -> float:
     """Return kinetic energy and that of gravity, of a tree whose bodies are placed [J]."""
     total = 0.0
     for b in range(tree.shape[0]):
@@ -91,7 +93,7 @@ def energy_of(tree: Any, places: Any, gravity: Any) -> float:
 
 
 @kernel
-def mass_centre(tree: Any, places: Any, out: Any) -> None:
+def mass_centre(tree: Records[Body], places: Records[Place], out: Floats) -> None:
     """Write the mass centre of a tree whose bodies are placed, (3,) [m]."""
     mass = x = y = z = 0.0
     for b in range(tree.shape[0]):
@@ -106,7 +108,7 @@ def mass_centre(tree: Any, places: Any, out: Any) -> None:
 
 
 @inlined
-def _lever(body: Any, own: Any) -> tuple[float, float, float]:
+def _lever(body: Body, own: Place) -> Triple:
     """Mass centre of a body from its origin, in the world [m]."""
     r, c = own.rotation, body.centre
     return (
@@ -118,7 +120,7 @@ def _lever(body: Any, own: Any) -> tuple[float, float, float]:
 
 @inlined
 def _momenta(
-    body: Any, own: Any, sx: float, sy: float, sz: float
+    body: Body, own: Place, sx: float, sy: float, sz: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """Linear and angular momentum of a body about its own mass centre, in the world, and kinetic energy.
 

@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Any
+from numpy.typing import NDArray
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Ints, Pose, Record, Records, Vector3, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import journal_place, journal_state
 
-#: A bearing at a sample, bearing axes: place of the journal at the reference point [m], tilt of its axis
-#: (size: the sine), force on it [N] and moment about the reference point there [N m].
-BEARING_LOAD = layout(
-    ("place", "f8", (3,)), ("tilt", "f8", (3,)), ("force", "f8", (3,)), ("moment", "f8", (3,))
-)
+
+class BearingLoad(Record):
+    """A bearing at a sample, in bearing axes."""
+
+    place: Vector3  # of the journal at the reference point [m]
+    tilt: Vector3  # of the journal's axis; size: the sine
+    force: Vector3  # on the journal [N]
+    moment: Vector3  # on it about the reference point [N m]
+
+
+BEARING_LOAD = layout(BearingLoad)
 
 
 @kernel
-def look_at_bearings(program: Any, states: Any, blocks: Any, poses: Any, out: Any) -> None:
+def look_at_bearings(
+    program: Floats, states: Floats, blocks: Ints, poses: Records[Pose], out: NDArray[BearingLoad]
+) -> None:
     """Write what bearings carry in states, ``BEARING_LOAD``, (n, blocks).
 
     Args:

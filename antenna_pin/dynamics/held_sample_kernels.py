@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from antenna_pin.base.records import Floats, Records
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.constraints.factor_kernels import factorize
@@ -11,7 +12,9 @@ from antenna_pin.constraints.force_kernels import write_holding
 from antenna_pin.constraints.layout_kernels import PLACE_WORDS, applied_in, found_in, plan_of
 from antenna_pin.constraints.loaded_kernels import solve
 from antenna_pin.constraints.rows_kernels import write_rows
+from antenna_pin.dynamics.sample_kernels import Samples, Whole
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
+from antenna_pin.mechanism.room_kernels import BodyRoom
 from antenna_pin.mechanism.tree_kernels import PLACE
 
 
@@ -30,14 +33,14 @@ class Held(NamedTuple):
         applied: What elements on links do to bodies at the samples, (n, 6 bodies), or (n, 0).
     """
 
-    plan: Any
-    work: Any
-    mass: Any
-    bias: Any
-    room: Any
-    least: Any
-    multipliers: Any
-    applied: Any
+    plan: Floats
+    work: Floats
+    mass: Floats
+    bias: Floats
+    room: Records[BodyRoom]
+    least: Floats
+    multipliers: Floats
+    applied: Floats
 
 
 @by_address
@@ -51,14 +54,16 @@ class Holding(NamedTuple):
         residuals: Largest of positions [m], [rad] and of rates [m/s], [rad/s], (n, 4).
     """
 
-    rates: Any
-    closures: Any
-    joints: Any
-    residuals: Any
+    rates: Floats
+    closures: Floats
+    joints: Floats
+    residuals: Floats
 
 
 @kernel
-def observe_held(first: int, last: int, samples: Any, whole: Any, held: Any, forces: Any, out: Any) -> None:
+def observe_held(
+    first: int, last: int, samples: Samples, whole: Whole, held: Held, forces: Floats, out: Holding
+) -> None:
     """Solve the constraints at samples first to last.
 
     Args:

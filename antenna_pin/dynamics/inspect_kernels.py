@@ -7,14 +7,14 @@ largest force and depth of each touching contact, refined to the maxima of the d
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats, Ints, Records
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.dynamics.peak_kernels import NODES, track_peaks
+from antenna_pin.dynamics.peak_kernels import NODES, Peak, track_peaks
 from antenna_pin.dynamics.trial_kernels import (
     DEPTH_RATE,
     GAP,
     NORMAL_FORCE,
+    Trial,
     apart_contacts_of,
     contacts_at,
     contacts_of,
@@ -28,7 +28,7 @@ NODE_SIZE = 3
 
 
 @inlined
-def _may_cross(c: int, sign: float, level: float, nodes: Any) -> bool:
+def _may_cross(c: int, sign: float, level: float, nodes: Floats) -> bool:
     """Whether :func:`_crossing` has anything to look at: a gap past the level, or one that turns back."""
     for k in range(NODES):
         if sign * (nodes[GAP, k + 1, c] - level) > 0.0:
@@ -39,7 +39,7 @@ def _may_cross(c: int, sign: float, level: float, nodes: Any) -> bool:
 
 
 @kernel
-def _crossing(c: int, sign: float, level: float, h: float, nodes: Any, trial: Any) -> float:
+def _crossing(c: int, sign: float, level: float, h: float, nodes: Floats, trial: Trial) -> float:
     """First fraction at which the gap of contact c passes a level, or 2. sign = 1: upwards, -1: downwards.
 
     f = sign * (gap - level) is negative (or zero, at the start) before; f' has the sign of -sign * depth
@@ -82,7 +82,7 @@ def _crossing(c: int, sign: float, level: float, h: float, nodes: Any, trial: An
 
 
 @kernel
-def fill_nodes(nodes: Any, trial: Any, from_last: bool, at_end: bool) -> None:
+def fill_nodes(nodes: Floats, trial: Trial, from_last: bool, at_end: bool) -> None:
     """Write gap, depth rate and force of each contact at the points of the step.
 
     ``nodes`` is (NODE_SIZE, NODES + 1, contacts). Its ends are the states themselves, not those of the dense
@@ -114,7 +114,7 @@ def fill_nodes(nodes: Any, trial: Any, from_last: bool, at_end: bool) -> None:
 
 
 @inlined
-def _take_end(nodes: Any, trial: Any) -> None:
+def _take_end(nodes: Floats, trial: Trial) -> None:
     """Write the last point from what the derivative has found there; only contacts apart are located."""
     apart_contacts_of(trial.start + STATE - START, trial)
     for c in range(trial.memory.shape[0]):
@@ -130,11 +130,11 @@ def inspect_step(
     t: float,
     h: float,
     until: float,
-    nodes: Any,
-    ignore: Any,
-    limits: Any,
-    peaks: Any,
-    trial: Any,
+    nodes: Floats,
+    ignore: Ints,
+    limits: Floats,
+    peaks: Records[Peak],
+    trial: Trial,
     ends: tuple[bool, bool],
 ) -> tuple[int, float, bool]:
     """Return what happens first within the step: which contact, at what fraction, and whether it is too deep.

@@ -18,11 +18,29 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.base.records import BLOCK, CIRCLE, CONTACT, MEMORY, POSE, PROGRAM, layout, words_of
+from antenna_pin.base.records import (
+    BLOCK,
+    CIRCLE,
+    CONTACT,
+    MEMORY,
+    POSE,
+    PROGRAM,
+    Block,
+    Contact,
+    Floats,
+    Memory,
+    Pose,
+    Program,
+    Record,
+    Records,
+    Triple,
+    layout,
+    words_of,
+)
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.kernels import clearance_joint, joint_energy
-from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, joint_at
+from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, Joint, joint_at
 from antenna_pin.joints.pose_kernels import (
     along_bearing,
     axis_of_parent,
@@ -45,48 +63,49 @@ CONTACT_WORDS = words_of(CONTACT)
 ABOUTS = ("bearing", "journal", "motion", "pose")
 ABOUT_JOURNAL, ABOUT_MOTION, ABOUT_POSE = 1, 2, 3
 
-#: Head of an element: how its joint moves if it has no play (``FIXED_AXIS``, ... of ``records``), starts of
-#: the joint's slices of q and v and of its own in x, block of the joint with play or -1, what it acts about,
-#: place of the turned angle in x or -1, whether it depends on the joint's motion; how far behind it the head
-#: of the output stands (``partner``), or of another joint seen; whether it is on.
-ELEMENT = layout(
-    ("kind", "i8"),
-    ("length", "i8"),
-    ("joint", "i8"),
-    ("q", "i8"),
-    ("v", "i8"),
-    ("x", "i8"),
-    ("play", "i8"),
-    ("about", "i8"),
-    ("turn", "i8"),
-    ("senses", "i8"),
-    ("partner", "i8"),
-    ("sensed", "i8"),
-    ("on", "f8"),
-)
+
+class ElementHead(Record):
+    """The head of an element at a joint."""
+
+    kind: int  # of the element
+    length: int  # of its block, in 8-byte words
+    joint: int  # how the joint moves (FIXED_AXIS, ...), if it has no play
+    q: int  # start of the joint's slice of q
+    v: int  # start of the joint's slice of v
+    x: int  # start of the element's own slice of x
+    play: int  # block of the joint with play; -1: none
+    about: int  # axis that it acts about
+    turn: int  # place of the turned angle in x; -1: none
+    senses: int  # 1: it depends on the joint's motion
+    partner: int  # how far behind it the head of the output stands
+    sensed: int  # how far behind it the head of another joint stands
+    on: float  # 1: acts
+
+
+ELEMENT = layout(ElementHead)
 PARAMETERS = words_of(ELEMENT)
 
 
 @inlined
-def head_of(program: Any) -> Any:
+def head_of(program: Floats) -> Program:
     """Return a program's head."""
     return record(program[:HEADER], PROGRAM)
 
 
 @inlined
-def block_at(program: Any, b: int) -> Any:
+def block_at(program: Floats, b: int) -> Block:
     """Return what the block at program[b:] is and how long."""
     return record(program[b : b + BLOCK_WORDS], BLOCK)
 
 
 @inlined
-def element_at(program: Any, b: int) -> Any:
+def element_at(program: Floats, b: int) -> ElementHead:
     """Return the head of the element at program[b:]."""
     return record(program[b : b + PARAMETERS], ELEMENT)
 
 
 @kernel
-def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, float]:
+def joint_motion(p: Floats, b: int, y: Floats, nq: int) -> tuple[float, float, float, float]:
     """Angle (or way) and its rate that an element sees, and its slopes.
 
     Of an element at a joint gx and gy of :func:`motion_angle`; of one between two joints its deflection, the
@@ -102,7 +121,7 @@ def joint_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, 
 
 
 @kernel
-def own_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, float]:
+def own_motion(p: Floats, b: int, y: Floats, nq: int) -> tuple[float, float, float, float]:
     """Angle (or way) and its rate of the joint of a head, and gx, gy of :func:`motion_angle`."""
     e = element_at(p, b)
     k = nq + e.v
@@ -126,7 +145,7 @@ def own_motion(p: Any, b: int, y: Any, nq: int) -> tuple[float, float, float, fl
 
 
 @kernel
-def element_state(p: Any, b: int, t: float, y: Any, nq: int) -> tuple[float, float, float]:
+def element_state(p: Floats, b: int, t: float, y: Floats, nq: int) -> Triple:
     """Torque [N m] (force [N] at a prismatic joint) of the element block at b, and what it follows.
 
     The reference and its error are not-a-number where the element follows none.
@@ -139,7 +158,7 @@ def element_state(p: Any, b: int, t: float, y: Any, nq: int) -> tuple[float, flo
 
 
 @kernel
-def element_kink(p: Any, b: int, k: int, t: float, y: Any) -> float:
+def element_kink(p: Floats, b: int, k: int, t: float, y: Floats) -> float:
     """Function k of the element block at b that passes zero where it has kinks."""
     head, e = head_of(p), element_at(p, b)
     angle, rate, _, _ = joint_motion(p, b, y, head.nq)
@@ -148,7 +167,7 @@ def element_kink(p: Any, b: int, k: int, t: float, y: Any) -> float:
 
 
 @kernel
-def element_switch(p: Any, b: int, k: int, t: float, y: Any, load: float) -> tuple[float, float]:
+def element_switch(p: Floats, b: int, k: int, t: float, y: Floats, load: float) -> tuple[float, float]:
     """Function k of the element block at b, positive while its mode stays, and its rate (0: not known).
 
     ``load`` is the torque that its row carries [N m] (force [N]), 0 where it holds nothing.
@@ -162,14 +181,14 @@ def element_switch(p: Any, b: int, k: int, t: float, y: Any, load: float) -> tup
 
 
 @inlined
-def effort_at(p: Any, b: int, motion: Any, own: Any) -> float:
+def effort_at(p: Floats, b: int, motion: Triple, own: tuple[Floats, int]) -> float:
     """Effort of the element block at b, by time, angle (or way) and rate, and where its own states begin."""
     e = element_at(p, b)
     return float(e.on * elements.effort_of(e.kind, p, b + PARAMETERS, motion, own))
 
 
 @inlined
-def book_at(p: Any, b: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def book_at(p: Floats, b: int, motion: Triple, own: tuple[Floats, int], rates: Floats, x: int) -> None:
     """Write the rates of what the element block at b integrates, by angle (or way), rate and power."""
     e = element_at(p, b)
     angle, rate, power = motion
@@ -177,7 +196,7 @@ def book_at(p: Any, b: int, motion: Any, own: Any, rates: Any, x: int) -> None:
 
 
 @inlined
-def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) -> None:
+def _element(p: Floats, b: int, t: float, y: Floats, head: Program, tau: Floats, rates: Floats) -> None:
     """Add an element's generalized force.
 
     At a clearance joint it is a couple about the bearing's or the journal's axis, or what derives from the
@@ -199,7 +218,9 @@ def _element(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
 
 
 @inlined
-def act_at(p: Any, b: int, effort: float, slope: Any, y: Any, nq: int, tau: Any) -> float:
+def act_at(
+    p: Floats, b: int, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
+) -> float:
     """Add an effort at the joint of a head to tau; return the rate of that along which it acts."""
     e = element_at(p, b)
     if e.play < 0:
@@ -213,7 +234,7 @@ def act_at(p: Any, b: int, effort: float, slope: Any, y: Any, nq: int, tau: Any)
 
 
 @kernel
-def _between(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) -> None:
+def _between(p: Floats, b: int, t: float, y: Floats, head: Program, tau: Floats, rates: Floats) -> None:
     """Add the generalized force of an element between two joints; write the rates of loss and impulse."""
     e, nq = element_at(p, b), head.nq
     angle, rate, gx, gy = own_motion(p, b, y, nq)
@@ -225,7 +246,9 @@ def _between(p: Any, b: int, t: float, y: Any, head: Any, tau: Any, rates: Any) 
 
 
 @inlined
-def efforts_between(p: Any, b: int, t: float, seen: Any, rates: Any, x: int) -> tuple[float, float]:
+def efforts_between(
+    p: Floats, b: int, t: float, seen: tuple[float, float, float, float], rates: Floats, x: int
+) -> tuple[float, float]:
     """Efforts of an element at its two joints, by angle and rate of both; write its rates of x."""
     e, at = element_at(p, b), b + PARAMETERS
     angle, rate, other, other_rate = seen
@@ -238,7 +261,9 @@ def efforts_between(p: Any, b: int, t: float, seen: Any, rates: Any, x: int) -> 
 
 
 @kernel
-def _push(j: Any, e: Any, effort: float, slope: Any, y: Any, nq: int, tau: Any) -> float:
+def _push(
+    j: Joint, e: ElementHead, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
+) -> float:
     """Add an effort at a free joint with play to tau; return the rate of that along which it acts.
 
     ``slope`` is (gx, gy) of the motion angle.
@@ -268,7 +293,7 @@ def _push(j: Any, e: Any, effort: float, slope: Any, y: Any, nq: int, tau: Any) 
 
 
 @inlined
-def _bearing(p: Any, b: int, y: Any, head: Any, pose: Any, tau: Any, rates: Any) -> None:
+def _bearing(p: Floats, b: int, y: Floats, head: Program, pose: Pose, tau: Floats, rates: Floats) -> None:
     """Add the generalized force of an element that acts on a journal's whole pose."""
     e = element_at(p, b)
     rates[head.nv + e.x] = 0.0
@@ -282,7 +307,7 @@ def _bearing(p: Any, b: int, y: Any, head: Any, pose: Any, tau: Any, rates: Any)
 
 
 @inlined
-def element_forces(p: Any, b: int, t: float, y: Any, pose: Any, tau: Any, rates: Any) -> None:
+def element_forces(p: Floats, b: int, t: float, y: Floats, pose: Pose, tau: Floats, rates: Floats) -> None:
     """Add the generalized force of the element at a joint whose block stands at b; write its rates of x."""
     if element_at(p, b).about == ABOUT_POSE:
         _bearing(p, b, y, head_of(p), pose, tau, rates)
@@ -291,7 +316,7 @@ def element_forces(p: Any, b: int, t: float, y: Any, pose: Any, tau: Any, rates:
 
 
 @inlined
-def element_energy(p: Any, b: int, y: Any, nq: int) -> float:
+def element_energy(p: Floats, b: int, y: Floats, nq: int) -> float:
     """Energy stored in the element block at b, whether it is on or not [J]."""
     e = element_at(p, b)
     if e.about == ABOUT_POSE:
@@ -301,7 +326,7 @@ def element_energy(p: Any, b: int, y: Any, nq: int) -> float:
 
 
 @kernel
-def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
+def evaluate(t: float, y: Floats, program: Floats, work: Floats, rates: Floats) -> None:
     """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
 
     ``work`` is [generalized force (nv), POSE, MEMORY (contacts), CONTACT (rows)] in one array, because each
@@ -328,7 +353,9 @@ def evaluate(t: float, y: Any, program: Any, work: Any, rates: Any) -> None:
 
 
 @kernel
-def stored_energy(y: Any, program: Any, memory: Any, table: Any) -> tuple[float, float]:
+def stored_energy(
+    y: Floats, program: Floats, memory: Records[Memory], table: Records[Contact]
+) -> tuple[float, float]:
     """Energy stored in touching contacts (compiled laws; gaps from the table) and in joint springs [J]."""
     head = head_of(program)
     nq = head.nq

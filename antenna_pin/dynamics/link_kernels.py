@@ -8,9 +8,7 @@ Their blocks stand at the end of a program, from ``points`` of its head on, with
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, Records, Triple, Vector3, layout
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.audit_kernels import mass_centre
 from antenna_pin.dynamics.kernels import PARAMETERS, act_at, element_at, head_of, own_motion
@@ -27,16 +25,26 @@ from antenna_pin.elements.desk_kernels import (
     STATE_WORDS,
     WHOLE,
     WHOLE_WORDS,
+    Desk,
+    Link,
+    LinksBook,
     clear,
 )
-from antenna_pin.mechanism.tree_kernels import place_bodies
+from antenna_pin.mechanism.tree_kernels import Body, Place, place_bodies
 
-#: A place at which a force acts, at a sample: force [N], and torque about it [N m], world axes.
-APPLIED = layout(("force", "f8", (3,)), ("torque", "f8", (3,)))
+
+class Applied(Record):
+    """A force on a link at a sample, world axes."""
+
+    force: Vector3  # [N]
+    torque: Vector3  # about the place where the force acts [N m]
+
+
+APPLIED = layout(Applied)
 
 
 @inlined
-def desk_of(program: Any, b: int) -> tuple[Any, Any, Any, Any]:
+def desk_of(program: Floats, b: int) -> Desk:
     """Return the desk of the element at b: whole, links, joints, states."""
     first = b + element_at(program, b).partner
     whole = program[first : first + WHOLE_WORDS].view(WHOLE)
@@ -49,7 +57,7 @@ def desk_of(program: Any, b: int) -> tuple[Any, Any, Any, Any]:
 
 
 @kernel
-def see(t: float, y: Any, program: Any, b: int, places: Any) -> None:
+def see(t: float, y: Floats, program: Floats, b: int, places: Records[Place]) -> None:
     """Write what the element at b sees to its desk, with the bodies where ``places`` says."""
     head = head_of(program)
     whole, links, joints, states = desk_of(program, b)
@@ -65,7 +73,7 @@ def see(t: float, y: Any, program: Any, b: int, places: Any) -> None:
 
 
 @inlined
-def _see_link(link: Any, places: Any) -> None:
+def _see_link(link: Link, places: Records[Place]) -> None:
     p = link.point
     if link.body < 0:
         for k in range(3):
@@ -92,7 +100,7 @@ def _see_link(link: Any, places: Any) -> None:
 
 
 @kernel
-def do(program: Any, b: int) -> None:
+def do(program: Floats, b: int) -> None:
     """Write what the element at b does to its desk, by what it sees there."""
     e = element_at(program, b)
     desk = desk_of(program, b)
@@ -119,7 +127,15 @@ def do(program: Any, b: int) -> None:
 
 
 @kernel
-def _apply(y: Any, program: Any, b: int, tree: Any, places: Any, tau: Any, rates: Any) -> None:
+def _apply(
+    y: Floats,
+    program: Floats,
+    b: int,
+    tree: Records[Body],
+    places: Records[Place],
+    tau: Floats,
+    rates: Floats,
+) -> None:
     """Add what stands on the desk of the element at b to tau, and book it.
 
     The mass centre of all is where the scratch place of ``places`` says.
@@ -160,7 +176,7 @@ def _apply(y: Any, program: Any, b: int, tree: Any, places: Any, tau: Any, rates
 
 
 @inlined
-def _book(book: Any, force: Any, torque: Any, place: Any, centre: Any) -> None:
+def _book(book: LinksBook, force: Triple, torque: Triple, place: Triple, centre: Floats) -> None:
     """Add a force at a place, and a torque, to the rates of impulses."""
     fx, fy, fz = force
     mx, my, mz = torque
@@ -178,7 +194,15 @@ def _book(book: Any, force: Any, torque: Any, place: Any, centre: Any) -> None:
 
 
 @kernel
-def add_forces(t: float, y: Any, program: Any, tree: Any, places: Any, tau: Any, rates: Any) -> None:
+def add_forces(
+    t: float,
+    y: Floats,
+    program: Floats,
+    tree: Records[Body],
+    places: Records[Place],
+    tau: Floats,
+    rates: Floats,
+) -> None:
     """Add the generalized forces of all elements on links, and write the rates of what they integrate.
 
     Args:
@@ -206,7 +230,7 @@ def add_forces(t: float, y: Any, program: Any, tree: Any, places: Any, tau: Any,
 
 
 @kernel
-def write_wrenches(program: Any, places: Any, out: Any) -> None:
+def write_wrenches(program: Floats, places: Records[Place], out: Floats) -> None:
     """Write what all elements on links do to each body, as they did last: world axes, (6 bodies,).
 
     Of each body force [N], and moment about its origin [N m]; nothing if ``out`` is empty.
@@ -230,7 +254,7 @@ def write_wrenches(program: Any, places: Any, out: Any) -> None:
 
 
 @kernel
-def kept_on_links(y: Any, program: Any, b: int, places: Any) -> float:
+def kept_on_links(y: Floats, program: Floats, b: int, places: Records[Place]) -> float:
     """Energy stored in the element at b [J], with the bodies where ``places`` says; at its last time."""
     whole, _, _, _ = desk_of(program, b)
     if whole[0].passive == 0:
@@ -241,7 +265,7 @@ def kept_on_links(y: Any, program: Any, b: int, places: Any) -> float:
 
 
 @kernel
-def stored(y: Any, program: Any, places: Any) -> float:
+def stored(y: Floats, program: Floats, places: Records[Place]) -> float:
     """Energy stored in all elements on links [J], with the bodies where ``places`` says."""
     total = 0.0
     b = head_of(program).points
@@ -255,7 +279,9 @@ def stored(y: Any, program: Any, places: Any) -> float:
 
 
 @kernel
-def kink_on_links(t: float, y: Any, program: Any, b: int, tree: Any, places: Any) -> float:
+def kink_on_links(
+    t: float, y: Floats, program: Floats, b: int, tree: Records[Body], places: Records[Place]
+) -> float:
     """Function of the element at b that passes zero where its forces have a kink."""
     place_bodies(y, head_of(program).nq, tree, places)
     see(t, y, program, b, places)
@@ -265,7 +291,7 @@ def kink_on_links(t: float, y: Any, program: Any, b: int, tree: Any, places: Any
 
 
 @kernel
-def look_at_links(program: Any, applied: Any, kept: Any) -> None:
+def look_at_links(program: Floats, applied: Records[Applied], kept: Floats) -> None:
     """Write what stands on all desks: ``APPLIED`` of each place, (places,), energies stored, (elements,)."""
     k = n = 0
     b = head_of(program).points

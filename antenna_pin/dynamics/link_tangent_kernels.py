@@ -1,15 +1,15 @@
 """How generalized forces of elements on links, and the rates of what they integrate, change, compiled.
 
 Such an element sees all joints below its links: it is differentiated along each displacement as a whole, and
-over each number of the system. ``room`` is :class:`antenna_pin.engine.tangent_kernels.TangentRoom`.
+over each number of the system. ``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.link_kernels import add_forces
+from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
 from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
@@ -17,7 +17,7 @@ from antenna_pin.joints.slope_kernels import is_moved
 
 
 @inlined
-def _displace(y: Any, way: Any, h: float, room: Any) -> None:
+def _displace(y: Floats, way: Floats, h: float, room: TangentRoom) -> None:
     """Write the state displaced by h times a displacement to ``room.state``."""
     space, state = space_of(room.layout), room.state
     nq, nv = space.nq, space.nv
@@ -33,7 +33,9 @@ def _displace(y: Any, way: Any, h: float, room: Any) -> None:
 
 
 @kernel
-def add_link_changes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
+def add_link_changes(
+    t: float, y: Floats, ways: Floats, steps: Floats, room: TangentRoom, out: Floats
+) -> None:
     """Add how elements on links do, by differences along each displacement, and over numbers of the system.
 
     Args:
@@ -66,7 +68,7 @@ def add_link_changes(t: float, y: Any, ways: Any, steps: Any, room: Any, out: An
 
 
 @inlined
-def _moves(way: Any, count: int) -> bool:
+def _moves(way: Floats, count: int) -> bool:
     """Whether a displacement has anything of the state."""
     found = False
     for i in range(count):
@@ -75,7 +77,7 @@ def _moves(way: Any, count: int) -> bool:
 
 
 @kernel
-def _differentiate_links(t: float, y: Any, way: Any, m: int, step: float, room: Any) -> None:
+def _differentiate_links(t: float, y: Floats, way: Floats, m: int, step: float, room: TangentRoom) -> None:
     """Write the derivatives of what elements on links do to ``room.column``.
 
     They are along a displacement if m is below 0, else over number m of the system.
@@ -107,13 +109,13 @@ def _differentiate_links(t: float, y: Any, way: Any, m: int, step: float, room: 
 
 
 @inlined
-def _pulls(room: Any) -> int:
+def _pulls(room: TangentRoom) -> int:
     """Return how many numbers elements on links change: forces, and the rates of what they integrate."""
     return int(room.rates.shape[0] - room.links_x[0])
 
 
 @inlined
-def _pull(t: float, room: Any) -> None:
+def _pull(t: float, room: TangentRoom) -> None:
     """Write what elements on links do in ``room.state`` to ``room.looked``."""
     numbers, tau, rates, first = room.numbers, room.tau, room.rates, room.links_x[0]
     nv = tau.shape[0]
@@ -127,7 +129,7 @@ def _pull(t: float, room: Any) -> None:
 
 
 @inlined
-def _add_pull(share: float, d: int, room: Any, out: Any) -> None:
+def _add_pull(share: float, d: int, room: TangentRoom, out: Floats) -> None:
     """Add a share of ``room.column`` to the derivatives along displacement d."""
     nv, first = room.tau.shape[0], room.links_x[0]
     if share == 0.0:

@@ -7,9 +7,9 @@ from there on nothing is asked, and what has been computed counts for nothing. W
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.calls import call_back
 from antenna_pin.compiled.decorators import inlined
@@ -20,28 +20,26 @@ ANSWERED = 0
 REFUSED = 1
 RAISED = 2
 
-#: Addresses of what is asked: before elements are evaluated, ``elements`` (gaps, laws and drives in Python)
-#: at a time and state; for the constraints' sake only ``motions``; the ``acceleration`` under ``effort``;
-#: mass matrix and bias, ``terms``; gaps that a backend measures, ``gaps``, and then laws' ``forces`` on them,
-#: of one ``contact`` or of all (-1). Of the loop: a whole trial ``step`` of a size [s], and how much longer
-#: the trial is to be, the ``lack`` [s]. Then whether elements are asked only while a contact is ``touching``;
-#: that contact; whether the start of the step is ``new``; a ``failed`` question's status; an ``answer`` in
-#: one number.
-ASKED = layout(
-    ("elements", "i8"),
-    ("motions", "i8"),
-    ("acceleration", "i8"),
-    ("terms", "i8"),
-    ("gaps", "i8"),
-    ("forces", "i8"),
-    ("step", "i8"),
-    ("lack", "i8"),
-    ("touching", "i8"),
-    ("contact", "i8"),
-    ("new", "i8"),
-    ("failed", "i8"),
-    ("answer", "f8"),
-)
+
+class Asked(Record):
+    """Addresses of callbacks, 0 where the kernel's own code serves, and their arguments and answers."""
+
+    elements: int  # before elements are evaluated, at a time and state
+    motions: int  # the same, for constraints only
+    acceleration: int  # under ``effort``
+    terms: int  # mass matrix and bias
+    gaps: int  # measured by a backend
+    forces: int  # of laws on these gaps, of one ``contact`` or of all
+    step: int  # of the loop: a whole trial step of a size [s]
+    lack: int  # of the loop: by how much longer the trial is to be [s]
+    touching: int  # 1: elements are called only while a contact touches
+    contact: int  # whose forces; -1: all
+    new: int  # 1: the start of the step is new
+    failed: int  # status of a callback that failed
+    answer: float  # in one number
+
+
+ASKED = layout(Asked)
 
 
 @by_address
@@ -55,14 +53,14 @@ class Outside(NamedTuple):
         acceleration: The answer to that, (nv,).
     """
 
-    asked: Any
-    state: Any
-    effort: Any
-    acceleration: Any
+    asked: Records[Asked]
+    state: Floats
+    effort: Floats
+    acceleration: Floats
 
 
 @inlined
-def ask(outside: Any, address: int, t: float) -> None:
+def ask(outside: Outside, address: int, t: float) -> None:
     """Ask what stands at an address, unless something could not be answered before."""
     asked = outside.asked[0]
     if asked.failed == ANSWERED:
@@ -72,7 +70,7 @@ def ask(outside: Any, address: int, t: float) -> None:
 
 
 @inlined
-def ask_at(outside: Any, address: int, t: float, y: Any) -> None:
+def ask_at(outside: Outside, address: int, t: float, y: Floats) -> None:
     """Ask at a time [s] and state."""
     for k in range(outside.state.shape[0]):
         outside.state[k] = y[k]
@@ -80,6 +78,6 @@ def ask_at(outside: Any, address: int, t: float, y: Any) -> None:
 
 
 @inlined
-def has_failed(outside: Any) -> bool:
+def has_failed(outside: Outside) -> bool:
     """Whether something could not be answered."""
     return bool(outside.asked[0].failed != ANSWERED)

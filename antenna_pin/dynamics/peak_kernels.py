@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, Records, layout
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.trial_kernels import (
     DEPTH_RATE,
     GAP,
     NORMAL_FORCE,
+    Trial,
     rise_of_tangents,
     root_of,
     value_at,
@@ -18,15 +18,26 @@ from antenna_pin.dynamics.trial_kernels import (
 
 #: A step is looked at in this many parts.
 NODES = 4
-# What is recorded of a contact while it lasts: largest force [N] and when [s], largest depth [m].
-PEAK = layout(("force", "f8"), ("time", "f8"), ("depth", "f8"))
+
+
+class Peak(Record):
+    """Largest values of a contact while it lasts."""
+
+    force: float  # [N]
+    time: float  # of the largest force [s]
+    depth: float  # [m]
+
+
+PEAK = layout(Peak)
 _GOLDEN = 0.3819660112501051
 # Of a step: the force is flat there, and wrong by the square of that.
 _NEAR = 1e-6
 
 
 @kernel
-def highest_force(c: int, low: float, middle: float, high: float, force: float, trial: Any) -> Any:
+def highest_force(
+    c: int, low: float, middle: float, high: float, force: float, trial: Trial
+) -> tuple[float, float]:
     """Return the largest normal force [N] of contact c between two fractions of a step, and its fraction.
 
     Brent's way (1973): parabolas through the three best points, golden section where they do not help.
@@ -87,7 +98,7 @@ def highest_force(c: int, low: float, middle: float, high: float, force: float, 
 
 
 @inlined
-def _may_pass(nodes: Any, best: int, c: int, least: float, trial: Any) -> bool:
+def _may_pass(nodes: Floats, best: int, c: int, least: float, trial: Trial) -> bool:
     """Whether the force of a contact may be larger beside the point at which it is largest than ``least``."""
     force = nodes[NORMAL_FORCE, best, c]
     if best == NODES:
@@ -101,7 +112,7 @@ def _may_pass(nodes: Any, best: int, c: int, least: float, trial: Any) -> bool:
 
 
 @kernel
-def track_peaks(t: float, h: float, nodes: Any, peaks: Any, trial: Any) -> None:
+def track_peaks(t: float, h: float, nodes: Floats, peaks: Records[Peak], trial: Trial) -> None:
     """Raise the peaks of each touching contact (``PEAK``) to the maxima of this step's dense output."""
     memory = trial.memory
     for c in range(memory.shape[0]):

@@ -8,33 +8,62 @@ and a ``SIDE`` for each end.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout, words_of
+from antenna_pin.base.records import (
+    CIRCLE,
+    FIXED_AXIS,
+    PLANE,
+    RIGID,
+    ROTATION,
+    SLIDE,
+    Floats,
+    Record,
+    Records,
+    Six,
+    Triple,
+    Vector3,
+    layout,
+    words_of,
+)
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
+from antenna_pin.mechanism.tree_kernels import Body, Place
 
-#: An end: index of its body (-1: the world), and its place in the body's frame [m].
-SIDE = layout(("body", "i8"), ("point", "f8", (3,)))
+
+class Side(Record):
+    """An end of a spring between points."""
+
+    body: int  # index; -1: the world
+    point: Vector3  # in the body's frame [m]
+
+
+SIDE = layout(Side)
 SIDE_WORDS = words_of(SIDE)
 
-#: A spring at a sample: its length [m], the force that draws its points together [N], and the force on the
-#: second one's link, in world axes [N].
-STRETCH = layout(("length", "f8"), ("tension", "f8"), ("force", "f8", (3,)))
+
+class Stretched(Record):
+    """A spring between points at a sample."""
+
+    length: float  # [m]
+    tension: float  # force that draws its points together [N]
+    force: Vector3  # on the second point's link, world axes [N]
+
+
+STRETCH = layout(Stretched)
 
 # Distance of points that coincide, of their distances from the world's origin: round-off.
 COINCIDE = 1e-15
 
 
 @inlined
-def _side(program: Any, b: int, k: int) -> Any:
+def _side(program: Floats, b: int, k: int) -> Side:
     at = b + element_at(program, b).length - (2 - k) * SIDE_WORDS
     return record(program[at : at + SIDE_WORDS], SIDE)
 
 
 @inlined
-def _place(side: Any, places: Any) -> tuple[float, float, float, float, float, float]:
+def _place(side: Side, places: Records[Place]) -> Six:
     """Return where an end is and its velocity, in the world."""
     p = side.point
     if side.body < 0:
@@ -55,7 +84,7 @@ def _place(side: Any, places: Any) -> tuple[float, float, float, float, float, f
 
 
 @inlined
-def line(program: Any, b: int, places: Any) -> tuple[float, float, float, float, float]:
+def line(program: Floats, b: int, places: Records[Place]) -> tuple[float, float, float, float, float]:
     """Return length, its rate, and direction from the first to the second end of the spring at b.
 
     Where the ends coincide the direction is that in which they move apart; zero if they do not.
@@ -76,7 +105,9 @@ def line(program: Any, b: int, places: Any) -> tuple[float, float, float, float,
 
 
 @kernel
-def draw(program: Any, b: int, tree: Any, places: Any, tau: Any, rates: Any) -> None:
+def draw(
+    program: Floats, b: int, tree: Records[Body], places: Records[Place], tau: Floats, rates: Floats
+) -> None:
     """Add the generalized force of the spring at b, and write the rate of its loss.
 
     Args:
@@ -107,7 +138,7 @@ def draw(program: Any, b: int, tree: Any, places: Any, tau: Any, rates: Any) -> 
 
 
 @kernel
-def push(body: Any, own: Any, force: Any, torque: Any, point: Any, tau: Any) -> None:
+def push(body: Body, own: Place, force: Triple, torque: Triple, point: Triple, tau: Floats) -> None:
     """Add what a force at a point of the world, and a torque, do at the joint of a body."""
     fx, fy, fz = force
     tx, ty, tz = torque
@@ -132,7 +163,9 @@ def push(body: Any, own: Any, force: Any, torque: Any, point: Any, tau: Any) -> 
 
 
 @inlined
-def add_wrench(body: int, places: Any, force: Any, torque: Any, point: Any, out: Any) -> None:
+def add_wrench(
+    body: int, places: Records[Place], force: Triple, torque: Triple, point: Triple, out: Floats
+) -> None:
     """Add a force at a point of the world, and a torque, to those on a body about its origin, (bodies, 6)."""
     fx, fy, fz = force
     tx, ty, tz = torque
@@ -149,7 +182,7 @@ def add_wrench(body: int, places: Any, force: Any, torque: Any, point: Any, out:
 
 
 @kernel
-def add_pull(program: Any, b: int, places: Any, out: Any) -> None:
+def add_pull(program: Floats, b: int, places: Records[Place], out: Floats) -> None:
     """Add what the spring at b does to its two bodies, (6 bodies,)."""
     e = element_at(program, b)
     length, rate, x, y, z = line(program, b, places)
@@ -164,7 +197,7 @@ def add_pull(program: Any, b: int, places: Any, out: Any) -> None:
 
 
 @kernel
-def stored_between(program: Any, b: int, places: Any) -> float:
+def stored_between(program: Floats, b: int, places: Records[Place]) -> float:
     """Energy stored in the spring at b [J], with the bodies where ``places`` says."""
     e = element_at(program, b)
     length, _, _, _, _ = line(program, b, places)
@@ -172,7 +205,7 @@ def stored_between(program: Any, b: int, places: Any) -> float:
 
 
 @kernel
-def look_at(program: Any, places: Any, stretches: Any) -> None:
+def look_at(program: Floats, places: Records[Place], stretches: Records[Stretched]) -> None:
     """Write what there is to see of all springs between points: ``STRETCH`` of each, (springs,)."""
     k = 0
     b = head_of(program).points

@@ -7,35 +7,39 @@ program, and what is asked and answered (:mod:`antenna_pin.geometry.coal_kernels
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import CONTACT, MEMORY, POSE, layout, words_of
+from antenna_pin.base.records import CONTACT, MEMORY, POSE, Floats, Program, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.kernels import CONTACT_WORDS, MEMORY_WORDS, POSE_WORDS, head_of
 from antenna_pin.geometry.coal_kernels import WORDS, coal_set_out, coal_take_in
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import journal_state
 
-#: The head of a joint's stretch: its block in the program.
-QUERIED = layout(("block", "i8"))
+
+class Queried(Record):
+    """The head of a joint's stretch of queries."""
+
+    block: int  # of the joint in the program
+
+
+QUERIED = layout(Queried)
 HEAD = words_of(QUERIED)
 QUERIED_WORDS = HEAD + WORDS
 
 
 @inlined
-def _first(head: Any) -> int:
+def _first(head: Program) -> int:
     """Return where the first stretch begins."""
     return int(head.nv + POSE_WORDS + MEMORY_WORDS * head.contacts + CONTACT_WORDS * head.rows)
 
 
 @inlined
-def has_queries(program: Any, work: Any) -> bool:
+def has_queries(program: Floats, work: Floats) -> bool:
     """Whether there is anything to be set out."""
     return bool(_first(head_of(program)) < work.shape[0])
 
 
 @kernel
-def set_out_queries(y: Any, program: Any, work: Any) -> None:
+def set_out_queries(y: Floats, program: Floats, work: Floats) -> None:
     """Set out what is to be asked of coal at the state y: the gaps of contacts that touch."""
     head = head_of(program)
     nv = head.nv
@@ -54,7 +58,7 @@ def set_out_queries(y: Any, program: Any, work: Any) -> None:
 
 
 @kernel
-def take_in_queries(y: Any, program: Any, work: Any) -> bool:
+def take_in_queries(y: Floats, program: Floats, work: Floats) -> bool:
     """Write coal's answers into the contact table; whether they are final, or coal is to be asked again."""
     head = head_of(program)
     nv = head.nv

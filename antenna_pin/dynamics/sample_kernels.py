@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from antenna_pin.base.records import MEMORY, POSE, layout
+from antenna_pin.base.records import (
+    MEMORY,
+    POSE,
+    Contact,
+    Floats,
+    Ints,
+    Memory,
+    Pose,
+    Record,
+    Records,
+    Vector3,
+    layout,
+)
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics import link_kernels as _links
 from antenna_pin.dynamics import point_kernels as _points
-from antenna_pin.dynamics.audit_kernels import audit_state
+from antenna_pin.dynamics.audit_kernels import Audit, audit_state
 from antenna_pin.dynamics.kernels import (
     ABOUT_POSE,
     HEADER,
@@ -28,36 +41,67 @@ from antenna_pin.dynamics.kernels import (
     joint_motion,
     stored_energy,
 )
+from antenna_pin.dynamics.link_kernels import Applied
+from antenna_pin.dynamics.point_kernels import Stretched
 from antenna_pin.elements import kernels as elements
 from antenna_pin.geometry.kernels import BORE
 from antenna_pin.geometry.revolute_kernels import contact_scenario, revolute_contacts
 from antenna_pin.joints.kernels import apart_motion, wrench_on_journal
-from antenna_pin.joints.layout_kernels import ALL_COMPILED, CLEARANCE, joint_at, primitive_of, revolute_of
+from antenna_pin.joints.layout_kernels import (
+    ALL_COMPILED,
+    CLEARANCE,
+    Joint,
+    joint_at,
+    primitive_of,
+    revolute_of,
+)
 from antenna_pin.joints.pose_kernels import journal_state, motion_angle
-from antenna_pin.mechanism.tree_kernels import unwrapped
+from antenna_pin.mechanism.tree_kernels import Body, Place, unwrapped
 
-# A contact at a sample, by the names of the result's variables.
-SEEN = layout(
-    ("gap", np.float64),
-    ("depth", np.float64),
-    ("depth_rate", np.float64),
-    ("slip_speed", np.float64),
-    ("normal_force", np.float64),
-    ("friction_force", np.float64),
-    ("contact_force", np.float64, (3,)),
-    ("contact_point", np.float64, (3,)),
-)
-# A drive at a sample: its effort [N m] or [N], the reference that it follows, and how far it is from it.
-EFFORT = layout(("effort", np.float64), ("reference", np.float64), ("error", np.float64))
-# An element of a further family at a sample: its effort [N m] or [N], what it acts by [rad] or [m], stored
-# energy [J], mode.
-DONE = layout(
-    ("effort", np.float64), ("deflection", np.float64), ("energy", np.float64), ("mode", np.float64)
-)
+
+class Seen(Record):
+    """A contact at a sample, by the names of the result's variables."""
+
+    gap: float  # [m]
+    depth: float  # [m]
+    depth_rate: float  # [m/s]
+    slip_speed: float  # [m/s]
+    normal_force: float  # [N]
+    friction_force: float  # [N]
+    contact_force: Vector3  # on the journal, bearing axes [N]
+    contact_point: Vector3  # from the bearing's centre [m]
+
+
+SEEN = layout(Seen)
+
+
+class Effort(Record):
+    """A drive at a sample."""
+
+    effort: float  # [N m] ([N])
+    reference: float  # that it follows [rad] ([m])
+    error: float  # from the reference [rad] ([m])
+
+
+EFFORT = layout(Effort)
+
+
+class Done(Record):
+    """An element of a further family at a sample."""
+
+    effort: float  # [N m] ([N])
+    deflection: float  # that it acts by [rad] ([m])
+    energy: float  # stored [J]
+    mode: float  # of the element
+
+
+DONE = layout(Done)
 
 
 @inlined
-def _apart_in(y: Any, program: Any, memory: Any, pose: Any, table: Any) -> None:
+def _apart_in(
+    y: Floats, program: Floats, memory: Records[Memory], pose: Pose, table: Records[Contact]
+) -> None:
     """Fill what is known of the contacts that do not touch: the evaluation fills all the rest."""
     nq = head_of(program).nq
     b = HEADER
@@ -69,7 +113,7 @@ def _apart_in(y: Any, program: Any, memory: Any, pose: Any, table: Any) -> None:
 
 
 @inlined
-def _look_at(row: Any, seen: Any) -> None:
+def _look_at(row: Contact, seen: Seen) -> None:
     """Write what a row of a contact table tells of its contact."""
     force = max(row.force, 0.0)
     slip = 0.0
@@ -88,7 +132,9 @@ def _look_at(row: Any, seen: Any) -> None:
 
 
 @kernel
-def _scenario(p: Any, b: int, pose: Any, table: Any, scratch: Any, out: Any) -> None:
+def _scenario(
+    p: Floats, b: int, pose: Pose, table: Records[Contact], scratch: Records[Contact], out: NDArray[np.int8]
+) -> None:
     """Write how a joint touches: of bore and flanges their scenarios, of another whether it presses."""
     j = joint_at(p, b)
     out[0] = 0
@@ -117,9 +163,9 @@ class Samples(NamedTuple):
         memories: Of the contacts, MEMORY, (n, contacts).
     """
 
-    times: Any
-    states: Any
-    memories: Any
+    times: Floats
+    states: Floats
+    memories: NDArray[Memory]
 
 
 @by_address
@@ -139,16 +185,16 @@ class Whole(NamedTuple):
         scratch: A contact table to write to, CONTACT, (5,).
     """
 
-    program: Any
-    work: Any
-    table: Any
-    rates: Any
-    blocks: Any
-    drives: Any
-    tree: Any
-    gravity: Any
-    places: Any
-    scratch: Any
+    program: Floats
+    work: Floats
+    table: Records[Contact]
+    rates: Floats
+    blocks: Ints
+    drives: Ints
+    tree: Records[Body]
+    gravity: Floats
+    places: Records[Place]
+    scratch: Records[Contact]
 
 
 @by_address
@@ -168,20 +214,20 @@ class Sights(NamedTuple):
         wrenches: What elements on links do to bodies, (n, 6 bodies), if friction by load asks, else (n, 0).
     """
 
-    forces: Any
-    contacts: Any
-    poses: Any
-    scenarios: Any
-    efforts: Any
-    audits: Any
-    stretches: Any
-    applied: Any
-    kept: Any
-    wrenches: Any
+    forces: Floats
+    contacts: NDArray[Seen]
+    poses: NDArray[Pose]
+    scenarios: NDArray[np.int8]
+    efforts: NDArray[Effort]
+    audits: Records[Audit]
+    stretches: NDArray[Stretched]
+    applied: NDArray[Applied]
+    kept: Floats
+    wrenches: Floats
 
 
 @kernel
-def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights: Any) -> None:
+def observe(first: int, last: int, given: bool, samples: Samples, whole: Whole, sights: Sights) -> None:
     """Evaluate the force elements at samples first to last and write what follows from them.
 
     Args:
@@ -231,7 +277,9 @@ def observe(first: int, last: int, given: bool, samples: Any, whole: Any, sights
 
 
 @kernel
-def look_at_elements(first: int, last: int, samples: Any, blocks: Any, whole: Any, out: Any) -> None:
+def look_at_elements(
+    first: int, last: int, samples: Samples, blocks: Ints, whole: Whole, out: NDArray[Done]
+) -> None:
     """Write what elements do at samples first to last, ``DONE``, (n, blocks)."""
     program = whole.program
     nq = head_of(program).nq
@@ -247,7 +295,7 @@ def look_at_elements(first: int, last: int, samples: Any, blocks: Any, whole: An
 
 
 @kernel
-def turned_angles(states: Any, at: int, near: int, out: Any) -> None:
+def turned_angles(states: Floats, at: int, near: int, out: Floats) -> None:
     """Write the angle of a continuous joint, with its whole turns, at every sample.
 
     Its cosine stands at ``at`` in a state, its turned angle at ``near``.
@@ -257,7 +305,7 @@ def turned_angles(states: Any, at: int, near: int, out: Any) -> None:
 
 
 @kernel
-def clearance_motion(program: Any, b: int, states: Any, accelerations: Any, out: Any) -> None:
+def clearance_motion(program: Floats, b: int, states: Floats, accelerations: Floats, out: Floats) -> None:
     """Write motion angle, its rate and its acceleration of the joint block at b, (n, 3)."""
     head = head_of(program)
     nq, nv = head.nq, head.nv
@@ -284,7 +332,7 @@ def clearance_motion(program: Any, b: int, states: Any, accelerations: Any, out:
 
 
 @kernel
-def tilt_rate(j: Any, y: Any, wx: float, wy: float, wz: float) -> tuple[float, float]:
+def tilt_rate(j: Joint, y: Floats, wx: float, wy: float, wz: float) -> tuple[float, float]:
     """Return the rates of gx and gy of the motion angle for the angular velocity in journal axes [1/s]."""
     i = j.q + 3
     x = j.axes[0, 0] * y[i] + j.axes[1, 0] * y[i + 1] + j.axes[2, 0] * y[i + 2]

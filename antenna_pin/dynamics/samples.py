@@ -83,7 +83,8 @@ def held_samples(
         held_sample_kernels.observe_held(first, last, samples, whole, held, sights.forces, out)
     names = plan.motions
     drives = list(system.drives)
-    sights.efforts["effort"][:, [drives.index(name) for name in names]] = out.joints[:, : len(names)]
+    efforts: NDArray[Any] = sights.efforts
+    efforts["effort"][:, [drives.index(name) for name in names]] = out.joints[:, : len(names)]
     others = [f"{table}.{name}" for table in system.others for name in system.families[table]]
     done["effort"][:, [others.index(name) for name in holds]] += out.joints[:, own:]
     return out.rates[:, :nv], out.closures, out.joints[:, len(names) : own], out.residuals
@@ -176,7 +177,7 @@ def observed(
                 workspace.measure(states[i])
                 workspace.apply_elements(times[i], states[i], whole.rates)
                 sample_kernels.observe(i, i + 1, True, samples, whole, sights)
-                sights.audits["contacts"][i] += energy_of_python_laws(workspace)
+                sights.audits[i]["contacts"] += energy_of_python_laws(workspace)
             except FunctionError as error:
                 failures[i] = error
                 for part in sights:

@@ -5,14 +5,12 @@ each of these, and over the numbers that it has, by itself. How what it sees cha
 has closed forms (:mod:`antenna_pin.dynamics.angle_change_kernels`). What it integrates goes with its power
 too, which is its effort times the rate along which it acts. An element that acts on a journal's whole pose
 is differentiated over the joint's freedoms. ``room`` is
-:class:`antenna_pin.engine.tangent_kernels.TangentRoom`.
+:class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.angle_change_kernels import (
     MOST,
@@ -30,27 +28,13 @@ from antenna_pin.dynamics.kernels import (
     element_at,
     element_forces,
 )
+from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
 from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 from antenna_pin.integrate.manifold_kernels import factor_of, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
+from antenna_pin.joints.tangent_room_kernels import Part
 
-#: What acts, a joint with play (``element`` 0) or an element at joints: its number among these; its block in
-#: the program; the joint's
-#: freedoms in v and its factor of the configuration space, twice, the other joint's of an element that knows
-#: two (none: of no freedoms); where in x what it integrates begins and ends, and its bristles among all.
-PART = layout(
-    ("element", "i8"),
-    ("number", "i8"),
-    ("block", "i8"),
-    ("v", "i8", (2,)),
-    ("freedoms", "i8", (2,)),
-    ("factor", "i8", (2,)),
-    ("x", "i8"),
-    ("x_end", "i8"),
-    ("bristle", "i8"),
-    ("bristle_end", "i8"),
-)
 #: What of an element goes with a number of the system, added up: itself, frames of joints that it knows.
 ITSELF, FRAMES = 1, 2
 #: What its law is asked with: angle (or way) and rate of what it sees, those of its other joint, its power.
@@ -65,7 +49,7 @@ _OWN, _POWER = 1e-3, 0.125
 
 
 @inlined
-def _act(part: Any, t: float, room: Any) -> None:
+def _act(part: Part, t: float, room: TangentRoom) -> None:
     """Write what an element does in ``room.state`` to ``room.looked``."""
     tau, rates, out = room.tau, room.rates, room.looked
     nv = tau.shape[0]
@@ -84,7 +68,7 @@ def _act(part: Any, t: float, room: Any) -> None:
 
 
 @inlined
-def _say(part: Any, t: float, pushes: bool, room: Any) -> None:
+def _say(part: Part, t: float, pushes: bool, room: TangentRoom) -> None:
     """Write what an element's law says of ``room.asked`` to ``room.looked``; its efforts where asked."""
     p, b, rates, asked, out = room.numbers.program, part.block, room.rates, room.asked, room.looked
     e, space = element_at(p, b), space_of(room.layout)
@@ -101,7 +85,7 @@ def _say(part: Any, t: float, pushes: bool, room: Any) -> None:
 
 
 @inlined
-def _move(part: Any, kind: int, s: int, n: int, y: Any, h: float, room: Any) -> None:
+def _move(part: Part, kind: int, s: int, n: int, y: Floats, h: float, room: TangentRoom) -> None:
     """Displace one number that an element knows."""
     space, state = space_of(room.layout), room.state[0]
     if kind == _WAY:
@@ -121,7 +105,15 @@ def _move(part: Any, kind: int, s: int, n: int, y: Any, h: float, room: Any) -> 
 
 
 @kernel
-def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: Any, out: Any) -> None:
+def _differentiate(
+    part: Part,
+    about: tuple[int, int, int, bool],
+    t: float,
+    y: Floats,
+    step: float,
+    room: TangentRoom,
+    out: Floats,
+) -> None:
     """Write the derivatives over one number: of what an element does, or of what its law says.
 
     ``about``: over what, of which joint, which of these, and whether what it does is looked at as a whole.
@@ -161,7 +153,7 @@ def _differentiate(part: Any, about: Any, t: float, y: Any, step: float, room: A
 
 
 @kernel
-def _add_column(part: Any, at: int, ways: Any, room: Any, out: Any) -> None:
+def _add_column(part: Part, at: int, ways: Floats, room: TangentRoom, out: Floats) -> None:
     """Add the derivatives over one number times what each displacement has of it, at ways[:, at]."""
     nv = room.tau.shape[0]
     for d in range(ways.shape[0]):
@@ -180,7 +172,7 @@ def _add_column(part: Any, at: int, ways: Any, room: Any, out: Any) -> None:
 
 
 @kernel
-def _look(part: Any, t: float, y: Any, room: Any) -> float:
+def _look(part: Part, t: float, y: Floats, room: TangentRoom) -> float:
     """Write what an element sees and says, and along what it acts; return the rate along which it acts."""
     p, b, nq = room.numbers.program, part.block, space_of(room.layout).nq
     e, asked, sides = element_at(p, b), room.asked, room.sides
@@ -206,7 +198,9 @@ def _look(part: Any, t: float, y: Any, room: Any) -> float:
 
 
 @kernel
-def _differentiate_law(part: Any, t: float, y: Any, ways: Any, steps: Any, room: Any) -> int:
+def _differentiate_law(
+    part: Part, t: float, y: Floats, ways: Floats, steps: Floats, room: TangentRoom
+) -> int:
     """Write the derivatives of what a law says over all that displacements move; return how many these are.
 
     Those over its power go to ``room.column``. ``room.over``: which number of a displacement each is over, or
@@ -251,7 +245,9 @@ def _differentiate_law(part: Any, t: float, y: Any, ways: Any, steps: Any, room:
 
 
 @kernel
-def _add_along(part: Any, count: int, speed: float, way: Any, d: int, room: Any, out: Any) -> None:
+def _add_along(
+    part: Part, count: int, speed: float, way: Floats, d: int, room: TangentRoom, out: Floats
+) -> None:
     """Add how an element at joints changes forces and rates of x along displacement d."""
     p, b, nv, sides, found = room.numbers.program, part.block, room.tau.shape[0], room.sides, room.looked
     e, middle, books = element_at(p, b), room.middle, part.x_end - part.x
@@ -295,7 +291,9 @@ def _add_along(part: Any, count: int, speed: float, way: Any, d: int, room: Any,
 
 
 @kernel
-def add_element_changes(part: Any, t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
+def add_element_changes(
+    part: Part, t: float, y: Floats, ways: Floats, steps: Floats, room: TangentRoom, out: Floats
+) -> None:
     """Add how an element at joints changes generalized forces and rates of x along displacements.
 
     Args:
@@ -332,7 +330,7 @@ def add_element_changes(part: Any, t: float, y: Any, ways: Any, steps: Any, room
 
 
 @inlined
-def time_step(ways: Any, steps: Any) -> float:
+def time_step(ways: Floats, steps: Floats) -> float:
     """Return the step of differences over time: the largest of those along displacements."""
     at, step = ways.shape[1] - 1, 0.0
     for d in range(ways.shape[0]):

@@ -6,10 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from antenna_pin.base.records import Contact, Floats, Ints, Memory, Pose, Records
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
-from antenna_pin.dynamics.outside_kernels import ask, ask_at
+from antenna_pin.dynamics.outside_kernels import Outside, ask, ask_at
 from antenna_pin.integrate.kernels import dense_joint
 from antenna_pin.integrate.manifold_kernels import factor_of
 from antenna_pin.joints.kernels import (
@@ -50,22 +51,22 @@ class Trial(NamedTuple):
         outside: Who measures gaps that no closed form knows, and asks laws in Python.
     """
 
-    layout: Any
-    dense: Any
-    work: Any
+    layout: Ints
+    dense: Floats
+    work: Floats
     start: int
-    program: Any
-    memory: Any
-    out: Any
-    pose: Any
-    table: Any
-    own: Any
-    rates: Any
-    outside: Any
+    program: Floats
+    memory: Records[Memory]
+    out: Floats
+    pose: Records[Pose]
+    table: Records[Contact]
+    own: Records[Contact]
+    rates: Floats
+    outside: Outside
 
 
 @inlined
-def _look(b: int, y: Any, nq: int, nv: int, trial: Any) -> None:
+def _look(b: int, y: Floats, nq: int, nv: int, trial: Trial) -> None:
     """Fill the contact table for the joint whose block stands at b and the state y, with normal forces."""
     program, pose, table, memory = trial.program, trial.pose[0], trial.table, trial.memory
     j = joint_at(program, b)
@@ -83,7 +84,7 @@ def _look(b: int, y: Any, nq: int, nv: int, trial: Any) -> None:
 
 
 @inlined
-def _ask_outside(y: Any, contact: int, with_forces: bool, trial: Any) -> None:
+def _ask_outside(y: Floats, contact: int, with_forces: bool, trial: Trial) -> None:
     """Have filled in what no kernel knows of a contact (of all: -1), at a state or its joint's part of it."""
     outside, asked = trial.outside, trial.outside.asked[0]
     if asked.gaps == 0 and asked.forces == 0:
@@ -96,7 +97,7 @@ def _ask_outside(y: Any, contact: int, with_forces: bool, trial: Any) -> None:
 
 
 @inlined
-def contacts_at(theta: float, trial: Any) -> None:
+def contacts_at(theta: float, trial: Trial) -> None:
     """Fill the contact table at the fraction theta of a step, normal forces included."""
     program, layout = trial.program, trial.layout
     head = head_of(program)
@@ -115,7 +116,7 @@ def contacts_at(theta: float, trial: Any) -> None:
 
 
 @kernel
-def contacts_of(row: int, trial: Any) -> None:
+def contacts_of(row: int, trial: Trial) -> None:
     """Fill the contact table for the state in one of the stepper's rows, normal forces included."""
     program = trial.program
     head = head_of(program)
@@ -127,7 +128,7 @@ def contacts_of(row: int, trial: Any) -> None:
 
 
 @inlined
-def apart_contacts_of(row: int, trial: Any) -> None:
+def apart_contacts_of(row: int, trial: Trial) -> None:
     """Fill the contact table for the state in one of the stepper's rows, of contacts that are apart."""
     program, memory = trial.program, trial.memory
     head = head_of(program)
@@ -144,7 +145,7 @@ def apart_contacts_of(row: int, trial: Any) -> None:
 
 
 @kernel
-def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
+def contacts_in(y: Floats, program: Floats, pose: Records[Pose], table: Records[Contact]) -> None:
     """Fill gap, normal, point, depth rate and slip of all contacts in a state, in closed form."""
     nq = head_of(program).nq
     b = HEADER
@@ -157,7 +158,9 @@ def contacts_in(y: Any, program: Any, pose: Any, table: Any) -> None:
 
 
 @kernel
-def locate(y: Any, program: Any, pose: Any, table: Any, outside: Any) -> None:
+def locate(
+    y: Floats, program: Floats, pose: Records[Pose], table: Records[Contact], outside: Outside
+) -> None:
     """Fill the contact table of a run as :func:`contacts_in`, gaps that a backend measures included."""
     contacts_in(y, program, pose, table)
     asked = outside.asked[0]
@@ -167,7 +170,7 @@ def locate(y: Any, program: Any, pose: Any, table: Any, outside: Any) -> None:
 
 
 @kernel
-def value_at(column: int, theta: float, c: int, trial: Any) -> float:
+def value_at(column: int, theta: float, c: int, trial: Trial) -> float:
     """Gap, depth rate or normal force of contact c at theta.
 
     Of laws in Python forces are there only where they are asked for.
@@ -202,7 +205,7 @@ def value_at(column: int, theta: float, c: int, trial: Any) -> float:
 
 @kernel
 def root_of(
-    column: int, c: int, low: float, high: float, f_low: float, f_high: float, level: float, trial: Any
+    column: int, c: int, low: float, high: float, f_low: float, f_high: float, level: float, trial: Trial
 ) -> float:
     """Where a column is at a level, between two fractions: bisection with regula falsi (Illinois).
 

@@ -6,21 +6,29 @@ What they are stands in :mod:`antenna_pin.dynamics.kernels`.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, Records, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import head_of
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import wrapped_angle
 from antenna_pin.mechanism.tree_kernels import unwrapped
 
-#: A turned angle: its place in x, block of its joint with play or -1, starts of the joint's parts of q and v.
-TURN = layout(("x", "i8"), ("play", "i8"), ("q", "i8"), ("v", "i8"))
+
+class Turn(Record):
+    """A turned angle."""
+
+    x: int  # its place
+    play: int  # block of its joint with play; -1: none
+    q: int  # start of its joint's part of q
+    v: int  # start of its joint's part of v
+
+
+TURN = layout(Turn)
 
 
 @kernel
-def turn_on(program: Any, turns: Any, y: Any) -> float:
+def turn_on(program: Floats, turns: Records[Turn], y: Floats) -> float:
     """Bring the turned angles in a state's x up to its configuration; return the fastest rate [rad/s].
 
     ``turns`` has a record ``TURN`` per angle.

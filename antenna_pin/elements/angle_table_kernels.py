@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.curve_kernels import area, curve
 
-#: Behind it stands the curve, with its integral up to each point. ``goes_on``: its slope does, beyond it.
-LAYOUT = layout(("points", "i8"), ("goes_on", "i8"))
+
+class PackedAngleTable(Record):
+    """A torque over the angle; the curve with its integral up to each point stands behind."""
+
+    points: int  # of the curve
+    goes_on: int  # 1: the slope continues beyond the table
+
+
+LAYOUT = layout(PackedAngleTable)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def torque_at(words: Any, at: int, shape: tuple[int, bool], angle: float) -> tuple[float, float]:
+def torque_at(words: Floats, at: int, shape: tuple[int, bool], angle: float) -> tuple[float, float]:
     """Torque and its slope at an angle, of the curve at words[at:]; ``shape``: points, whether it goes on."""
     points, goes_on = shape
     inside = min(max(angle, words[at]), words[at + points - 1])
@@ -26,7 +31,7 @@ def torque_at(words: Any, at: int, shape: tuple[int, bool], angle: float) -> tup
 
 
 @inlined
-def given_at(words: Any, at: int, shape: tuple[int, bool], angle: float) -> float:
+def given_at(words: Floats, at: int, shape: tuple[int, bool], angle: float) -> float:
     """Integral of the torque up to an angle [J]."""
     points, goes_on = shape
     inside = min(max(angle, words[at]), words[at + points - 1])
@@ -39,13 +44,13 @@ def given_at(words: Any, at: int, shape: tuple[int, bool], angle: float) -> floa
 
 
 @inlined
-def ends_at(words: Any, at: int, points: int, angle: float) -> float:
+def ends_at(words: Floats, at: int, points: int, angle: float) -> float:
     """Product of the ways to the table's ends: it passes zero there."""
     return float((angle - words[at]) * (angle - words[at + points - 1]))
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     table = record(words[at : at + SIZE], LAYOUT)
     value, _ = torque_at(words, at + SIZE, (table.points, table.goes_on != 0), angle)
@@ -53,19 +58,21 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Nothing is lost."""
     rates[x] = 0.0
 
 
 @inlined
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     table = record(words[at : at + SIZE], LAYOUT)
     return -given_at(words, at + SIZE, (table.points, table.goes_on != 0), angle)
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Where the table ends."""
     return ends_at(words, at + SIZE, record(words[at : at + SIZE], LAYOUT).points, angle)

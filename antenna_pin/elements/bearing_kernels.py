@@ -7,53 +7,61 @@ bearing's reference point, and the tilt z x a of its axis a, in bearing axes.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Pose, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.elements.hook_kernels import JournalPlace
 
-#: Matrices over (x, y, z, tilt about x, tilt about y); what pushes in its centred place; energy there [J];
-#: the reference point along the axis from the joint's [m]; balls, whose records stand behind.
-LAYOUT = layout(
-    ("stiffness", "f8", (5, 5)),
-    ("damping", "f8", (5, 5)),
-    ("push", "f8", (5,)),
-    ("energy", "f8"),
-    ("offset", "f8"),
-    ("balls", "i8"),
-)
+
+class PackedBearing(Record):
+    """A bearing: matrices over (x, y, z, tilt about x, tilt about y); its balls stand behind."""
+
+    stiffness: Annotated[Floats, (5, 5)]  # [N/m, N/rad, N m/rad]
+    damping: Annotated[Floats, (5, 5)]  # [N s/m, N s/rad, N m s/rad]
+    push: Annotated[Floats, 5]  # force [N] and moment [N m] in its centred place
+    energy: float  # in its centred place [J]
+    offset: float  # reference point along the axis from the joint's [m]
+    balls: int  # how many
+
+
+LAYOUT = layout(PackedBearing)
 SIZE = words_of(LAYOUT)
 
-#: A ball: its azimuth; the inner raceway's groove centre in the centred place, along the axis from the
-#: reference point and off the axis [m]; the way to it from the outer raceway's, off and along the axis [m];
-#: the length of that way unloaded [m], and force over elongation^1.5 [N/m^1.5].
-BALL = layout(
-    ("cosine", "f8"),
-    ("sine", "f8"),
-    ("height", "f8"),
-    ("radius", "f8"),
-    ("off", "f8"),
-    ("along", "f8"),
-    ("rest", "f8"),
-    ("hertz", "f8"),
-)
+
+class Ball(Record):
+    """A ball between the groove centres of its raceways."""
+
+    cosine: float  # of its azimuth
+    sine: float  # of its azimuth
+    height: float  # inner groove centre, centred, along the axis from the reference point [m]
+    radius: float  # inner groove centre off the axis [m]
+    off: float  # from the outer groove centre to the inner, off the axis [m]
+    along: float  # the same, along the axis [m]
+    rest: float  # distance of the groove centres, unloaded [m]
+    hertz: float  # force over elongation^1.5 [N/m^1.5]
+
+
+BALL = layout(Ball)
 BALL_SIZE = words_of(BALL)
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Zero: a bearing has no torque about its axis."""
     return 0.0
 
 
 @inlined
-def _ball(words: Any, at: int, k: int) -> Any:
+def _ball(words: Floats, at: int, k: int) -> Ball:
     first = at + SIZE + k * BALL_SIZE
     return record(words[first : first + BALL_SIZE], BALL)
 
 
 @inlined
-def _coordinates(offset: float, place: Any) -> tuple[float, float, float, float, float]:
+def _coordinates(
+    offset: float, place: tuple[float, float, float, float, float, float]
+) -> tuple[float, float, float, float, float]:
     """Return the five coordinates of a journal's centre and axis."""
     x, y, z, ax, ay, az = place
     # 1 - cos of the tilt without cancellation.
@@ -62,7 +70,7 @@ def _coordinates(offset: float, place: Any) -> tuple[float, float, float, float,
 
 
 @inlined
-def _elongation(ball: Any, q: Any) -> tuple[float, float, float]:
+def _elongation(ball: Ball, q: tuple[float, float, float, float, float]) -> tuple[float, float, float]:
     """Return how far a ball is compressed [m], and the direction of its load, off and along the axis."""
     x, y, z, tx, ty = q
     tilt = ball.cosine * ty - ball.sine * tx
@@ -73,7 +81,7 @@ def _elongation(ball: Any, q: Any) -> tuple[float, float, float]:
 
 
 @kernel
-def press(words: Any, at: int, pose: Any) -> float:
+def press(words: Floats, at: int, pose: Pose) -> float:
     """Write force and moment on the journal about its centre into its pose; return the power lost [W]."""
     b = record(words[at : at + SIZE], LAYOUT)
     s = b.offset
@@ -114,7 +122,7 @@ def press(words: Any, at: int, pose: Any) -> float:
 
 
 @kernel
-def kept(words: Any, at: int, place: Any) -> float:
+def kept(words: Floats, at: int, place: JournalPlace) -> float:
     """Energy stored [J] with the journal's centre and axis, six numbers, where ``place`` says."""
     b = record(words[at : at + SIZE], LAYOUT)
     q = _coordinates(b.offset, place)
@@ -132,7 +140,9 @@ def kept(words: Any, at: int, place: Any) -> float:
 
 
 @kernel
-def coordinates(words: Any, at: int, place: Any) -> tuple[float, float, float, float, float, float]:
+def coordinates(
+    words: Floats, at: int, place: JournalPlace
+) -> tuple[float, float, float, float, float, float]:
     """Return the five coordinates with the journal's centre and axis where ``place`` says [m], [1].
 
     Behind them stands where the reference point is along the axis [m].

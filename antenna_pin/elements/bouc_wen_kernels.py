@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 
-LAYOUT = layout(
-    ("alpha", "f8"),
-    ("stiffness", "f8"),
-    ("yield_angle", "f8"),
-    ("slope", "f8"),
-    ("beta", "f8"),
-    ("gamma", "f8"),
-    ("exponent", "f8"),
-    ("rest_angle", "f8"),
-    ("start", "f8"),
-)
+
+class PackedBoucWen(Record):
+    """A spring with hysteresis."""
+
+    alpha: float  # share of the stiffness that is elastic
+    stiffness: float  # [N m/rad] ([N/m])
+    yield_angle: float  # [rad] ([m])
+    slope: float  # A, of z over the angle at z = 0, in yield angles
+    beta: float  # shape of the loop
+    gamma: float  # shape of the loop
+    exponent: float  # n
+    rest_angle: float  # [rad] ([m])
+    start: float  # z at the start
+
+
+LAYOUT = layout(PackedBoucWen)
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
 HEAT = 0
@@ -26,7 +31,7 @@ Z = 1
 
 
 @inlined
-def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+def effort_of(words: Floats, at: int, motion: Motion, own: Own) -> float:
     """Torque [N m], or force [N]."""
     law = record(words[at : at + SIZE], LAYOUT)
     _, angle, _ = motion
@@ -37,7 +42,7 @@ def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
 
 
 @inlined
-def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Power that is lost [W], and the rate of z [1/s]."""
     law = record(words[at : at + SIZE], LAYOUT)
     _, rate, _ = motion
@@ -51,7 +56,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
 
 
 @inlined
-def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
     """Energy stored [J]."""
     law = record(words[at : at + SIZE], LAYOUT)
     y, i = own
@@ -62,7 +67,7 @@ def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
 
 
 @inlined
-def kink_of(words: Any, at: int, k: int, motion: Any, own: Any) -> float:
+def kink_of(words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
     """0: its rate, for where the joint turns back z goes another way; 1: z, of whose size it yields by."""
     if k == 0:
         return float(motion[2])

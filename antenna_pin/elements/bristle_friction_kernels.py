@@ -6,27 +6,28 @@ That by the load of the joint is added where rows are solved, as that of joints 
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.bristle_kernels import bristle, gonthier_kink
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 
-#: By how much bristles are bent at Coulomb friction, their stiffness, viscous friction, how bent they start,
-#: as a share of that; by how much a load adds to it all, and what that load is made of. Behind it stands the
-#: law.
-LAYOUT = layout(
-    ("reach", "f8"),
-    ("stiffness", "f8"),
-    ("viscous", "f8"),
-    ("start", "f8"),
-    ("share", "f8"),
-    ("radial", "f8"),
-    ("axial", "f8"),
-    ("bending", "f8"),
-    ("middle", "f8"),
-)
+
+class PackedBristleFriction(Record):
+    """Friction of bristles; its law stands behind."""
+
+    reach: float  # deflection of bristles at Coulomb friction [rad] ([m])
+    stiffness: float  # of the bristles [N m/rad] ([N/m])
+    viscous: float  # [N m s/rad] ([N s/m])
+    start: float  # deflection at the start, as a share of ``reach``
+    share: float  # by how much a load adds to all of it [1/N m] ([1/N])
+    radial: float  # torque of the load over radial force [m] ([-])
+    axial: float  # over axial force [m] ([-])
+    bending: float  # over moment [-] ([1/m])
+    middle: float  # of the bearing along the axis [m]
+
+
+LAYOUT = layout(PackedBristleFriction)
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
 HEAT = 0
@@ -37,7 +38,7 @@ _ON = -1
 
 
 @inlined
-def _bent(words: Any, at: int, rate: float, own: Any) -> tuple[float, float, float, float]:
+def _bent(words: Floats, at: int, rate: float, own: Own) -> tuple[float, float, float, float]:
     """Torque of the bristles, their deflection, the rate of that, and of the dwell."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     law = words[at + SIZE : at + SIZE + FRICTION_SIZE]
@@ -50,7 +51,7 @@ def _bent(words: Any, at: int, rate: float, own: Any) -> tuple[float, float, flo
 
 
 @inlined
-def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+def effort_of(words: Floats, at: int, motion: Motion, own: Own) -> float:
     """Torque [N m], or force [N], without that of a load."""
     _, _, rate = motion
     force, _, _, _ = _bent(words, at, rate, own)
@@ -58,7 +59,7 @@ def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
 
 
 @inlined
-def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Power that is lost [W], and the rates of deflection and dwell [1/s]."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     _, rate, power = motion
@@ -70,7 +71,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
 
 
 @inlined
-def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
     """Energy stored in the bristles [J]."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     y, i = own
@@ -79,7 +80,7 @@ def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
 
 
 @inlined
-def kink_of(words: Any, at: int, k: int, motion: Any, own: Any) -> float:
+def kink_of(words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
     """Its rate, for where the joint turns back bristles go another way; of Gonthier's law its functions."""
     law = words[at + SIZE : at + SIZE + FRICTION_SIZE]
     _, _, rate = motion
@@ -91,14 +92,14 @@ def kink_of(words: Any, at: int, k: int, motion: Any, own: Any) -> float:
 
 
 @inlined
-def bearing(words: Any, at: int) -> tuple[float, float, float, float]:
+def bearing(words: Floats, at: int) -> tuple[float, float, float, float]:
     """What load is made of: by radial force, axial force [m] and moment [-], and the middle [m]."""
     numbers = record(words[at : at + SIZE], LAYOUT)
     return float(numbers.radial), float(numbers.axial), float(numbers.bending), float(numbers.middle)
 
 
 @inlined
-def rub(words: Any, at: int, rate: float, own: Any) -> float:
+def rub(words: Floats, at: int, rate: float, own: Own) -> float:
     """Torque by load, with its sign [-]."""
     share = words[at + _ON] * record(words[at : at + SIZE], LAYOUT).share
     if share == 0.0:

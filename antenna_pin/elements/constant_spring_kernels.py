@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-#: Ends are infinite where there is none.
-LAYOUT = layout(("torque", "f8"), ("lower", "f8"), ("upper", "f8"), ("ramp", "f8"))
+
+class PackedConstantSpring(Record):
+    """A constant torque between ends."""
+
+    torque: float  # [N m] ([N])
+    lower: float  # end [rad] ([m]), -inf: none
+    upper: float  # end [rad] ([m]), inf: none
+    ramp: float  # way beyond an end over which the torque fades [rad] ([m])
+
+
+LAYOUT = layout(PackedConstantSpring)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     spring = record(words[at : at + SIZE], LAYOUT)
     beyond = max(spring.lower - angle, angle - spring.upper, 0.0) / spring.ramp
@@ -22,7 +30,9 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Nothing is lost."""
     rates[x] = 0.0
 
@@ -41,7 +51,7 @@ def _way(lower: float, upper: float, ramp: float, angle: float) -> float:
 
 
 @inlined
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]: what the torque gives from here to its end, or to angle zero."""
     spring = record(words[at : at + SIZE], LAYOUT)
     lower, upper, ramp = float(spring.lower), float(spring.upper), float(spring.ramp)
@@ -55,7 +65,7 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Product of the ways to where its ramps begin and end."""
     spring = record(words[at : at + SIZE], LAYOUT)
     found = 1.0

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined
 
 
 @inlined
-def _piece(words: Any, at: int, points: int, t: float) -> int:
+def _piece(words: Floats, at: int, points: int, t: float) -> int:
     """Return which of the pieces between a curve's points time t lies in."""
     low = 0
     high = points - 1
@@ -22,7 +21,7 @@ def _piece(words: Any, at: int, points: int, t: float) -> int:
 
 
 @inlined
-def curve(words: Any, at: int, points: int, t: float) -> tuple[float, float]:
+def curve(words: Floats, at: int, points: int, t: float) -> tuple[float, float]:
     """Value and slope at time t of the curve at words[at:]: the points' times, then cubics between them."""
     low = _piece(words, at, points, t)
     s = t - words[at + low]
@@ -33,7 +32,7 @@ def curve(words: Any, at: int, points: int, t: float) -> tuple[float, float]:
 
 
 @inlined
-def area(words: Any, at: int, points: int, t: float) -> float:
+def area(words: Floats, at: int, points: int, t: float) -> float:
     """Integral up to t of the curve at words[at:], behind which stands that up to each of its points."""
     low = _piece(words, at, points, t)
     s = t - words[at + low]

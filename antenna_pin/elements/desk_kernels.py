@@ -10,63 +10,87 @@ writes its forces, energy and rates beside it.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Matrix3, Record, Records, Triple, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined
 
-#: How many links, joints and states; whether the first link takes the reaction of all others; whether it
-#: puts nothing in (its work is what it stores and loses); the time [s]; and what it tells: energy stored [J],
-#: power lost [W], a function that passes zero where its forces have a kink.
-WHOLE = layout(
-    ("links", "i8"),
-    ("joints", "i8"),
-    ("states", "i8"),
-    ("internal", "i8"),
-    ("passive", "i8"),
-    ("time", "f8"),
-    ("energy", "f8"),
-    ("loss", "f8"),
-    ("kink", "f8"),
-)
 
-#: A link and a point on it. Its body, the link's axes and the point in the body's frame [m], the body's mass
-#: [kg] and its inertia about its mass centre in that frame [kg m^2]; what is seen, in world axes: the link's
-#: axes, the point's place [m] and velocity [m/s], the spin [rad/s]; what is done: force at the point [N] and
-#: torque [N m], in world axes.
-LINK = layout(
-    ("body", "i8"),
-    ("axes", "f8", (3, 3)),
-    ("point", "f8", (3,)),
-    ("mass", "f8"),
-    ("inertia", "f8", (3, 3)),
-    ("rotation", "f8", (3, 3)),
-    ("place", "f8", (3,)),
-    ("velocity", "f8", (3,)),
-    ("spin", "f8", (3,)),
-    ("force", "f8", (3,)),
-    ("torque", "f8", (3,)),
-)
+class Whole(Record):
+    """An element on links as a whole: its sizes, and what it reports."""
 
-#: A joint: its head in programs; angle [rad] ([m]) and rate; the torque on the child [N m] ([N]).
+    links: int  # how many
+    joints: int  # how many
+    states: int  # how many numbers it integrates
+    internal: int  # 1: the first link takes the reaction of all others
+    passive: int  # 1: it puts nothing in, its work is what it stores and loses
+    time: float  # [s]
+    energy: float  # stored [J]; written by the element
+    loss: float  # power [W]; written by the element
+    kink: float  # passes zero where the forces have a kink; written by the element
+
+
+WHOLE = layout(Whole)
+
+
+class Link(Record):
+    """A link and a point on it: its motion, and the forces on it, in world axes."""
+
+    body: int  # index; -1: the world
+    axes: Matrix3  # of the link, in the body's frame
+    point: Vector3  # in the body's frame [m]
+    mass: float  # of the body [kg]
+    inertia: Matrix3  # of the body about its mass centre, in its frame [kg m^2]
+    rotation: Matrix3  # the link's axes in the world
+    place: Vector3  # of the point in the world [m]
+    velocity: Vector3  # of the point [m/s]
+    spin: Vector3  # angular velocity [rad/s]
+    force: Vector3  # at the point [N]; written by the element
+    torque: Vector3  # [N m]; written by the element
+
+
+LINK = layout(Link)
+
+#: Length of an element's head in programs (``dynamics.kernels.ELEMENT``).
 HEAD_WORDS = 13
-JOINT = layout(("head", "f8", (HEAD_WORDS,)), ("angle", "f8"), ("rate", "f8"), ("torque", "f8"))
 
-#: A number that the element integrates, and its rate.
-STATE = layout(("value", "f8"), ("rate", "f8"))
 
-#: What is integrated of it, in x: work and gross work [J], losses [J], and of its forces on all links the
-#: impulse [N s], the angular impulse about the world's origin and that about the mass centre of all [N m s].
-BOOK = layout(
-    ("work", "f8"),
-    ("gross_work", "f8"),
-    ("loss", "f8"),
-    ("impulse", "f8", (3,)),
-    ("angular_impulse", "f8", (3,)),
-    ("central_impulse", "f8", (3,)),
-)
+class DeskJoint(Record):
+    """A joint that an element on links acts at."""
+
+    head: Annotated[Floats, HEAD_WORDS]  # its element head (``dynamics.kernels.ELEMENT``)
+    angle: float  # [rad] ([m])
+    rate: float  # [rad/s] ([m/s])
+    torque: float  # [N m] ([N]); written by the element
+
+
+JOINT = layout(DeskJoint)
+
+
+class DeskState(Record):
+    """A number that the element integrates."""
+
+    value: float  # in the element's own unit
+    rate: float  # that unit per second; written by the element
+
+
+STATE = layout(DeskState)
+
+
+class LinksBook(Record):
+    """Integrals of an element on links, in x."""
+
+    work: float  # [J]
+    gross_work: float  # [J]
+    loss: float  # [J]
+    impulse: Vector3  # of its forces on all links [N s]
+    angular_impulse: Vector3  # about the world's origin [N m s]
+    central_impulse: Vector3  # about the mass centre of all [N m s]
+
+
+BOOK = layout(LinksBook)
 
 WHOLE_WORDS: Any = np.int64(words_of(WHOLE))
 LINK_WORDS: Any = np.int64(words_of(LINK))
@@ -74,9 +98,12 @@ SEEN_JOINT_WORDS: Any = np.int64(words_of(JOINT))
 STATE_WORDS: Any = np.int64(words_of(STATE))
 BOOK_WORDS: Any = np.int64(words_of(BOOK))
 
+#: Of one element on links: itself (1,), its links, joints and states.
+Desk = tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]]
+
 
 @inlined
-def clear(desk: Any) -> None:
+def clear(desk: Desk) -> None:
     """Let no force, torque, energy or rate stand on a desk."""
     whole, links, joints, states = desk
     whole[0].energy = 0.0
@@ -93,7 +120,7 @@ def clear(desk: Any) -> None:
 
 
 @inlined
-def turned(rotation: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+def turned(rotation: Floats, x: float, y: float, z: float) -> Triple:
     """Return a vector of a link's axes in world axes."""
     return (
         rotation[0, 0] * x + rotation[0, 1] * y + rotation[0, 2] * z,

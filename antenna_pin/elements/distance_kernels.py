@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.motion_kernels import effort
 
 __all__ = ["LAYOUT", "effort", "motion", "write_rates"]
 
-LAYOUT = layout(
-    ("centre", "f8", (3,)),
-    ("speed", "f8", (3,)),
-    ("amplitude", "f8", (3,)),
-    ("phase", "f8", (3,)),
-    ("angular_frequency", "f8"),
-)
+
+class PackedDistance(Record):
+    """The path of a point, seen from a leg's foot."""
+
+    centre: Vector3  # at t = 0 [m]
+    speed: Vector3  # [m/s]
+    amplitude: Vector3  # of a sine along each axis [m]
+    phase: Vector3  # of each [rad]
+    angular_frequency: float  # of all [rad/s]
+
+
+LAYOUT = layout(PackedDistance)
 SIZE = words_of(LAYOUT)
 write_rates = write_work
 
 
 @inlined
-def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
+def motion(words: Floats, at: int, t: float) -> tuple[float, float, float]:
     """Distance, its rate and its acceleration at time t [s]."""
     m = record(words[at : at + SIZE], LAYOUT)
     omega = m.angular_frequency

@@ -6,22 +6,13 @@ It is a frozen dataclass whose fields declare themselves (:mod:`antenna_pin.base
 in a file of their own, which the class names in ``kernels``:
 
 - ``LAYOUT``, the record of its numbers;
-- ``effort(words, at, t, angle, rate)``: its torque [N m], or force [N] at a joint that slides, from the
-  record at ``words[at:]``;
-- ``write_rates(words, at, angle, rate, power, rates, x)``: the rates of what it integrates (``integrals``),
-  to be written to ``rates[x:]``, with the power that it puts in [W];
-- if it stores energy ``stored(words, at, angle)`` [J];
-- if its effort has kinks ``kink(words, at, t, angle, rate)``, which passes zero there;
-- if it follows a reference ``reference(words, at, t)``: the reference and its rate;
-- if it prescribes the joint's motion ``motion(words, at, t)``: position, rate and acceleration.
+- ``effort``, and ``write_rates`` of what it integrates (``integrals``);
+- if it stores energy ``stored``; if its effort has kinks ``kink``; if it follows a reference ``reference``;
+- if it prescribes the joint's motion ``motion``.
 
-One whose torque depends on what it integrates (``states``) has instead of the first three
-
-- ``effort_of(words, at, motion, own)``, with ``motion = (t, angle, rate)`` and ``own = (y, i)``: what it
-  integrates stands at ``y[i:]``;
-- ``write_rates_of(words, at, motion, own, rates, x)``, with ``motion = (angle, rate, power)``;
-- ``stored_of(words, at, angle, own)``;
-- where kinks depend on that ``kink_of(words, at, k, motion, own)``, function k of its ``kinks``.
+One whose torque depends on what it integrates (``states``) has instead of the first three ``effort_of``,
+``write_rates_of`` and ``stored_of``, and where kinks depend on that ``kink_of``. Their arguments and units,
+and those of all further hooks, stand in :class:`antenna_pin.elements.hook_kernels.Hooks`.
 
 It enters by one line of :mod:`antenna_pin.elements.registry`; everything else follows from there.
 """

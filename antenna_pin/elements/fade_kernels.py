@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from antenna_pin.compiled.decorators import inlined
 
 
@@ -22,7 +20,7 @@ def fade(t: float, length: float) -> tuple[float, float, float]:
 
 
 @inlined
-def faded(swing: Any, t: float, length: float) -> tuple[float, float, float]:
+def faded(swing: tuple[float, float, float], t: float, length: float) -> tuple[float, float, float]:
     """Position, rate and acceleration of a motion, given with both derivatives, that fades in."""
     x, v, a = swing
     w, slope, bend = fade(t, length)

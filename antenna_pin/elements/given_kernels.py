@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.calls import call_3
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 
-#: The value, and where the function stands; 0 where Python writes the value.
-LAYOUT = layout(("value", "f8"), ("address", "f8"))
+
+class PackedGiven(Record):
+    """An effort by a function."""
+
+    value: float  # present effort [N m] ([N])
+    address: float  # of the function; 0: Python writes the value
+
+
+LAYOUT = layout(PackedGiven)
 SIZE = words_of(LAYOUT)
 write_rates = write_work
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     given = record(words[at : at + SIZE], LAYOUT)
     return float(given.value if given.address == 0.0 else call_3(given.address, t, angle, rate))

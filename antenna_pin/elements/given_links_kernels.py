@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.calls import call_3
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.elements.desk_kernels import clear
+from antenna_pin.elements.desk_kernels import Desk, clear
 
-#: Where the function stands; 0 where Python asks it. The parameters stand behind, then the desk.
-LAYOUT = layout(("address", "f8"))
+
+class PackedGivenLinks(Record):
+    """A function of a user's on links; its parameters, then the desk stand behind."""
+
+    address: float  # 0: Python calls it
+
+
+LAYOUT = layout(PackedGivenLinks)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def act(words: Any, at: int, t: float, desk: Any) -> None:
+def act(words: Floats, at: int, t: float, desk: Desk) -> None:
     """Have the function write what it does; not-a-number where it raises."""
     own = record(words[at : at + SIZE], LAYOUT)
     if own.address == 0.0:

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.desk_kernels import Desk
 
-#: Orbital rate [rad/s]; at t = 0 the direction to the centre and, a quarter of a turn on, that which follows.
-LAYOUT = layout(("angular_rate", "f8"), ("nadir", "f8", (3,)), ("ahead", "f8", (3,)))
+
+class PackedGravityGradient(Record):
+    """An orbit as the gravity gradient needs it."""
+
+    angular_rate: float  # of the orbit [rad/s]
+    nadir: Vector3  # direction to the centre at t = 0
+    ahead: Vector3  # the direction that follows a quarter of a turn later
+
+
+LAYOUT = layout(PackedGravityGradient)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def act(words: Any, at: int, t: float, desk: Any) -> None:
+def act(words: Floats, at: int, t: float, desk: Desk) -> None:
     """Write force and torque on every body, whose points are their mass centres."""
     own = record(words[at : at + SIZE], LAYOUT)
     c, s = math.cos(own.angular_rate * t), math.sin(own.angular_rate * t)

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.angle_table_kernels import ends_at, given_at, torque_at
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 
-#: Behind it stand the curves of the mean and of half the difference, each with its integral up to each point.
-LAYOUT = layout(("points", "i8"), ("goes_on", "i8"), ("reversal", "f8"), ("start", "f8"))
+
+class PackedHarness(Record):
+    """A harness; curves of mean and half difference, each with its integral, stand behind."""
+
+    points: int  # of each curve
+    goes_on: int  # 1: the mean's slope continues beyond the table
+    reversal: float  # angle over which the torque turns over [rad]
+    start: float  # z at the start, in -1 to 1
+
+
+LAYOUT = layout(PackedHarness)
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
 HEAT = 0
@@ -17,14 +25,14 @@ Z = 1
 
 
 @inlined
-def _half(words: Any, at: int, angle: float) -> tuple[float, float]:
+def _half(words: Floats, at: int, angle: float) -> tuple[float, float]:
     """Half the difference of the tables, H, and its slope, which do not go on beyond them."""
     points = record(words[at : at + SIZE], LAYOUT).points
     return torque_at(words, at + SIZE + 6 * points - 4, (points, False), angle)
 
 
 @inlined
-def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+def effort_of(words: Floats, at: int, motion: Motion, own: Own) -> float:
     """Torque [N m], or force [N]."""
     table = record(words[at : at + SIZE], LAYOUT)
     _, angle, _ = motion
@@ -35,7 +43,7 @@ def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
 
 
 @inlined
-def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Power that is lost [W], and the rate of z [1/s]."""
     table = record(words[at : at + SIZE], LAYOUT)
     angle, rate, _ = motion
@@ -47,7 +55,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
 
 
 @inlined
-def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
     """Energy stored [J]."""
     table = record(words[at : at + SIZE], LAYOUT)
     y, i = own
@@ -58,6 +66,6 @@ def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Where it turns back, and where the tables end."""
     return rate * ends_at(words, at + SIZE, record(words[at : at + SIZE], LAYOUT).points, angle)

@@ -12,8 +12,11 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from antenna_pin.base.records import Floats, Pose
 from antenna_pin.compiled.decorators import composed, composed_later
 from antenna_pin.elements import registry
+from antenna_pin.elements.desk_kernels import Desk
+from antenna_pin.elements.hook_kernels import JournalPlace, Loaded, Motion, Own, Powered
 
 
 @functools.cache
@@ -55,11 +58,11 @@ def _nothing(asked: int, *arguments: Any) -> float:
     return 0.0
 
 
-def _no_rates(asked: int, words: Any, at: int, *arguments: Any) -> None:
+def _no_rates(asked: int, words: Floats, at: int, *arguments: Any) -> None:
     return None
 
 
-def _no_reference(asked: int, words: Any, at: int, t: float) -> tuple[float, float]:
+def _no_reference(asked: int, words: Floats, at: int, t: float) -> tuple[float, float]:
     return math.nan, math.nan
 
 
@@ -67,39 +70,41 @@ def _no_deflection(asked: int, *arguments: Any) -> tuple[float, float, float, fl
     return math.nan, math.nan, math.nan, math.nan
 
 
-def _no_motion(asked: int, words: Any, at: int, t: float) -> tuple[float, float, float]:
+def _no_motion(asked: int, words: Floats, at: int, t: float) -> tuple[float, float, float]:
     return math.nan, math.nan, math.nan
 
 
-def _never(asked: int, words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def _never(asked: int, words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     return 1.0, 0.0
 
 
-def _not_held(asked: int, words: Any, at: int) -> tuple[bool, float]:
+def _not_held(asked: int, words: Floats, at: int) -> tuple[bool, float]:
     return False, 0.0
 
 
-def _bears_nothing(asked: int, words: Any, at: int) -> tuple[float, float, float, float]:
+def _bears_nothing(asked: int, words: Floats, at: int) -> tuple[float, float, float, float]:
     return 0.0, 0.0, 0.0, 0.0
 
 
-def _not_told(asked: int, words: Any, at: int, burden: float) -> None:
+def _not_told(asked: int, words: Floats, at: int, burden: float) -> None:
     return None
 
 
-def _no_mode(asked: int, words: Any, at: int) -> int:
+def _no_mode(asked: int, words: Floats, at: int) -> int:
     return 0
 
 
-def _not_acting(asked: int, words: Any, at: int, t: float, desk: Any) -> None:
+def _not_acting(asked: int, words: Floats, at: int, t: float, desk: Desk) -> None:
     desk[1][0].force[0] = math.nan
 
 
-def _no_press(asked: int, words: Any, at: int, pose: Any) -> float:
+def _no_press(asked: int, words: Floats, at: int, pose: Pose) -> float:
     return math.nan
 
 
-def _no_place(asked: int, words: Any, at: int, place: Any) -> tuple[float, float, float, float, float, float]:
+def _no_place(
+    asked: int, words: Floats, at: int, place: JournalPlace
+) -> tuple[float, float, float, float, float, float]:
     return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
 
 
@@ -108,17 +113,19 @@ write_rates = _chain("write_rates", _no_rates)
 stored = _chain("stored", _nothing)
 
 
-def _effort(asked: int, words: Any, at: int, motion: Any, own: Any) -> float:
+def _effort(asked: int, words: Floats, at: int, motion: Motion, own: Own) -> float:
     t, angle, rate = motion
     return float(effort(asked, words, at, t, angle, rate))
 
 
-def _write_rates(asked: int, words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def _write_rates(
+    asked: int, words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int
+) -> None:
     angle, rate, power = motion
     write_rates(asked, words, at, angle, rate, power, rates, x)
 
 
-def _stored(asked: int, words: Any, at: int, angle: float, own: Any) -> float:
+def _stored(asked: int, words: Floats, at: int, angle: float, own: Own) -> float:
     return float(stored(asked, words, at, angle))
 
 
@@ -129,7 +136,7 @@ stored_of = _chain("stored_of", _stored)
 kink = _chain("kink", _no_kind)
 
 
-def _kink(asked: int, words: Any, at: int, k: int, motion: Any, own: Any) -> float:
+def _kink(asked: int, words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
     t, angle, rate = motion
     return float(kink(asked, words, at, t, angle, rate))
 

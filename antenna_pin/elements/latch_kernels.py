@@ -3,38 +3,53 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Protocol
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.elements.hook_kernels import Loaded
 
 # Its modes: outside the window; inside, but too fast or the wrong way; held; let go and still inside.
 OUTSIDE, INSIDE, HELD, LET_GO = 0, 1, 2, 3
 
-#: Window with its middle, where it holds, greatest rate, energy (infinite: any) and way of capture (+1, -1, 0
-#: for both), spring and damper with half of the play, torque at which it lets go (infinite: never), the mode,
-#: on which side of the window the joint is or was (+1 above), and which flank of its play it is pressed to
-#: (0: none).
-LAYOUT = layout(
-    ("lower", "f8"),
-    ("middle", "f8"),
-    ("upper", "f8"),
-    ("greatest_rate", "f8"),
-    ("greatest_energy", "f8"),
-    ("direction", "f8"),
-    ("stiffness", "f8"),
-    ("damping", "f8"),
-    ("half_play", "f8"),
-    ("holding", "f8"),
-    ("mode", "i8"),
-    ("side", "f8"),
-    ("flank", "f8"),
-)
+
+class Window(Protocol):
+    """A latch, compliant or rigid, as its capture depends on it; see :class:`PackedLatch`."""
+
+    lower: float
+    middle: float
+    upper: float
+    greatest_rate: float
+    greatest_energy: float
+    direction: float
+    mode: int
+    side: float
+
+
+class PackedLatch(Record):
+    """Parameters and state of a latch."""
+
+    lower: float  # start of its window [rad] ([m])
+    middle: float  # of its window, where it holds [rad] ([m])
+    upper: float  # end of its window [rad] ([m])
+    greatest_rate: float  # of a capture [rad/s] ([m/s]), inf: any
+    greatest_energy: float  # of a capture [J], inf: any
+    direction: float  # of a capture, +1 or -1; 0: both
+    stiffness: float  # [N m/rad] ([N/m])
+    damping: float  # [N m s/rad] ([N s/m])
+    half_play: float  # [rad] ([m])
+    holding: float  # torque at which it lets go [N m] ([N]), inf: never
+    mode: int  # open or holding
+    side: float  # of the window on which the joint is or was, +1: above
+    flank: float  # of its play to which it is pressed, 0: none
+
+
+LAYOUT = layout(PackedLatch)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def excess(latch: Any, angle: float) -> float:
+def excess(latch: PackedLatch, angle: float) -> float:
     """How far the joint is beyond the latch's own play, with its sign; zero inside."""
     off = float(angle - latch.middle)
     if off > latch.half_play:
@@ -43,7 +58,7 @@ def excess(latch: Any, angle: float) -> float:
 
 
 @inlined
-def held_torque(latch: Any, angle: float, rate: float) -> float:
+def held_torque(latch: PackedLatch, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], of the spring and the damper; with play those of the flank pressed to.
 
     Where that would pull, the joint comes off it (``switch``); in a trial step beyond, the torque
@@ -56,14 +71,16 @@ def held_torque(latch: Any, angle: float, rate: float) -> float:
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     latch = record(words[at : at + SIZE], LAYOUT)
     return held_torque(latch, angle, rate) if latch.mode == HELD else 0.0
 
 
 @inlined
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Power lost [W]: what goes in, but for what the spring stores."""
     latch = record(words[at : at + SIZE], LAYOUT)
     rates[x] = 0.0
@@ -72,7 +89,7 @@ def write_rates(words: Any, at: int, angle: float, rate: float, power: float, ra
 
 
 @inlined
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     latch = record(words[at : at + SIZE], LAYOUT)
     if latch.mode != HELD:
@@ -82,7 +99,7 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @inlined
-def beyond_capture(latch: Any, rate: float, inertia: float) -> float:
+def beyond_capture(latch: Window, rate: float, inertia: float) -> float:
     """By how much the rate is not one to be captured at [rad/s]; zero or less where it is.
 
     A latch with a greatest energy asks for the joint's reduced inertia; not-a-number gives not-a-number.
@@ -99,13 +116,13 @@ def beyond_capture(latch: Any, rate: float, inertia: float) -> float:
 
 
 @inlined
-def inside(latch: Any, angle: float) -> float:
+def inside(latch: Window, angle: float) -> float:
     """How far the joint is inside the window; negative outside."""
     return float(min(angle - latch.lower, latch.upper - angle))
 
 
 @kernel
-def capture(latch: Any, k: int, motion: Any) -> tuple[float, float]:
+def capture(latch: Window, k: int, motion: Loaded) -> tuple[float, float]:
     """Functions that a latch has whatever holds: 0 the window's end, 1 the rates that it captures at."""
     _, angle, rate, inertia = motion
     if k == 0 and latch.mode != HELD:
@@ -119,7 +136,7 @@ def capture(latch: Any, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def _flanks(latch: Any, angle: float, rate: float) -> tuple[float, float]:
+def _flanks(latch: PackedLatch, angle: float, rate: float) -> tuple[float, float]:
     """With what a flank presses, or how far the joint is off one: off, too, while the flank would pull."""
     if latch.mode != HELD or latch.half_play == 0.0:
         return 1.0, 0.0
@@ -134,7 +151,7 @@ def _flanks(latch: Any, angle: float, rate: float) -> tuple[float, float]:
 
 
 @kernel
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Functions 0 and 1 are those of capture, 2 what the torque lacks to the holding one, 3 the flanks'."""
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion
@@ -148,6 +165,6 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """The present one."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)

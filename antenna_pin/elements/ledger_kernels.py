@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-# The integrals of a drive in x, in the order of ``Drive.integrals``.
-WORKS = layout(("work", "f8"), ("gross_work", "f8"))
+
+class Works(Record):
+    """Integrals of a drive in x, in the order of ``Drive.integrals``."""
+
+    work: float  # [J]
+    gross_work: float  # [J]
+
+
+WORKS = layout(Works)
 WORKS_WORDS = words_of(WORKS)
 
 
 @inlined
-def write_work(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_work(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Work and gross work of a drive: what it puts in, and the integral of its size."""
     works = record(rates[x : x + WORKS_WORDS], WORKS)
     works.work = power
@@ -21,7 +28,7 @@ def write_work(words: Any, at: int, angle: float, rate: float, power: float, rat
 
 
 @inlined
-def write_work_change(power: float, change: float, rates: Any, x: int) -> None:
+def write_work_change(power: float, change: float, rates: Floats, x: int) -> None:
     """Change of what :func:`write_work` writes, with that of the power."""
     works = record(rates[x : x + WORKS_WORDS], WORKS)
     works.work = change

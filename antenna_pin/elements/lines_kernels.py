@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.compiled.lanes import LANES, lane, same_lane, sum_of_lane
 
@@ -18,7 +19,7 @@ _ANEW = 64
 
 
 @inlined
-def _lanes_of(words: Any, at: int, first: float, step: float) -> tuple[Any, Any]:
+def _lanes_of(words: Floats, at: int, first: float, step: float) -> tuple[Any, Any]:
     """Return the cosines and the sines of first, first + step, ... as lanes."""
     cosines, sines = same_lane(0.0), same_lane(0.0)
     for k in range(LANES):
@@ -29,7 +30,7 @@ def _lanes_of(words: Any, at: int, first: float, step: float) -> tuple[Any, Any]
 
 
 @kernel
-def lines(words: Any, at: int, groups: int, lowest: int, turned: float) -> tuple[float, float, float]:
+def lines(words: Floats, at: int, groups: int, lowest: int, turned: float) -> tuple[float, float, float]:
     """Sum and its first two derivatives by the turn since the period's start [1, 1/rad, 1/rad^2].
 
     Args:

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.hook_kernels import Loaded, Own, Powered
 
-#: Which of them slip, the k-th counts 2^k. Behind it stand stiffness, reach and anchor of each.
-LAYOUT = layout(("count", "i8"), ("mode", "i8"), ("slips", "i8"))
+
+class PackedMaxwellSlip(Record):
+    """Springs that slip; stiffness, reach and anchor of each stand behind."""
+
+    count: int  # how many
+    mode: int  # HELD, UP, or the one after it: falling
+    slips: int  # which of them slip, the k-th counts 2^k
+
+
+LAYOUT = layout(PackedMaxwellSlip)
 SIZE = words_of(LAYOUT)
 EACH = 3
 # Modes: none slips; some slip, or did last, as the angle grows, or as it falls.
@@ -20,14 +27,14 @@ _SLACK = 1e-11
 
 
 @inlined
-def _bent(words: Any, one: int, angle: float) -> float:
+def _bent(words: Floats, one: int, angle: float) -> float:
     """By how much one spring is bent, and at most can be."""
     reach = words[one + 1]
     return float(min(max(angle - words[one + 2], -reach), reach))
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     found = 0.0
     for k in range(record(words[at : at + SIZE], LAYOUT).count):
@@ -37,7 +44,7 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Power of those that slip [W]: by what is decided, for it jumps where one begins to."""
     angle, rate, _ = motion
     springs = record(words[at : at + SIZE], LAYOUT)
@@ -50,7 +57,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
 
 
 @inlined
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     found = 0.0
     for k in range(record(words[at : at + SIZE], LAYOUT).count):
@@ -61,7 +68,7 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Product of what is left to each until it slips, as shares: one begins to where it passes zero."""
     found = 1.0
     for k in range(record(words[at : at + SIZE], LAYOUT).count):
@@ -71,13 +78,13 @@ def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """Return the present mode."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)
 
 
 @inlined
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """What is left until one slips (the other way), or one more; the rate of those that slip, or soon do."""
     springs = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion

@@ -10,11 +10,11 @@ says which sides are in contact; the torque asks the deflection alone.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.curve_kernels import curve
+from antenna_pin.elements.hook_kernels import Loaded
 
 # Springs: 1 on the side of a positive deflection, 2 on both sides, 0 one that acts both ways, without room.
 BOTH_WAYS = 0
@@ -26,26 +26,31 @@ APART, PLUS, MINUS, BOTH = 0, 1, 2, 3
 # Its function that passes zero where the deflection turns back, once in a touch of one side.
 TURNS = 2
 
-LAYOUT = layout(
-    ("a", "f8"),
-    ("b", "f8"),
-    ("rest", "f8"),
-    ("stiffness", "f8"),
-    ("damping", "f8"),
-    ("room", "f8"),
-    ("springs", "i8"),
-    ("forward", "f8"),
-    ("backward", "f8"),
-    ("slow", "f8"),
-    ("points", "i8"),
-    ("mode", "i8"),
-    ("turned", "f8"),
-)
+
+class PackedMesh(Record):
+    """Parameters and state of a mesh; one period of its error's curve stands behind."""
+
+    a: float  # multiplier of the input's angle
+    b: float  # multiplier of the output's angle
+    rest: float  # deflection's offset [rad] ([m])
+    stiffness: float  # [N m/rad] ([N/m])
+    damping: float  # [N m s/rad] ([N s/m])
+    room: float  # minus half the play, or the stretch at fitting [rad] ([m])
+    springs: int  # 1, TWO or BOTH_WAYS
+    forward: float  # efficiency, driving
+    backward: float  # efficiency, driven
+    slow: float  # rate of the input where friction is 71 % of its limit [rad/s]
+    points: int  # of the error's curve; 0: none
+    mode: int  # which sides are in contact
+    turned: float  # 1: the deflection has turned back in the present touch
+
+
+LAYOUT = layout(PackedMesh)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def _pushes(mesh: Any, depth: float, rate: float) -> tuple[float, float]:
+def _pushes(mesh: PackedMesh, depth: float, rate: float) -> tuple[float, float]:
     """Force of the spring on one side, and of its damper, by its compression and the rate of that."""
     if depth <= 0.0:
         return 0.0, 0.0
@@ -54,7 +59,7 @@ def _pushes(mesh: Any, depth: float, rate: float) -> tuple[float, float]:
 
 
 @inlined
-def _forces(mesh: Any, x: float, rate: float) -> tuple[float, float]:
+def _forces(mesh: PackedMesh, x: float, rate: float) -> tuple[float, float]:
     """Force against the deflection: that of springs, and that of dampers."""
     if mesh.springs == BOTH_WAYS:
         return mesh.stiffness * x, mesh.damping * rate
@@ -68,7 +73,7 @@ def _forces(mesh: Any, x: float, rate: float) -> tuple[float, float]:
 
 @kernel
 def between(
-    words: Any, at: int, angle: float, rate: float, other: float, other_rate: float
+    words: Floats, at: int, angle: float, rate: float, other: float, other_rate: float
 ) -> tuple[float, float, float, float]:
     """Deflection, its rate, and its derivatives over the angles of input and output."""
     mesh = record(words[at : at + SIZE], LAYOUT)
@@ -86,21 +91,21 @@ def between(
 
 
 @kernel
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], along the deflection."""
     elastic, damped = _forces(record(words[at : at + SIZE], LAYOUT), angle, rate)
     return float(-elastic - damped)
 
 
 @inlined
-def dissipation(words: Any, at: int, x: float, rate: float) -> float:
+def dissipation(words: Floats, at: int, x: float, rate: float) -> float:
     """Power that its dampers take [W]."""
     _, damped = _forces(record(words[at : at + SIZE], LAYOUT), x, rate)
     return float(damped * rate)
 
 
 @kernel
-def drag(words: Any, at: int, torque: float, rate: float) -> float:
+def drag(words: Floats, at: int, torque: float, rate: float) -> float:
     """Torque of friction on the input, which turns at a rate, where the mesh gives it a torque [N m].
 
     Driving (torque against the rate) the input gives 1 / forward of what the mesh takes, driven it gets
@@ -115,7 +120,7 @@ def drag(words: Any, at: int, torque: float, rate: float) -> float:
 
 
 @kernel
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     mesh = record(words[at : at + SIZE], LAYOUT)
     if mesh.springs == BOTH_WAYS:
@@ -126,7 +131,7 @@ def stored(words: Any, at: int, angle: float) -> float:
 
 
 @kernel
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Function k: how far side 0 (plus) or 1 (minus) is off, or in, and its rate; 2: the rate going in."""
     mesh = record(words[at : at + SIZE], LAYOUT)
     x, rate = motion[1], motion[2]
@@ -144,13 +149,13 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """The present one."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)
 
 
 @kernel
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """What changes sign where a damper comes to its limit, or off it: negative at the limit.
 
     Of each side in contact what the spring gives beyond its damper; a touch begins and ends at the limit.

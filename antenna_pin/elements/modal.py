@@ -1,13 +1,7 @@
 """Elements with modes: what they do changes at located events (a stop touched, a latch closed).
 
-Beside the kernels of any element these have
-
-- ``switch(words, at, k, motion)``, with ``motion = (t, angle, rate, load)``: function k of ``switches`` and
-  its rate, 0 where that is not known. It is positive while the mode stays, and the mode may change where it
-  passes zero; of another mode's functions it is 1. ``load`` is the torque that the element's row carries
-  [N m], on the child, and of a function that is ``weighed`` its joint's reduced inertia [kg m^2];
-- ``mode(words, at)``: the present one, from its record;
-- if the element ``holds``: ``hold(words, at)``: whether its joint is held now, and where [rad].
+Beside the kernels of any element these have ``switch`` and ``mode``, and if they hold their joint ``hold``
+(:class:`antenna_pin.elements.hook_kernels.Hooks`).
 """
 
 from __future__ import annotations

@@ -3,31 +3,33 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.term_kernels import course
 
-#: Behind it stand the coefficients of t^2 and higher powers, then ``terms`` words of what it follows, its
-#: table among it.
-LAYOUT = layout(
-    ("position", "f8"),
-    ("rate", "f8"),
-    ("amplitude", "f8"),
-    ("angular_frequency", "f8"),
-    ("phase", "f8"),
-    ("powers", "i8"),
-    ("terms", "i8"),
-)
+
+class PackedMotion(Record):
+    """A motion; coefficients of t^2 and higher powers, then ``terms`` words of its course stand behind."""
+
+    position: float  # at t = 0 [rad] ([m])
+    rate: float  # [rad/s] ([m/s])
+    amplitude: float  # of its sine [rad] ([m])
+    angular_frequency: float  # [rad/s]
+    phase: float  # [rad]
+    powers: int  # coefficients behind
+    terms: int  # words of the course behind those
+
+
+LAYOUT = layout(PackedMotion)
 SIZE = words_of(LAYOUT)
 # Its power is known once the forces of constraint are.
 write_rates = write_work
 
 
 @inlined
-def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
+def motion(words: Floats, at: int, t: float) -> tuple[float, float, float]:
     """Position, its rate and its acceleration at time t [s]."""
     m = record(words[at : at + SIZE], LAYOUT)
     turned = m.angular_frequency * t + m.phase
@@ -51,6 +53,6 @@ def motion(words: Any, at: int, t: float) -> tuple[float, float, float]:
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Zero: what holds the motion is a force of constraint."""
     return 0.0

@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 
-LAYOUT = layout(
-    ("value", "f8"),
-    ("by_current", "f8"),
-    ("torque_constant", "f8"),
-    ("back_emf", "f8"),
-    ("resistance", "f8"),
-    ("inductance", "f8"),
-    ("voltage_limit", "f8"),
-    ("current_limit", "f8"),
-    ("cogging", "f8"),
-    ("cycles", "f8"),
-    ("phase", "f8"),
-    ("ratio", "f8"),
-)
+
+class PackedMotor(Record):
+    """A motor's parameters; ``value`` is what its driver is commanded."""
+
+    value: float  # command, a voltage [V] or a current [A]
+    by_current: float  # 1: the command is a current, 0: a voltage
+    torque_constant: float  # [N m/A]
+    back_emf: float  # voltage over the rotor's rate [V s/rad]
+    resistance: float  # of the winding [ohm]
+    inductance: float  # of the winding [H]; 0: the current follows at once
+    voltage_limit: float  # largest voltage of the driver [V]
+    current_limit: float  # largest current of the driver [A]
+    cogging: float  # largest cogging torque, on the rotor [N m]
+    cycles: float  # of the cogging in a turn of the rotor
+    phase: float  # of the cogging [rad]
+    ratio: float  # turns of the rotor over those of the joint
+
+
+LAYOUT = layout(PackedMotor)
 SIZE = words_of(LAYOUT)
 # Among what it integrates.
 WORK = 0
@@ -37,7 +42,7 @@ def _within(value: float, middle: float, reach: float) -> float:
 
 
 @inlined
-def _voltage(m: Any, back: float) -> float:
+def _voltage(m: PackedMotor, back: float) -> float:
     """Voltage that the driver puts on [V], at a back-EMF [V]."""
     if m.by_current != 0.0:
         wished = m.resistance * _within(m.value, 0.0, m.current_limit) + back
@@ -46,20 +51,20 @@ def _voltage(m: Any, back: float) -> float:
 
 
 @inlined
-def _current(m: Any, back: float, voltage: float, own: Any) -> float:
+def _current(m: PackedMotor, back: float, voltage: float, own: Own) -> float:
     """Current [A]: a state where there is an inductance."""
     y, i = own
     return float(y[i + CURRENT] if m.inductance > 0.0 else (voltage - back) / m.resistance)
 
 
 @inlined
-def _cogging(m: Any, angle: float) -> float:
+def _cogging(m: PackedMotor, angle: float) -> float:
     """Torque of the cogging on the rotor [N m]."""
     return float(-m.cogging * math.sin(m.cycles * m.ratio * angle + m.phase))
 
 
 @inlined
-def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
+def effort_of(words: Floats, at: int, motion: Motion, own: Own) -> float:
     """Torque [N m], or force [N]."""
     m = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate = motion
@@ -69,7 +74,7 @@ def effort_of(words: Any, at: int, motion: Any, own: Any) -> float:
 
 
 @inlined
-def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: int) -> None:
+def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     """Powers without the cogging's, which is stored, [W], and the rate of the current [A/s]."""
     m = record(words[at : at + SIZE], LAYOUT)
     angle, rate, power = motion
@@ -87,7 +92,7 @@ def write_rates_of(words: Any, at: int, motion: Any, own: Any, rates: Any, x: in
 
 
 @inlined
-def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
+def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
     """Energy stored in the cogging [J]."""
     m = record(words[at : at + SIZE], LAYOUT)
     if m.cogging == 0.0:
@@ -96,7 +101,7 @@ def stored_of(words: Any, at: int, angle: float, own: Any) -> float:
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Where a limit begins to hold, by the rate of the joint [V]."""
     m = record(words[at : at + SIZE], LAYOUT)
     back = m.back_emf * m.ratio * rate

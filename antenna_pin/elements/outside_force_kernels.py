@@ -6,24 +6,28 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.elements.desk_kernels import turned
+from antenna_pin.elements.desk_kernels import Desk, turned
 from antenna_pin.elements.term_kernels import course
 
-#: Behind it stand ``terms`` words of its course.
-LAYOUT = layout(
-    ("force", "f8", (3,)),
-    ("torque", "f8", (3,)),
-    ("world", "i8"),
-    ("value", "f8"),
-    ("terms", "i8"),
-)
+
+class PackedOutsideForce(Record):
+    """A force on a link; ``terms`` words of its course stand behind."""
+
+    force: Vector3  # [N]
+    torque: Vector3  # [N m]
+    world: int  # 1: in world axes, 0: in the link's
+    value: float  # present multiplier
+    terms: int  # words of the course behind
+
+
+LAYOUT = layout(PackedOutsideForce)
 SIZE: Any = np.int64(words_of(LAYOUT))
 
 
 @inlined
-def act(words: Any, at: int, t: float, desk: Any) -> None:
+def act(words: Floats, at: int, t: float, desk: Desk) -> None:
     """Write force and torque on the link."""
     own = record(words[at : at + SIZE], LAYOUT)
     value = own.value

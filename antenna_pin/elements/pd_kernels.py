@@ -3,31 +3,34 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.ledger_kernels import write_work
 from antenna_pin.elements.term_kernels import course
 
-#: Behind it stand ``terms`` words of what it follows, its table among it.
-LAYOUT = layout(
-    ("kp", "f8"),
-    ("kd", "f8"),
-    ("limit", "f8"),
-    ("angle", "f8"),
-    ("rate", "f8"),
-    ("amplitude", "f8"),
-    ("angular_frequency", "f8"),
-    ("phase", "f8"),
-    ("terms", "i8"),
-)
+
+class PackedPD(Record):
+    """A controller's gains and reference; ``terms`` words of its course stand behind."""
+
+    kp: float  # [N m/rad] ([N/m])
+    kd: float  # [N m s/rad] ([N s/m])
+    limit: float  # largest effort [N m] ([N])
+    angle: float  # reference at t = 0 [rad] ([m])
+    rate: float  # of the reference [rad/s] ([m/s])
+    amplitude: float  # of its sine [rad] ([m])
+    angular_frequency: float  # [rad/s]
+    phase: float  # [rad]
+    terms: int  # words of the course behind
+
+
+LAYOUT = layout(PackedPD)
 SIZE = words_of(LAYOUT)
 write_rates = write_work
 
 
 @inlined
-def reference(words: Any, at: int, t: float) -> tuple[float, float]:
+def reference(words: Floats, at: int, t: float) -> tuple[float, float]:
     """Angle to be followed and its rate."""
     pd = record(words[at : at + SIZE], LAYOUT)
     omega = pd.angular_frequency
@@ -42,7 +45,7 @@ def reference(words: Any, at: int, t: float) -> tuple[float, float]:
 
 
 @inlined
-def demand(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def demand(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque that it would give without a limit [N m], or force [N]."""
     pd = record(words[at : at + SIZE], LAYOUT)
     wanted, wanted_rate = reference(words, at, t)
@@ -50,13 +53,13 @@ def demand(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     limit = record(words[at : at + SIZE], LAYOUT).limit
     return float(min(max(demand(words, at, t, angle, rate), -limit), limit))
 
 
 @inlined
-def kink(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """What the demand is beyond the limit, negative within it: the effort has a kink where this is zero."""
     return float(abs(demand(words, at, t, angle, rate)) - record(words[at : at + SIZE], LAYOUT).limit)

@@ -2,30 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-LAYOUT = layout(("stiffness", "f8"), ("damping", "f8"), ("free_length", "f8"))
+
+class PackedPointSpring(Record):
+    """A spring with damper between two points."""
+
+    stiffness: float  # [N/m]
+    damping: float  # [N s/m]
+    free_length: float  # [m]
+
+
+LAYOUT = layout(PackedPointSpring)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def tension(words: Any, at: int, length: float, rate: float) -> float:
+def tension(words: Floats, at: int, length: float, rate: float) -> float:
     """Force that draws the points together [N], at a distance [m] that grows at a rate [m/s]."""
     spring = record(words[at : at + SIZE], LAYOUT)
     return float(spring.stiffness * (length - spring.free_length) + spring.damping * rate)
 
 
 @inlined
-def loss(words: Any, at: int, rate: float) -> float:
+def loss(words: Floats, at: int, rate: float) -> float:
     """Power that the damper takes [W]."""
     return float(record(words[at : at + SIZE], LAYOUT).damping * rate * rate)
 
 
 @inlined
-def stored(words: Any, at: int, length: float) -> float:
+def stored(words: Floats, at: int, length: float) -> float:
     """Energy stored [J]."""
     spring = record(words[at : at + SIZE], LAYOUT)
     stretch = length - spring.free_length

@@ -2,31 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.stop_kernels import FREE, LOWER, UPPER, beyond
 
-#: Limits (infinite where there is none), and the mode: off both, at rest on the lower, or on the upper one.
-LAYOUT = layout(("lower", "f8"), ("upper", "f8"), ("mode", "i8"))
+
+class PackedRigidStop(Record):
+    """Parameters and state of a rigid stop."""
+
+    lower: float  # limit [rad] ([m]), -inf: none
+    upper: float  # limit [rad] ([m]), inf: none
+    mode: int  # off both, at rest on the lower, or on the upper one
+
+
+LAYOUT = layout(PackedRigidStop)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """None: a row holds the joint."""
     return 0.0
 
 
 @inlined
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Nothing is lost but in blows, which are booked as they happen."""
     rates[x] = 0.0
 
 
 @kernel
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Function k: how far off a side the joint is, and its rate; 2: how hard it rests on one [N m]."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if k < 2:
@@ -41,13 +50,13 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def hold(words: Any, at: int) -> tuple[bool, float]:
+def hold(words: Floats, at: int) -> tuple[bool, float]:
     """Whether the joint rests on a side, and where that is."""
     stop = record(words[at : at + SIZE], LAYOUT)
     return stop.mode != FREE, float(stop.upper if stop.mode == UPPER else stop.lower)
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """The present one."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)

@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 
-LAYOUT = layout(("stiffness", "f8"), ("damping", "f8"), ("rest_angle", "f8"), ("shorter_way", "i8"))
+
+class PackedSpring(Record):
+    """A spring with damper at a joint."""
+
+    stiffness: float  # [N m/rad] ([N/m])
+    damping: float  # [N m s/rad] ([N s/m])
+    rest_angle: float  # [rad] ([m])
+    shorter_way: int  # 1: deflected at most by half a turn
+
+
+LAYOUT = layout(PackedSpring)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def deflection(words: Any, at: int, angle: float) -> float:
+def deflection(words: Floats, at: int, angle: float) -> float:
     """Angle of the joint from rest; the shorter way round if the spring asks for that."""
     spring = record(words[at : at + SIZE], LAYOUT)
     turned = float(angle - spring.rest_angle)
@@ -23,20 +32,22 @@ def deflection(words: Any, at: int, angle: float) -> float:
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
     spring = record(words[at : at + SIZE], LAYOUT)
     return float(-spring.stiffness * deflection(words, at, angle) - spring.damping * rate)
 
 
 @inlined
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Power that the damper takes [W]."""
     rates[x] = record(words[at : at + SIZE], LAYOUT).damping * rate * rate
 
 
 @inlined
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     turned = deflection(words, at, angle)
     return float(0.5 * record(words[at : at + SIZE], LAYOUT).stiffness * turned * turned)

@@ -7,31 +7,33 @@ What depends on the load is not in ``effort``: where rows are solved, it is adde
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.elements.hook_kernels import Loaded, Own
 
-#: The mode, where it sticks, whether motions prescribe the joint's rate; friction of slipping and up to which
-#: it sticks, viscous friction, Stribeck's curve; the same by the load; by what radial force, axial force and
-#: moment make this, the bearing's middle; and the load at the last evaluation.
-LAYOUT = layout(
-    ("mode", "i8"),
-    ("where", "f8"),
-    ("prescribed", "f8"),
-    ("coulomb", "f8"),
-    ("static", "f8"),
-    ("viscous", "f8"),
-    ("stribeck_rate", "f8"),
-    ("exponent", "f8"),
-    ("coefficient", "f8"),
-    ("static_coefficient", "f8"),
-    ("radial", "f8"),
-    ("axial", "f8"),
-    ("bending", "f8"),
-    ("middle", "f8"),
-    ("burden", "f8"),
-)
+
+class PackedStickingFriction(Record):
+    """Parameters and state of a friction that sticks."""
+
+    mode: int  # UNDECIDED, FORWARD, ...
+    where: float  # it sticks [rad] ([m])
+    prescribed: float  # 1: motions prescribe the joint's rate
+    coulomb: float  # friction of slipping [N m] ([N])
+    static: float  # up to which it sticks [N m] ([N])
+    viscous: float  # [N m s/rad] ([N s/m])
+    stribeck_rate: float  # [rad/s] ([m/s])
+    exponent: float  # of Stribeck's curve
+    coefficient: float  # of slipping, by the load
+    static_coefficient: float  # of sticking, by the load
+    radial: float  # load over radial force [m] ([-])
+    axial: float  # over axial force [m] ([-])
+    bending: float  # over moment [-] ([1/m])
+    middle: float  # of the bearing along the axis [m]
+    burden: float  # load at the last evaluation [N m] ([N])
+
+
+LAYOUT = layout(PackedStickingFriction)
 SIZE = words_of(LAYOUT)
 
 # Modes. Slipping one way or the other; sticking; at rest and held by others, with all its friction pushing
@@ -57,7 +59,7 @@ def _direction(mode_now: int) -> float:
 
 
 @inlined
-def _fade(law: Any, rate: float) -> float:
+def _fade(law: PackedStickingFriction, rate: float) -> float:
     """What is left of the excess of static friction at a rate."""
     if law.mode == PUSHED or law.mode == PULLED:
         return 1.0
@@ -67,7 +69,7 @@ def _fade(law: Any, rate: float) -> float:
 
 
 @inlined
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], whatever the load: zero while it sticks, for then a row carries it."""
     law = record(words[at : at + SIZE], LAYOUT)
     dry = law.coulomb + (law.static - law.coulomb) * _fade(law, rate)
@@ -75,33 +77,35 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @inlined
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Power that it takes, whatever the load [W]."""
     rates[x] = -power
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """Return the present mode."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)
 
 
 @inlined
-def hold(words: Any, at: int) -> tuple[bool, float]:
+def hold(words: Floats, at: int) -> tuple[bool, float]:
     """Whether the joint sticks, and where."""
     law = record(words[at : at + SIZE], LAYOUT)
     return law.mode == STUCK, float(law.where)
 
 
 @inlined
-def grip(words: Any, at: int) -> float:
+def grip(words: Floats, at: int) -> float:
     """Torque up to which it holds, under the load of the last evaluation [N m] ([N])."""
     law = record(words[at : at + SIZE], LAYOUT)
     return float(law.static + law.static_coefficient * law.burden)
 
 
 @inlined
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Rate in the direction of slipping; what is left of the grip while it sticks.
 
     Where the rate is prescribed the function passes zero once the joint moves the other way: round-off of a
@@ -123,14 +127,14 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def bearing(words: Any, at: int) -> tuple[float, float, float, float]:
+def bearing(words: Floats, at: int) -> tuple[float, float, float, float]:
     """What load is made of: by radial force, axial force [m] and moment [-], and the middle [m]."""
     law = record(words[at : at + SIZE], LAYOUT)
     return float(law.radial), float(law.axial), float(law.bending), float(law.middle)
 
 
 @inlined
-def rub(words: Any, at: int, rate: float, own: Any) -> float:
+def rub(words: Floats, at: int, rate: float, own: Own) -> float:
     """Torque by load, with its sign [-]."""
     law = record(words[at : at + SIZE], LAYOUT)
     level = law.coefficient + (law.static_coefficient - law.coefficient) * _fade(law, rate)
@@ -138,6 +142,6 @@ def rub(words: Any, at: int, rate: float, own: Any) -> float:
 
 
 @inlined
-def bear(words: Any, at: int, burden: float) -> None:
+def bear(words: Floats, at: int, burden: float) -> None:
     """Take notice of the load [N m] ([N])."""
     record(words[at : at + SIZE], LAYOUT).burden = burden

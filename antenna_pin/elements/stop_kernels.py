@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force, normal_force
+from antenna_pin.elements.hook_kernels import Loaded
 
 # Its modes: off both sides, on the lower one, on the upper one.
 FREE, LOWER, UPPER = 0, 1, 2
@@ -15,24 +15,26 @@ FREE, LOWER, UPPER = 0, 1, 2
 # Its function that passes zero where the joint turns back, once in a touch.
 TURNS = 2
 
-#: Limits (infinite where there is none), least approach rate, mass or inertia of laws that ask for one, of
-#: the lower and of the upper side, mode, rate of approach at the onset of the present touch, and whether it
-#: has turned back (0 or 1). Behind it stand the laws of the two sides.
-LAYOUT = layout(
-    ("lower", "f8"),
-    ("upper", "f8"),
-    ("least_rate", "f8"),
-    ("inertia", "f8"),
-    ("upper_inertia", "f8"),
-    ("mode", "i8"),
-    ("approach", "f8"),
-    ("turned", "f8"),
-)
+
+class PackedStop(Record):
+    """Parameters and state of a stop; the laws of its two sides stand behind."""
+
+    lower: float  # limit [rad] ([m]), -inf: none
+    upper: float  # limit [rad] ([m]), inf: none
+    least_rate: float  # least approach rate that a touch remembers [rad/s] ([m/s])
+    inertia: float  # for laws of the lower side that need a mass [kg m^2] ([kg])
+    upper_inertia: float  # the same of the upper side
+    mode: int  # off both, on the lower, or on the upper one
+    approach: float  # rate at the onset of the present touch [rad/s] ([m/s])
+    turned: float  # 1: the touch has turned back
+
+
+LAYOUT = layout(PackedStop)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def depth(stop: Any, angle: float) -> float:
+def depth(stop: PackedStop, angle: float) -> float:
     """How far the joint is pressed into the side that it touches; beyond none it is zero."""
     if stop.mode == LOWER:
         return float(stop.lower - angle)
@@ -42,7 +44,7 @@ def depth(stop: Any, angle: float) -> float:
 
 
 @inlined
-def way(stop: Any) -> float:
+def way(stop: PackedStop) -> float:
     """Direction into the side that it touches: -1 lower, +1 upper, 0 neither."""
     if stop.mode == LOWER:
         return -1.0
@@ -50,13 +52,13 @@ def way(stop: Any) -> float:
 
 
 @inlined
-def law_at(at: int, stop: Any) -> int:
+def law_at(at: int, stop: PackedStop) -> int:
     """Where the law of the side that it touches stands."""
     return at + SIZE + NORMAL_SIZE if stop.mode == UPPER else at + SIZE
 
 
 @kernel
-def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
+def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N], out of the stop; never into it."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if stop.mode == FREE:
@@ -69,7 +71,9 @@ def effort(words: Any, at: int, t: float, angle: float, rate: float) -> float:
 
 
 @kernel
-def write_rates(words: Any, at: int, angle: float, rate: float, power: float, rates: Any, x: int) -> None:
+def write_rates(
+    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
     """Power lost [W]: what goes in, but for what the elastic part stores; and the torque's size."""
     stop = record(words[at : at + SIZE], LAYOUT)
     rates[x] = rates[x + 1] = 0.0
@@ -81,7 +85,7 @@ def write_rates(words: Any, at: int, angle: float, rate: float, power: float, ra
 
 
 @kernel
-def stored(words: Any, at: int, angle: float) -> float:
+def stored(words: Floats, at: int, angle: float) -> float:
     """Energy stored [J]."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if stop.mode == FREE:
@@ -102,7 +106,7 @@ def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: fl
 
 
 @kernel
-def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
+def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     """Function k: how far off a side the joint is, or how far in, and its rate; 2: the rate going in."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if k == TURNS:
@@ -111,6 +115,6 @@ def switch(words: Any, at: int, k: int, motion: Any) -> tuple[float, float]:
 
 
 @inlined
-def mode(words: Any, at: int) -> int:
+def mode(words: Floats, at: int) -> int:
     """The present one."""
     return int(record(words[at : at + SIZE], LAYOUT).mode)

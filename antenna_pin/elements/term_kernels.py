@@ -7,26 +7,27 @@ begins with, and stands still.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements.lines_kernels import lines
 
-#: A term: what it is, how many words it has in all, how many pieces (swings, lanes of lines) follow, how
-#: many coefficients a piece has (the number of the first line), when it begins [s], how long it lasts or
-#: after what time it comes again [s] (0: never), its size, angular frequency and phase.
-TERM = layout(
-    ("kind", "i8"),
-    ("length", "i8"),
-    ("count", "i8"),
-    ("powers", "i8"),
-    ("begin", "f8"),
-    ("span", "f8"),
-    ("amount", "f8"),
-    ("omega", "f8"),
-    ("phase", "f8"),
-)
+
+class Term(Record):
+    """The head of a term of a course."""
+
+    kind: int  # SINE, PIECES, SWEPT, ...
+    length: int  # words in all, head included
+    count: int  # pieces (swings, lanes of lines) that follow
+    powers: int  # coefficients of a piece; of lines the number of the first
+    begin: float  # [s]
+    span: float  # how long it lasts, or after what time it repeats [s]; 0: never
+    amount: float  # its size, in the course's unit
+    omega: float  # angular frequency [rad/s]
+    phase: float  # [rad]
+
+
+TERM = layout(Term)
 SIZE = words_of(TERM)
 #: Pieces of polynomials: behind the record the times between them (count + 1), then ``powers`` coefficients
 #: of each piece from the constant on, of the time since its begin. Beyond the last time its end is held; with
@@ -44,22 +45,26 @@ SINES = 4
 LINES = 5
 #: Most coefficients of a piece.
 POWERS = 8
-#: From ``start`` on the angular frequency is ``begin`` exp(growth s), or, where ``octaves`` is 0, ``begin`` +
-#: growth s, s since then; the amplitude is ``height`` over the ``power`` of that frequency.
-SWEPT_PIECE = layout(
-    ("start", "f8"),
-    ("begin", "f8"),
-    ("growth", "f8"),
-    ("octaves", "i8"),
-    ("phase", "f8"),
-    ("height", "f8"),
-    ("power", "i8"),
-)
+
+
+class SweptPiece(Record):
+    """A piece of a swept sine: amplitude ``height`` / omega^power, omega from ``begin`` on."""
+
+    start: float  # [s]
+    begin: float  # angular frequency at the start [rad/s]
+    growth: float  # of the frequency: exp(growth s) in octaves [1/s], else linear [rad/s^2]
+    octaves: int  # 1: logarithmic, 0: linear
+    phase: float  # at the start [rad]
+    height: float  # amplitude times omega^power
+    power: int  # 0, 1 or 2
+
+
+SWEPT_PIECE = layout(SweptPiece)
 _PIECE_SIZE = words_of(SWEPT_PIECE)
 
 
 @inlined
-def _pieces(words: Any, at: int, term: Any, t: float) -> tuple[float, float, float]:
+def _pieces(words: Floats, at: int, term: Term, t: float) -> tuple[float, float, float]:
     n, times = term.count, at + SIZE
     own = t
     if term.span > 0.0:
@@ -93,7 +98,7 @@ def _swing(size: float, angle: float, omega: float) -> tuple[float, float, float
 
 
 @inlined
-def _turned(p: Any, s: float) -> tuple[float, float, float, float]:
+def _turned(p: SweptPiece, s: float) -> tuple[float, float, float, float]:
     """Phase since the piece's start, angular frequency and its first two derivatives, s after the start."""
     if p.octaves == 0 or p.growth == 0.0:
         return (p.begin + 0.5 * p.growth * s) * s, p.begin + p.growth * s, p.growth, 0.0
@@ -104,7 +109,7 @@ def _turned(p: Any, s: float) -> tuple[float, float, float, float]:
 
 
 @inlined
-def _swept(words: Any, at: int, term: Any, t: float) -> tuple[float, float, float]:
+def _swept(words: Floats, at: int, term: Term, t: float) -> tuple[float, float, float]:
     own = at + SIZE
     for _ in range(term.count - 1):
         if t < words[own + _PIECE_SIZE]:
@@ -128,7 +133,7 @@ def _swept(words: Any, at: int, term: Any, t: float) -> tuple[float, float, floa
 
 
 @inlined
-def _cycloid(term: Any, t: float) -> tuple[float, float, float]:
+def _cycloid(term: Term, t: float) -> tuple[float, float, float]:
     s = (t - term.begin) / term.span
     if s <= 0.0:
         return 0.0, 0.0, 0.0
@@ -144,7 +149,7 @@ def _cycloid(term: Any, t: float) -> tuple[float, float, float]:
 
 
 @kernel
-def course(words: Any, at: int, end: int, t: float) -> tuple[float, float, float]:
+def course(words: Floats, at: int, end: int, t: float) -> tuple[float, float, float]:
     """Value, rate and acceleration at time t [s] of the sum of the terms in words[at:end]."""
     value = rate = acceleration = 0.0
     while at < end:

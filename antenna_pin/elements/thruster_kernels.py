@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.elements.desk_kernels import turned
+from antenna_pin.elements.desk_kernels import Desk, turned
 
-LAYOUT = layout(
-    ("thrust", "f8"),
-    ("direction", "f8", (3,)),
-    ("firing", "f8"),
-    ("throttle", "f8"),
-    ("rise_time", "f8"),
-    ("fall_time", "f8"),
-)
+
+class PackedThruster(Record):
+    """A thruster."""
+
+    thrust: float  # at full level [N]
+    direction: Vector3  # of the force on the link, in its axes
+    firing: float  # 1: at full level
+    throttle: float  # level if not, 0 to 1
+    rise_time: float  # time constant of the level [s]; 0: it follows at once
+    fall_time: float  # time constant of a falling level [s]
+
+
+LAYOUT = layout(PackedThruster)
 SIZE = words_of(LAYOUT)
 
 
 @inlined
-def act(words: Any, at: int, t: float, desk: Any) -> None:
+def act(words: Floats, at: int, t: float, desk: Desk) -> None:
     """Write the force on the link, and the rate of its level if that follows."""
     own = record(words[at : at + SIZE], LAYOUT)
     level = 1.0 if own.firing != 0.0 else own.throttle

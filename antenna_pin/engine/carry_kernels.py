@@ -12,11 +12,14 @@ stages, in a method of third order, where these can (``|h A w| < |w|``).
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
 from antenna_pin.engine.tangent_kernels import write_tangent
+from antenna_pin.integrate.explicit_kernels import Tableau
 from antenna_pin.integrate.kernels import RATES, STATE, begin, stage, store
 from antenna_pin.integrate.manifold_kernels import space_of, write_bracket
 
@@ -52,25 +55,25 @@ class CarryRoom(NamedTuple):
         sizes: Of these two, in units, (2, few).
     """
 
-    tangent: Any
-    tableau: Any
-    work: Any
-    ways: Any
-    now: Any
-    slopes: Any
-    coarse: Any
-    steps: Any
-    rests: Any
-    asked: Any
-    few: Any
-    few_steps: Any
-    few_both: Any
-    books: Any
-    bracket: Any
-    both: Any
-    errors: Any
-    rough: Any
-    sizes: Any
+    tangent: TangentRoom
+    tableau: Tableau
+    work: Floats
+    ways: Floats
+    now: Floats
+    slopes: Floats
+    coarse: Floats
+    steps: Floats
+    rests: Floats
+    asked: Ints
+    few: Floats
+    few_steps: Floats
+    few_both: Floats
+    books: Floats
+    bracket: Floats
+    both: Floats
+    errors: Floats
+    rough: Floats
+    sizes: Floats
 
 
 @inlined
@@ -106,7 +109,7 @@ def _place(s: float, grade: int, origin: float) -> tuple[float, float]:
 
 
 @inlined
-def _displace(i: int, h: float, room: Any) -> None:
+def _displace(i: int, h: float, room: CarryRoom) -> None:
     """Write the displacements at stage i; what they are off by where that is asked for."""
     slopes, now, few = room.slopes, room.now, room.few.shape[0]
     for d in range(now.shape[0]):
@@ -124,7 +127,7 @@ def _displace(i: int, h: float, room: Any) -> None:
 
 
 @inlined
-def _note(i: int, h: float, speed: float, y: Any, both: Any, room: Any) -> None:
+def _note(i: int, h: float, speed: float, y: Floats, both: Floats, room: CarryRoom) -> None:
     """Note how fast the displacements change at stage i, over what is integrated over.
 
     By how much the two orders of differences part there is added up, by the stage's share in the step; and
@@ -157,7 +160,7 @@ def _note(i: int, h: float, speed: float, y: Any, both: Any, room: Any) -> None:
 
 
 @inlined
-def _judge(h: float, room: Any) -> None:
+def _judge(h: float, room: CarryRoom) -> None:
     """Write by how much displacements are off by the method, and the sizes of that and of roughness."""
     weights, slopes, units, others = room.tableau.errors, room.slopes, room.tangent.units, room.few
     for d in range(room.few.shape[0]):
@@ -184,7 +187,7 @@ def _judge(h: float, room: Any) -> None:
 
 
 @inlined
-def _prepare(room: Any) -> None:
+def _prepare(room: CarryRoom) -> None:
     """Choose steps of differences of what is differentiated as a whole, and let constant parts be."""
     for d in range(room.ways.shape[0]):
         largest = 0.0
@@ -197,7 +200,7 @@ def _prepare(room: Any) -> None:
 
 
 @kernel
-def carry_along(t: float, h: float, until: float, since: float, room: Any) -> None:
+def carry_along(t: float, h: float, until: float, since: float, room: CarryRoom) -> None:
     """Carry displacements along a step.
 
     Args:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.engine.carry_kernels import carry_along
+from antenna_pin.engine.carry_kernels import CarryRoom, carry_along
 from antenna_pin.integrate.kernels import START, STATE
 
 # In how many parts at most a step is made, and by how much better than it must be one is known at most, until
@@ -33,21 +34,21 @@ class ChainRoom(NamedTuple):
         books: The same, so far.
     """
 
-    room: Any
-    full: Any
-    times: Any
-    sizes: Any
-    since: Any
-    until: Any
-    states: Any
-    scales: Any
-    first: Any
-    booked: Any
-    books: Any
+    room: CarryRoom
+    full: CarryRoom
+    times: Floats
+    sizes: Floats
+    since: Floats
+    until: Floats
+    states: Floats
+    scales: Floats
+    first: Floats
+    booked: Floats
+    books: Floats
 
 
 @inlined
-def _worst(good: float, scales: Any, room: Any) -> float:
+def _worst(good: float, scales: Floats, room: CarryRoom) -> float:
     """Return how well a step's displacements are known, over how well they must: at most 1 is well enough."""
     worst = 0.0
     for d in range(room.few.shape[0]):
@@ -65,7 +66,7 @@ def _worst(good: float, scales: Any, room: Any) -> float:
 
 
 @inlined
-def _is_rapid(h: float, room: Any) -> bool:
+def _is_rapid(h: float, room: CarryRoom) -> bool:
     """Whether what displacements are off by changes so much in a step that three stages tell it no more."""
     units, slopes = room.tangent.units, room.slopes
     for d in range(room.few.shape[0], room.now.shape[0]):
@@ -84,7 +85,7 @@ def _is_rapid(h: float, room: Any) -> bool:
 
 
 @inlined
-def _set(ways: Any, there: Any) -> None:
+def _set(ways: Floats, there: Floats) -> None:
     """Write displacements to others."""
     for d in range(ways.shape[0]):
         for k in range(ways.shape[1]):
@@ -92,7 +93,7 @@ def _set(ways: Any, there: Any) -> None:
 
 
 @inlined
-def _take(there: Any, room: Any) -> None:
+def _take(there: CarryRoom, room: CarryRoom) -> None:
     """Begin the next step where one has led, and with what displacements there are off by."""
     few = there.few.shape[0]
     for d in range(few):
@@ -102,7 +103,7 @@ def _take(there: Any, room: Any) -> None:
 
 
 @kernel
-def _carry_in_parts(n: int, parts: int, good: float, chain: Any) -> float:
+def _carry_in_parts(n: int, parts: int, good: float, chain: ChainRoom) -> float:
     """Carry displacements along a step in equal parts; return how well they are known, as :func:`_worst`."""
     room, full, worst = chain.room, chain.full, 0.0
     stages, size = room.tableau.weights.shape[0], chain.sizes[n] / parts
@@ -130,7 +131,7 @@ def _carry_in_parts(n: int, parts: int, good: float, chain: Any) -> float:
 
 
 @kernel
-def carry_chain(good: float, chain: Any) -> int:
+def carry_chain(good: float, chain: ChainRoom) -> int:
     """Carry displacements, and what they are off by, along steps one after another.
 
     Args:

@@ -15,8 +15,9 @@ from antenna_pin.compiled.calls import CALLED_BACK
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics import outside_kernels as kernels
 from antenna_pin.dynamics.by_pinocchio import accelerations_of, terms_of
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.engine.implicit_kernels import attempt_implicit
-from antenna_pin.engine.step_kernels import Numbers, attempt, derivative, prepare_dense
+from antenna_pin.engine.step_kernels import attempt, derivative, prepare_dense
 from antenna_pin.errors import FunctionError, MechanismError
 from antenna_pin.integrate import Method, Stepper
 from antenna_pin.mechanism import PLACE, ROOM, TreeDynamics, body_tree
@@ -73,7 +74,7 @@ class Answers:
             return kernels.ANSWERED
 
         called = self._kept[question] = CALLED_BACK(answer)
-        self.outside.asked[question] = ctypes.cast(called, ctypes.c_void_p).value
+        self.outside.asked[0][question] = ctypes.cast(called, ctypes.c_void_p).value
 
     def asks(self, question: str) -> bool:
         """Return whether a callback is given."""
@@ -89,9 +90,9 @@ class Answers:
 
     def check(self) -> None:
         """Raise what has been raised where compiled code asked last, if anything was."""
-        asked = self.outside.asked
-        if asked["failed"][0] != kernels.ANSWERED:
-            asked["failed"] = kernels.ANSWERED
+        asked: kernels.Asked = self.outside.asked[0]
+        if asked.failed != kernels.ANSWERED:
+            asked.failed = kernels.ANSWERED
             raise self._raised.pop()
 
 
@@ -103,19 +104,20 @@ def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> 
         workspace: What the run works on; its contact table and program are written to.
         table: Contact table that gaps are located in, CONTACT, written.
     """
-    state, asked = answers.outside.state, answers.outside.asked
+    state = answers.outside.state
+    asked: kernels.Asked = answers.outside.asked[0]
     if workspace.paths or workspace.system.callables:
         ask = workspace.asked_in_steps()
         answers.give("elements", lambda t: ask(t, state))
         # Forces of laws in Python are zero again only once they have been asked after a release.
         compiled = all(path.compiled for path in workspace.paths)
-        asked["touching"] = compiled and not workspace.system.callables
+        asked.touching = compiled and not workspace.system.callables
     if workspace.system.callables and workspace.constraints is not None:
         answers.give("motions", lambda t: workspace.prepare_motions(t, state))
     if workspace.measured:
-        answers.give("gaps", lambda t: workspace.measure_into(table, state, int(asked["contact"][0])))
+        answers.give("gaps", lambda t: workspace.measure_into(table, state, int(asked.contact)))
     if workspace.asked_laws:
-        answers.give("forces", lambda t: workspace.ask_laws(table, int(asked["contact"][0])))
+        answers.give("forces", lambda t: workspace.ask_laws(table, int(asked.contact)))
 
 
 def give_pinocchio(answers: Answers, workspace: Workspace, mass: Array, bias: Array) -> None:

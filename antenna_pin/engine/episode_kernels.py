@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from antenna_pin.base.records import layout
+from numpy.typing import NDArray
+
+from antenna_pin.base.records import Floats, Ints, Memory, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import HEADER, block_at, head_of
+from antenna_pin.dynamics.numbers_kernels import Numbers
+from antenna_pin.dynamics.peak_kernels import Peak
 from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.engine.step_kernels import accelerate
 from antenna_pin.integrate.kernels import STATE_ROW, dense_state
@@ -16,33 +20,38 @@ from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.layout_kernels import CLEARANCE, joint_at
 from antenna_pin.joints.pose_kernels import journal_state
 
-#: One contact from onset to release: which; when it began [s], how fast [m/s], onto which mass [kg]; when it
-#: ended [s], not-a-number while it lasts; its largest force [N], when [s], its largest depth [m], its impulse
-#: [N s] and what it has dissipated [J].
-EPISODE = layout(
-    ("contact", "i8"),
-    ("onset", "f8"),
-    ("approach_speed", "f8"),
-    ("effective_mass", "f8"),
-    ("release", "f8"),
-    ("peak_force", "f8"),
-    ("peak_time", "f8"),
-    ("peak_depth", "f8"),
-    ("impulse", "f8"),
-    ("dissipated", "f8"),
-)
 
-#: Where in a state a contact's integrals stand, its first bristle and how many it has; least approach speed
-#: that it remembers [m/s]; what its gap must come to at an event [m].
-PLACES = layout(
-    ("impulse", "i8"),
-    ("lost_normal", "i8"),
-    ("lost_friction", "i8"),
-    ("bristle", "i8"),
-    ("bristles", "i8"),
-    ("floor", "f8"),
-    ("tolerance", "f8"),
-)
+class Episode(Record):
+    """One contact from onset to release."""
+
+    contact: int  # index
+    onset: float  # [s]
+    approach_speed: float  # at the onset [m/s]
+    effective_mass: float  # at the onset [kg]
+    release: float  # [s]; not-a-number while it lasts
+    peak_force: float  # [N]
+    peak_time: float  # of the largest force [s]
+    peak_depth: float  # [m]
+    impulse: float  # of the normal force [N s]
+    dissipated: float  # [J]
+
+
+EPISODE = layout(Episode)
+
+
+class Places(Record):
+    """Where in a state the numbers of a contact stand, and its limits."""
+
+    impulse: int  # place in y
+    lost_normal: int  # place in y
+    lost_friction: int  # place in y
+    bristle: int  # place of the first in y
+    bristles: int  # how many
+    floor: float  # least approach speed that it remembers [m/s]
+    tolerance: float  # of its gap at an event [m]
+
+
+PLACES = layout(Places)
 
 
 @by_address
@@ -62,19 +71,19 @@ class Book(NamedTuple):
         count: How many of them there are, (1,).
     """
 
-    memory: Any
-    peaks: Any
-    open: Any
-    moments: Any
-    states: Any
-    memories: Any
-    places: Any
-    episodes: Any
-    count: Any
+    memory: Records[Memory]
+    peaks: Records[Peak]
+    open: Ints
+    moments: Floats
+    states: Floats
+    memories: NDArray[Memory]
+    places: Records[Places]
+    episodes: Records[Episode]
+    count: Ints  # type: ignore[assignment]  # hides a method of tuples
 
 
 @kernel
-def touch(book: Any, c: int, t: float, rate: float, mass: float, y: Any) -> None:
+def touch(book: Book, c: int, t: float, rate: float, mass: float, y: Floats) -> None:
     """Begin a contact at time t [s], at a depth rate [m/s] and an effective mass [kg]; y is its state."""
     place, memory, peak = book.places[c], book.memory[c], book.peaks[c]
     memory.touching = 1.0
@@ -105,7 +114,7 @@ def touch(book: Any, c: int, t: float, rate: float, mass: float, y: Any) -> None
 
 
 @kernel
-def complete(book: Any, c: int, y: Any) -> None:
+def complete(book: Book, c: int, y: Floats) -> None:
     """Write what a contact has come to by the state y into its episode, if it has one."""
     number = book.open[c]
     if number < 0:
@@ -119,7 +128,7 @@ def complete(book: Any, c: int, y: Any) -> None:
 
 
 @kernel
-def release(book: Any, c: int, t: float, y: Any) -> None:
+def release(book: Book, c: int, t: float, y: Floats) -> None:
     """End a contact at time t [s] and state y; what is kept of its largest force stays, to be sampled."""
     memory = book.memory[c]
     memory.touching = 0.0
@@ -133,7 +142,7 @@ def release(book: Any, c: int, t: float, y: Any) -> None:
 
 @kernel
 def keep_peaks(
-    t: float, h: float, space: Any, dense: Any, work: Any, start: int, out: Any, book: Any
+    t: float, h: float, space: Ints, dense: Floats, work: Floats, start: int, out: Floats, book: Book
 ) -> None:
     """Keep the state at the largest force so far of each contact that lasts, of the step from t [s]."""
     for c in range(book.memory.shape[0]):
@@ -153,7 +162,7 @@ def keep_peaks(
 
 
 @kernel
-def effective_mass(c: int, y: Any, numbers: Any) -> float:
+def effective_mass(c: int, y: Floats, numbers: Numbers) -> float:
     """Return the mass that an impact along the normal of contact c sees at the state y [kg].
 
     It is what :meth:`antenna_pin.dynamics.Workspace.effective_mass` finds, by the compiled dynamics.

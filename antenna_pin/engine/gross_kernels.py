@@ -7,9 +7,9 @@ turns matters to second order only.
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.integrate.explicit_kernels import Tableau
 from antenna_pin.integrate.kernels import START
 from antenna_pin.integrate.manifold_kernels import space_of
 
@@ -18,7 +18,7 @@ _PARTS, _HALVINGS = 16, 50
 
 
 @inlined
-def _turns(i: int, last: int, work: Any) -> bool:
+def _turns(i: int, last: int, work: Floats) -> bool:
     """Whether component i of a step's rates has either sign at its stages."""
     least, most = 0.0, 0.0
     for j in range(last + 1):
@@ -28,7 +28,7 @@ def _turns(i: int, last: int, work: Any) -> bool:
 
 
 @kernel
-def turn_back(works: Any, tableau: Any, space: Any, work: Any) -> bool:
+def turn_back(works: Ints, tableau: Tableau, space: Ints, work: Floats) -> bool:
     """Whether a work turns back in the step in the work rows.
 
     Args:
@@ -45,7 +45,7 @@ def turn_back(works: Any, tableau: Any, space: Any, work: Any) -> bool:
 
 
 @inlined
-def _gone(i: int, theta: float, dense: Any) -> tuple[float, float]:
+def _gone(i: int, theta: float, dense: Floats) -> tuple[float, float]:
     """How far component i has gone at a fraction of the step, and how fast it goes there, over the step."""
     value, slope = 0.0, 0.0
     for p in range(dense.shape[0] - 1, -1, -1):
@@ -55,7 +55,7 @@ def _gone(i: int, theta: float, dense: Any) -> tuple[float, float]:
 
 
 @inlined
-def _turning(i: int, low: float, high: float, rises: bool, dense: Any) -> float:
+def _turning(i: int, low: float, high: float, rises: bool, dense: Floats) -> float:
     """Return at which fraction of the step component i turns back, between two of them."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
@@ -67,7 +67,7 @@ def _turning(i: int, low: float, high: float, rises: bool, dense: Any) -> float:
 
 
 @inlined
-def _way(i: int, theta: float, dense: Any) -> float:
+def _way(i: int, theta: float, dense: Floats) -> float:
     """Return how far component i has gone up to a fraction of the step, either way."""
     total, since = 0.0, 0.0
     low, (_, slope) = 0.0, _gone(i, 0.0, dense)
@@ -84,7 +84,9 @@ def _way(i: int, theta: float, dense: Any) -> float:
 
 
 @kernel
-def settle(theta: float, works: Any, tableau: Any, space: Any, work: Any, dense: Any, y: Any) -> None:
+def settle(
+    theta: float, works: Ints, tableau: Tableau, space: Ints, work: Floats, dense: Floats, y: Floats
+) -> None:
     """Write the gross works of those that turn back in a step to a state within it.
 
     Args:

@@ -6,8 +6,7 @@ Mass matrix and bias are the tree's own, or asked outside.
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.factor_kernels import factorize
 from antenna_pin.constraints.layout_kernels import PLACE_WORDS, found_in, plan_of
@@ -16,6 +15,7 @@ from antenna_pin.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS, co
 from antenna_pin.dynamics.audit_kernels import energy_of
 from antenna_pin.dynamics.kernels import head_of, stored_energy
 from antenna_pin.dynamics.link_kernels import stored
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.outside_kernels import ask_at
 from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.integrate.manifold_kernels import move_by_velocity
@@ -29,19 +29,19 @@ LOST = 2
 
 
 @inlined
-def _in_place(plan: Any, work: Any) -> bool:
+def _in_place(plan: Floats, work: Floats) -> bool:
     found = found_in(plan, work)
     return bool(found.gap <= CLOSED * plan_of(plan).length and found.turn <= CLOSED)
 
 
 @inlined
-def _in_motion(plan: Any, work: Any) -> bool:
+def _in_motion(plan: Floats, work: Floats) -> bool:
     found = found_in(plan, work)
     return bool(found.speed <= CLOSED * plan_of(plan).length and found.spin <= CLOSED)
 
 
 @inlined
-def factorize_rows(t: float, y: Any, numbers: Any) -> None:
+def factorize_rows(t: float, y: Floats, numbers: Numbers) -> None:
     """Factorize rows that were just written, with the mass matrix of the same state; write ``bias`` too."""
     plan, work, terms = numbers.plan, numbers.held, numbers.outside.asked[0].terms
     if terms != 0:
@@ -53,7 +53,7 @@ def factorize_rows(t: float, y: Any, numbers: Any) -> None:
 
 
 @inlined
-def set_motions(t: float, y: Any, numbers: Any) -> None:
+def set_motions(t: float, y: Floats, numbers: Numbers) -> None:
     """Have the numbers of motions in Python at a time written into the program, if there are any."""
     motions = numbers.outside.asked[0].motions
     if motions != 0:
@@ -61,7 +61,7 @@ def set_motions(t: float, y: Any, numbers: Any) -> None:
 
 
 @kernel
-def close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
+def close(t: float, rows: Floats, r: int, layout: Ints, numbers: Numbers) -> bool:
     """Bring the state rows[r] onto the constraints, in place; return whether it is closed."""
     set_motions(t, rows[r], numbers)
     write_rows(t, rows[r], numbers.program, numbers.plan, numbers.held)
@@ -69,7 +69,7 @@ def close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
 
 
 @kernel
-def _close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
+def _close(t: float, rows: Floats, r: int, layout: Ints, numbers: Numbers) -> bool:
     """Do what :func:`close` does for a state whose rows are written."""
     y = rows[r]
     plan, work = numbers.plan, numbers.held
@@ -100,7 +100,7 @@ def _close(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> bool:
 
 
 @kernel
-def _energy(t: float, y: Any, numbers: Any) -> float:
+def _energy(t: float, y: Floats, numbers: Numbers) -> float:
     """Energy that a state whose rows are written stores, with the contact memory as it is [J]."""
     program = numbers.program
     if head_of(program).points < program.shape[0]:
@@ -113,7 +113,7 @@ def _energy(t: float, y: Any, numbers: Any) -> float:
 
 
 @kernel
-def project(t: float, rows: Any, r: int, layout: Any, numbers: Any) -> int:
+def project(t: float, rows: Floats, r: int, layout: Ints, numbers: Numbers) -> int:
     """Bring rows[r], a step's end, onto the constraints, in place, and book the energy; return what came.
 
     Unless it is lost, its rows are written afterwards.

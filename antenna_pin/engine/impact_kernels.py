@@ -10,13 +10,12 @@ for ``n^T du = u^T M du + lambda^T dJ u``. So nothing is solved for a displaceme
 how the forces change that an acceleration takes (:mod:`antenna_pin.mechanism.tangent_kernels`), and
 ``-dJ u`` what accelerations lack then.
 
-``room`` is :class:`antenna_pin.engine.tangent_kernels.TangentRoom`; joints are of what that takes.
+``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`; joints are of what that takes.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Contact, Floats, Pose
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.driven_kernels import change_motions
 from antenna_pin.constraints.factor_kernels import factorize
@@ -30,11 +29,12 @@ from antenna_pin.constraints.tangent_kernels import (
     shift_couplings,
     shift_ties,
 )
+from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
 from antenna_pin.engine.row_tangent_kernels import has_rows
 from antenna_pin.geometry.tangent_kernels import GAP, NORMAL, POINT
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.joints.kernels import contact_motion
-from antenna_pin.joints.layout_kernels import joint_at
+from antenna_pin.joints.layout_kernels import Joint, joint_at
 from antenna_pin.joints.motion_change_kernels import RATE, change_contact, change_pose
 from antenna_pin.joints.pose_kernels import journal_state, onto_joint
 from antenna_pin.joints.slope_kernels import is_moved
@@ -52,7 +52,7 @@ OPENING, CLOSING, HEAVIER, MET = 0, 1, 2, 3
 
 
 @inlined
-def _press(j: Any, row: Any, pose: Any, force: Any) -> None:
+def _press(j: Joint, row: Contact, pose: Pose, force: Floats) -> None:
     """Write one newton along a contact's normal to the pose, and what it does along the freedoms."""
     n, r, f, m = row.normal, row.point, pose.force, pose.moment
     x, y, z = r[0] - pose.centre[0], r[1] - pose.centre[1], r[2] - pose.centre[2]
@@ -64,7 +64,7 @@ def _press(j: Any, row: Any, pose: Any, force: Any) -> None:
 
 
 @inlined
-def _press_change(j: Any, row: Any, room: Any, out: Any) -> None:
+def _press_change(j: Joint, row: Contact, room: TangentRoom, out: Floats) -> None:
     """Write how that changes, (nv,), behind how pose and contact do."""
     pose, way, change = room.poses[0], room.poses[1], room.change[0]
     n, r, f, m = row.normal, row.point, way.force, way.moment
@@ -84,7 +84,7 @@ def _press_change(j: Any, row: Any, room: Any, out: Any) -> None:
 
 
 @inlined
-def _accelerate(y: Any, force: Any, weightless: Any, room: Any) -> float:
+def _accelerate(y: Floats, force: Floats, weightless: Floats, room: TangentRoom) -> float:
     """Write what a force does to a tree at rest, to ``room.acceleration`` and bodies; return their product.
 
     Constraints have their multipliers in ``room.rows.force``.
@@ -120,7 +120,7 @@ def _accelerate(y: Any, force: Any, weightless: Any, room: Any) -> float:
 
 
 @inlined
-def _power(own: Any, lacks: Any, room: Any) -> float:
+def _power(own: Floats, lacks: Floats, room: TangentRoom) -> float:
     """Return u^T of changes of forces and lambda^T of what accelerations lack, with its sign turned."""
     total: float = 0.0
     for k in range(own.shape[0]):
@@ -131,7 +131,7 @@ def _power(own: Any, lacks: Any, room: Any) -> float:
 
 
 @inlined
-def _shift(m: int, weightless: Any, room: Any) -> None:
+def _shift(m: int, weightless: Floats, room: TangentRoom) -> None:
     """Write what number m of the system does to ``room.shifts``: forces, and what accelerations lack."""
     numbers, shifts, rows = room.numbers, room.shifts, room.rows
     own, lacks = shifts.forces[m], shifts.lacks[m, 0]
@@ -150,7 +150,7 @@ def _shift(m: int, weightless: Any, room: Any) -> None:
 
 
 @inlined
-def _change_along(way: Any, weightless: Any, room: Any, own: Any) -> float:
+def _change_along(way: Floats, weightless: Floats, room: TangentRoom, own: Floats) -> float:
     """Return u^T (dJ^T lambda - dM u) + lambda^T dJ u along a displacement; ``own``: scratch, (nv,)."""
     numbers, shifts, rows, nv = room.numbers, room.shifts, room.rows, own.shape[0]
     lacks = rows.lacks[0]
@@ -173,7 +173,9 @@ def _change_along(way: Any, weightless: Any, room: Any, own: Any) -> float:
 
 
 @kernel
-def write_met(joint: int, c: int, y: Any, ways: Any, masses: bool, room: Any, out: Any) -> None:
+def write_met(
+    joint: int, c: int, y: Floats, ways: Floats, masses: bool, room: TangentRoom, out: Floats
+) -> None:
     """Write how what is met at a contact changes along displacements.
 
     Args:

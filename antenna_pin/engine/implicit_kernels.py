@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import released
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.outside_kernels import has_failed
 from antenna_pin.engine.step_kernels import derivative, end
 from antenna_pin.integrate.explicit_kernels import ASK, FAILED
 from antenna_pin.integrate.kernels import RATES, STATE
 from antenna_pin.integrate.manifold_kernels import space_of
+from antenna_pin.integrate.newton_kernels import Radau
 from antenna_pin.integrate.radau_kernels import BEGIN, NOT_SOLVED, go_on
 
 
@@ -19,13 +21,13 @@ def attempt_implicit(
     t: float,
     h: float,
     stages: int,
-    layout: Any,
-    work: Any,
-    scales: Any,
+    layout: Ints,
+    work: Floats,
+    scales: Floats,
     rtol: float,
-    radau: Any,
-    numbers: Any,
-    asked: Any,
+    radau: Radau,
+    numbers: Numbers,
+    asked: Ints,
 ) -> float:
     """Try a step of size h [s] from the start in the work rows; return its scaled error.
 

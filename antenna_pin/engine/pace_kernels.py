@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from antenna_pin.base.records import layout
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.base.records import Floats, Ints, Memory, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import kernel
 
@@ -15,27 +18,28 @@ GROW = 6.0
 LEAST_ERROR = 1e-4  # that the next step but one is told of: an error of chance must not shorten it
 LARGEST_TURN = 2.0  # [rad] of a joint in one step: an angle's whole turns are counted from step to step
 
-#: What decides how long the next step is: whether sizes follow errors and the power that they follow them by,
-#: the fixed size, the longest and the least size [s], the end of the run [s], the fastest rate of a joint
-#: that turns without end [rad/s], which of the instants at which steps must end comes next, the method's
-#: control, and the scaled error of the last step that passed [-], zero for none.
-PACE = layout(
-    ("adaptive", "i8"),
-    ("power", "i8"),
-    ("step", "f8"),
-    ("longest", "f8"),
-    ("least", "f8"),
-    ("end", "f8"),
-    ("spin", "f8"),
-    ("next", "i8"),
-    ("integral", "f8"),
-    ("proportional", "f8"),
-    ("error", "f8"),
-)
+
+class Pace(Record):
+    """The control of step sizes."""
+
+    adaptive: int  # 1: sizes follow errors
+    power: int  # by which they follow them
+    step: float  # fixed size [s]
+    longest: float  # size [s]
+    least: float  # size [s]
+    end: float  # of the run [s]
+    spin: float  # fastest rate of a joint that turns without end [rad/s]
+    next: int  # index of the next time at which steps must end
+    integral: float  # exponent of the method's control
+    proportional: float  # exponent of the method's control
+    error: float  # scaled, of the last step that passed; 0: none
+
+
+PACE = layout(Pace)
 
 
 @kernel
-def cut(pace: Any, breaks: Any, t: float, h: float) -> tuple[float, bool]:
+def cut(pace: Records[Pace], breaks: Floats, t: float, h: float) -> tuple[float, bool]:
     """Cut a step from t [s] to the longest allowed, to the next instant at which steps end, to the end.
 
     Args:
@@ -65,7 +69,7 @@ def cut(pace: Any, breaks: Any, t: float, h: float) -> tuple[float, bool]:
 
 
 @kernel
-def following(pace: Any, wished: float, tried: float, error: float, rejected: bool) -> float:
+def following(pace: Records[Pace], wished: float, tried: float, error: float, rejected: bool) -> float:
     """Return the step to try after one that passed [s].
 
     Args:
@@ -94,7 +98,7 @@ def following(pace: Any, wished: float, tried: float, error: float, rejected: bo
 
 
 @kernel
-def shortened(pace: Any, tried: float, error: float) -> float:
+def shortened(pace: Records[Pace], tried: float, error: float) -> float:
     """Return the step to try after one with too large an error [s]."""
     if math.isfinite(error):
         return float(tried * max(SHRINK, SAFETY * math.pow(error, -1.0 / pace[0].power)))
@@ -102,7 +106,7 @@ def shortened(pace: Any, tried: float, error: float) -> float:
 
 
 @kernel
-def hopeless(pace: Any, h: float) -> bool:
+def hopeless(pace: Records[Pace], h: float) -> bool:
     """Whether a step shortened to h [s] is not to be tried."""
     return bool(h < pace[0].least or pace[0].adaptive == 0)
 
@@ -117,13 +121,13 @@ class Sizes(NamedTuple):
         count: How many patterns there are, (1,).
     """
 
-    patterns: Any
-    sizes: Any
-    count: Any
+    patterns: NDArray[np.uint8]
+    sizes: Floats
+    count: Ints  # type: ignore[assignment]  # hides a method of tuples
 
 
 @kernel
-def _number(table: Any, memory: Any) -> int:
+def _number(table: Sizes, memory: Records[Memory]) -> int:
     """Return where the present pattern stands, or how many there are."""
     count = table.count[0]
     for k in range(count):
@@ -138,7 +142,7 @@ def _number(table: Any, memory: Any) -> int:
 
 
 @kernel
-def note_size(table: Any, memory: Any, h: float) -> None:
+def note_size(table: Sizes, memory: Records[Memory], h: float) -> None:
     """Note the step that goes well in the present pattern of touching contacts [s]."""
     k = _number(table, memory)
     if k == table.count[0]:
@@ -151,7 +155,7 @@ def note_size(table: Any, memory: Any, h: float) -> None:
 
 
 @kernel
-def size_after_change(table: Any, memory: Any, h: float) -> float:
+def size_after_change(table: Sizes, memory: Records[Memory], h: float) -> float:
     """Return the step to try in a pattern that has just begun [s], after one of h [s] in another."""
     k = _number(table, memory)
     return float(h if k == table.count[0] else min(table.sizes[k], 10.0 * h))

@@ -7,14 +7,12 @@ Of M a + b = tau + J^T lambda, J a = lack, a displacement makes
 with a and lambda that stay on the right: the equations of accelerations themselves, with their factors, of
 the rows that count there. Closures are differentiated in closed form
 (:mod:`antenna_pin.constraints.tangent_kernels`), motions over time and numbers by themselves.
-``room`` is :class:`antenna_pin.engine.tangent_kernels.TangentRoom`.
+``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
-from antenna_pin.compiled.by_address import by_address
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.driven_kernels import change_motions, driven_rate
 from antenna_pin.constraints.factor_kernels import factorize
@@ -28,6 +26,7 @@ from antenna_pin.constraints.tangent_kernels import (
     shift_couplings,
     shift_ties,
 )
+from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
 from antenna_pin.elements import kernels as elements
 from antenna_pin.elements.ledger_kernels import write_work_change
 from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
@@ -36,46 +35,14 @@ from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tangent_kernels import read_bodies
 
 
-@by_address
-class RowRoom(NamedTuple):
-    """What rows of constraints are differentiated with.
-
-    Attributes:
-        ties: What closures are, TIE, (closures,).
-        bias: Generalized force of gravity and velocities, scratch, (nv,).
-        force: Multipliers, (rows,).
-        force_change: How they change, scratch, (rows,).
-        lacks: How what accelerations lack changes, of the first kind, and by how much others differ from
-            that, scratch, (kinds, width).
-        speeds: How rates of motions change, scratch, (motions,).
-        twist: Scratch, (4,).
-        wanted: Accelerations of motions, scratch, (motions,).
-        trial: Their differences, how they bend, and the middle, scratch, (kinds + 2, motions).
-        jerks: Those over time, (kinds, motions).
-        column: Those over one number, scratch, (kinds, motions).
-    """
-
-    ties: Any
-    bias: Any
-    force: Any
-    force_change: Any
-    lacks: Any
-    speeds: Any
-    twist: Any
-    wanted: Any
-    trial: Any
-    jerks: Any
-    column: Any
-
-
 @inlined
-def has_rows(room: Any) -> bool:
+def has_rows(room: TangentRoom) -> bool:
     """Whether there are constraints."""
     return bool(room.numbers.plan.shape[0] > 0)
 
 
 @kernel
-def prepare_rows(t: float, y: Any, tau: Any, room: Any) -> None:
+def prepare_rows(t: float, y: Floats, tau: Floats, room: TangentRoom) -> None:
     """Write how a tree moves and accelerates under constraints, and their factors; powers of motions too."""
     numbers, rows, nv = room.numbers, room.rows, room.tau.shape[0]
     plan, work = numbers.plan, numbers.held
@@ -93,7 +60,7 @@ def prepare_rows(t: float, y: Any, tau: Any, room: Any) -> None:
 
 
 @kernel
-def _differentiate_motions(t: float, m: int, step: float, room: Any, out: Any) -> None:
+def _differentiate_motions(t: float, m: int, step: float, room: TangentRoom, out: Floats) -> None:
     """Write the derivatives of motions' accelerations over number m, or over time (-1), (kinds, motions)."""
     numbers, rows, words = room.numbers, room.rows, room.shifts.program
     plan, program = numbers.plan, numbers.program
@@ -123,7 +90,7 @@ def _differentiate_motions(t: float, m: int, step: float, room: Any, out: Any) -
 
 
 @inlined
-def _write_motions(columns: Any, plan: Any, out: Any) -> None:
+def _write_motions(columns: Floats, plan: Floats, out: Floats) -> None:
     """Write derivatives of motions' accelerations by row: the first kind, and by how much others differ."""
     head = plan_of(plan)
     for k in range(head.motions):
@@ -135,13 +102,13 @@ def _write_motions(columns: Any, plan: Any, out: Any) -> None:
 
 
 @kernel
-def differentiate_over_time(t: float, step: float, room: Any) -> None:
+def differentiate_over_time(t: float, step: float, room: TangentRoom) -> None:
     """Write how motions' accelerations go with time."""
     _differentiate_motions(t, -1, step, room, room.rows.jerks)
 
 
 @kernel
-def shift_rows(t: float, m: int, room: Any, out: Any) -> None:
+def shift_rows(t: float, m: int, room: TangentRoom, out: Floats) -> None:
     """Write how rows change with number m, behind how bodies do; add to the forces what they change.
 
     Args:
@@ -164,7 +131,7 @@ def shift_rows(t: float, m: int, room: Any, out: Any) -> None:
 
 
 @kernel
-def change_rows(y: Any, way: Any, room: Any, out: Any) -> None:
+def change_rows(y: Floats, way: Floats, room: TangentRoom, out: Floats) -> None:
     """Write how rows change along a displacement, behind how bodies do; add to the forces what they change.
 
     As :func:`shift_rows` does; those over time and numbers are in it.
@@ -189,7 +156,7 @@ def change_rows(y: Any, way: Any, room: Any, out: Any) -> None:
 
 
 @kernel
-def solve_held(y: Any, d: int, room: Any, out: Any) -> None:
+def solve_held(y: Floats, d: int, room: TangentRoom, out: Floats) -> None:
     """Write how accelerations change along displacement d, and powers of motions, of all kinds.
 
     ``out``, (kinds, k, nv + nx), holds what forces change: of the first kind, and by how much others differ.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +11,12 @@ from antenna_pin.base.records import BLOCK, PROGRAM, place_of, words_of
 from antenna_pin.constraints import layout_kernels as layout_of_rows
 from antenna_pin.dynamics import System, kernels
 from antenna_pin.dynamics.tangent_kernels import FRAMES, ITSELF
+from antenna_pin.dynamics.tangent_room_kernels import Shifts
 from antenna_pin.engine.compiled import CompiledStepper
-from antenna_pin.engine.tangent_kernels import Shifts
 from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate.word_kernels import Words
 from antenna_pin.joints import layout_kernels, motion_change_kernels
-from antenna_pin.joints.slope_kernels import LawWords
+from antenna_pin.joints.tangent_room_kernels import LawWords
 from antenna_pin.mechanism import BODY
 
 __all__ = ["SystemSlopes", "moves_rows", "shifts_of", "takes_slopes"]
@@ -90,7 +90,7 @@ def moves_rows(system: System, program: Array, plan: Array) -> NDArray[np.bool_]
 def shifts_of(
     system: System,
     stepper: CompiledStepper,
-    parts: NDArray[np.void],
+    parts: NDArray[Any],
     said: int,
     slopes: SystemSlopes,
 ) -> Shifts:
@@ -142,7 +142,7 @@ def shifts_of(
     )
 
 
-def _held(system: System, plan: Array) -> tuple[NDArray[np.void], NDArray[np.void]]:
+def _held(system: System, plan: Array) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return by how much closures' and couplings' own numbers change, (numbers, ...) each."""
     kinds = layout_of_rows.CLOSURE, layout_of_rows.COUPLED
     if system.plan is None:
@@ -192,7 +192,7 @@ def _rules(system: System, changes: Array, steps: Array, contacts: int) -> LawWo
 
 
 def _acts(
-    system: System, parts: NDArray[np.void], changed: NDArray[np.bool_], heavier: NDArray[np.bool_]
+    system: System, parts: NDArray[Any], changed: NDArray[np.bool_], heavier: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
     """Return what of each part goes with each number, (parts + 1, numbers); last of elements on links."""
     program, out = system.program, np.zeros((len(parts) + 1, len(changed)), dtype=np.int64)

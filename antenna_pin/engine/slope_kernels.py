@@ -7,12 +7,14 @@ effective masses (contacts), time]; ways are in the coordinates of velocities.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from antenna_pin.base.records import Floats, Ints, Memory, Records
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.constraints.rows_kernels import write_rows
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.engine.hold_kernels import set_motions
 from antenna_pin.engine.step_kernels import derivative
 from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of
@@ -31,16 +33,16 @@ class Room(NamedTuple):
         kept: Contact memory of the state itself, MEMORY, (contacts,).
     """
 
-    weights: Any
-    layout: Any
-    bristles: Any
-    numbers: Any
-    rows: Any
-    kept: Any
+    weights: Floats
+    layout: Ints
+    bristles: Ints
+    numbers: Numbers
+    rows: Floats
+    kept: Records[Memory]
 
 
 @inlined
-def _displace(y: Any, way: Any, h: float, room: Any) -> None:
+def _displace(y: Floats, way: Floats, h: float, room: Room) -> None:
     """Write the state displaced by h times a displacement to the first row, and contact memory likewise."""
     space, memory = space_of(room.layout), room.numbers.memory
     nq, nv = space.nq, space.nv
@@ -62,7 +64,7 @@ def _displace(y: Any, way: Any, h: float, room: Any) -> None:
 
 
 @inlined
-def _copy_memory(source: Any, out: Any) -> None:
+def _copy_memory(source: Records[Memory], out: Records[Memory]) -> None:
     """Copy what contacts remember and displacements change."""
     for c in range(source.shape[0]):
         out[c].approach_speed = source[c].approach_speed
@@ -70,7 +72,7 @@ def _copy_memory(source: Any, out: Any) -> None:
 
 
 @inlined
-def _add(values: Any, side: float, point: int, step: float, room: Any, k: int, out: Any) -> None:
+def _add(values: Floats, side: float, point: int, step: float, room: Room, k: int, out: Floats) -> None:
     """Add what a neighbour's values are to the differences of each kind along displacement k."""
     for kind in range(out.shape[0]):
         weight = side * room.weights[kind, point] / step
@@ -79,7 +81,9 @@ def _add(values: Any, side: float, point: int, step: float, room: Any, k: int, o
 
 
 @kernel
-def write_slopes(t: float, y: Any, ways: Any, steps: Any, of_speeds: bool, room: Any, out: Any) -> None:
+def write_slopes(
+    t: float, y: Floats, ways: Floats, steps: Floats, of_speeds: bool, room: Room, out: Floats
+) -> None:
     """Write central differences along displacements: of the rates, or of how fast constraints are violated.
 
     Args:

@@ -7,21 +7,22 @@ in Python (:mod:`antenna_pin.dynamics.outside_kernels`).
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
-from antenna_pin.compiled.by_address import by_address
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import applied_in
 from antenna_pin.constraints.loaded_kernels import solve
 from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.link_kernels import add_forces, write_wrenches
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.outside_kernels import ask_at, has_failed
 from antenna_pin.dynamics.query_kernels import has_queries, set_out_queries, take_in_queries
 from antenna_pin.engine.hold_kernels import AS_IT_WAS, LOST, MOVED, factorize_rows, project
 from antenna_pin.geometry.coal_kernels import MOST_QUERIES
 from antenna_pin.integrate.explicit_kernels import (
     ASK,
+    Tableau,
     error_of,
     go_on,
     go_on_dense,
@@ -33,59 +34,8 @@ from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.mechanism.dynamics_kernels import aba
 
 
-@by_address
-class Numbers(NamedTuple):
-    """A system in numbers, and what one run works on.
-
-    Attributes:
-        program: Of its elements.
-        work: Of :func:`antenna_pin.dynamics.kernels.evaluate`.
-        tree: Its bodies, BODY.
-        gravity: (3,) [m/s^2].
-        room: Of the tree's dynamics, ROOM, (bodies + 1,).
-        places: PLACE, (bodies + 1,), scratch.
-        plan: Of the constraints, empty where there are none.
-        held: Their work array.
-        mass: Mass matrix, (nv, nv), scratch.
-        bias: (nv,), scratch.
-        step: (nv,), scratch.
-        pose: POSE, (1,), scratch.
-        table: A contact table, scratch.
-        own: The contact table that the derivative writes.
-        memory: The contact memory.
-        rates: Derivatives, (2, nv + nx), scratch.
-        force: Generalized force, (nv,), scratch.
-        moved: A step's end before it was brought onto the constraints, (size,).
-        flag: Whether it was moved, (1,).
-        booked: Place in a state of the energy that this puts in.
-        outside: What is asked outside.
-    """
-
-    program: Any
-    work: Any
-    tree: Any
-    gravity: Any
-    room: Any
-    places: Any
-    plan: Any
-    held: Any
-    mass: Any
-    bias: Any
-    step: Any
-    pose: Any
-    table: Any
-    own: Any
-    memory: Any
-    rates: Any
-    force: Any
-    moved: Any
-    flag: Any
-    booked: int
-    outside: Any
-
-
 @inlined
-def accelerate(t: float, y: Any, tau: Any, numbers: Any, rates: Any, written: bool) -> None:
+def accelerate(t: float, y: Floats, tau: Floats, numbers: Numbers, rates: Floats, written: bool) -> None:
     """Write the acceleration at time t [s] and state y under a generalized force into rates[:nv].
 
     ``written``: whether the rows of constraints, if there are any, are those of this state already.
@@ -109,7 +59,7 @@ def accelerate(t: float, y: Any, tau: Any, numbers: Any, rates: Any, written: bo
 
 
 @inlined
-def ask_elements(t: float, y: Any, numbers: Any) -> None:
+def ask_elements(t: float, y: Floats, numbers: Numbers) -> None:
     """Have what of the elements is not compiled done at time t [s] and state y, before they are evaluated."""
     asked = numbers.outside.asked[0]
     if asked.elements == 0:
@@ -130,7 +80,7 @@ def ask_elements(t: float, y: Any, numbers: Any) -> None:
 
 
 @inlined
-def derivative(t: float, y: Any, numbers: Any, rates: Any, written: bool) -> None:
+def derivative(t: float, y: Floats, numbers: Numbers, rates: Floats, written: bool) -> None:
     """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y (see ``accelerate``)."""
     program = numbers.program
     head = head_of(program)
@@ -146,7 +96,7 @@ def derivative(t: float, y: Any, numbers: Any, rates: Any, written: bool) -> Non
 
 
 @kernel
-def end(t: float, layout: Any, work: Any, stages: int, numbers: Any) -> bool:
+def end(t: float, layout: Ints, work: Floats, stages: int, numbers: Numbers) -> bool:
     """Bring a step's end at t [s] onto the constraints and evaluate it; return whether it is one."""
     y = work[stages + STATE]
     numbers.flag[0] = AS_IT_WAS
@@ -162,7 +112,14 @@ def end(t: float, layout: Any, work: Any, stages: int, numbers: Any) -> bool:
 
 @kernel
 def attempt(
-    t: float, h: float, tableau: Any, layout: Any, work: Any, scales: Any, rtol: float, numbers: Any
+    t: float,
+    h: float,
+    tableau: Tableau,
+    layout: Ints,
+    work: Floats,
+    scales: Floats,
+    rtol: float,
+    numbers: Numbers,
 ) -> float:
     """Try a step of size h [s] from the start in the work rows; return its scaled error."""
     space, stages = space_of(layout), tableau.weights.shape[0]
@@ -179,7 +136,14 @@ def attempt(
 
 @kernel
 def prepare_dense(
-    t: float, h: float, tableau: Any, layout: Any, work: Any, dense: Any, kept: Any, numbers: Any
+    t: float,
+    h: float,
+    tableau: Tableau,
+    layout: Ints,
+    work: Floats,
+    dense: Floats,
+    kept: Floats,
+    numbers: Numbers,
 ) -> int:
     """Write the dense output of a step; return how often the derivative was asked.
 

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from antenna_pin.base.records import layout
+from numpy.typing import NDArray
+
+from antenna_pin.base.records import Floats, Ints, Memory, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
-from antenna_pin.dynamics.trial_kernels import contacts_in
-from antenna_pin.dynamics.turn_kernels import turn_on
-from antenna_pin.engine.episode_kernels import keep_peaks
+from antenna_pin.dynamics.peak_kernels import Peak
+from antenna_pin.dynamics.trial_kernels import Trial, contacts_in
+from antenna_pin.dynamics.turn_kernels import Turn, turn_on
+from antenna_pin.engine.episode_kernels import Book, keep_peaks
 from antenna_pin.engine.gross_kernels import settle
 from antenna_pin.engine.hold_kernels import close
+from antenna_pin.engine.pace_kernels import Pace, Sizes
 from antenna_pin.engine.step_kernels import attempt, prepare_dense
-from antenna_pin.engine.touch_kernels import keep_efforts
+from antenna_pin.engine.touch_kernels import Touch, keep_efforts
+from antenna_pin.engine.watch_kernels import Watched
+from antenna_pin.integrate.explicit_kernels import Tableau
 from antenna_pin.integrate.kernels import START, STATE, STATE_ROW, begin, dense_state
 
 # Where a step is: it has not begun; longer ones did not pass; its trial stands, and is to be searched; a
@@ -31,47 +38,42 @@ FREELY = 0
 TO_CHANGES = 1
 SINGLY = 2
 
-#: Where the steps are, and what they have come to: time [s]; size to try next, and what it was when the step
-#: began [s]; that of the trial that stands [s], its scaled error, and the fraction up to which it is
-#: searched; samples a second [Hz], from when on [s], until when [s]; where a step is (see above); trials of
-#: it that did not pass; the contact that changes, at which fraction, and whether it is too deep then; whether
-#: the derivative was asked last at the end of the trial, of contacts in closed form; whether the loop outside
-#: sees to this step, where the stretch ends besides (see above), whether a contact has changed, whether the
-#: loop outside was told of the first step that the run's end cuts; whether the last trial failed by a
-#: function that refuses; whether the search knows the contacts at the start; samples in the buffer, and for
-#: how many there must be room; which of the chosen output times is the next; what was counted; how many trial
-#: steps may be made.
-STRETCH = layout(
-    ("t", "f8"),
-    ("h", "f8"),
-    ("wished", "f8"),
-    ("tried", "f8"),
-    ("error", "f8"),
-    ("until", "f8"),
-    ("rate", "f8"),
-    ("begin", "f8"),
-    ("end", "f8"),
-    ("phase", "i8"),
-    ("in_row", "i8"),
-    ("contact", "i8"),
-    ("theta", "f8"),
-    ("deep", "i8"),
-    ("ended", "i8"),
-    ("watched", "i8"),
-    ("shown", "i8"),
-    ("flipped", "i8"),
-    ("cut", "i8"),
-    ("refused", "i8"),
-    ("known", "i8"),
-    ("samples", "i8"),
-    ("needed", "i8"),
-    ("chosen", "i8"),
-    ("accepted", "i8"),
-    ("rejected", "i8"),
-    ("relocated", "i8"),
-    ("evaluations", "i8"),
-    ("budget", "i8"),
-)
+
+class Stretch(Record):
+    """The state of a batch of steps."""
+
+    t: float  # time [s]
+    h: float  # size to try next [s]
+    wished: float  # that size when the step began [s]
+    tried: float  # size of the trial that stands [s]
+    error: float  # its scaled error
+    until: float  # fraction up to which it is searched
+    rate: float  # of samples [Hz]
+    begin: float  # samples from this time on [s]
+    end: float  # samples until this time [s]
+    phase: int  # of a step: FRESH, AGAIN, ...
+    in_row: int  # trials of this step that did not pass
+    contact: int  # that changes
+    theta: float  # fraction of the step at which it does
+    deep: int  # 1: it is too deep then
+    ended: int  # 1: the derivative was last evaluated at the trial's end, of contacts in closed form
+    watched: int  # 1: the loop outside searches this step for events
+    shown: int  # where the batch ends besides: FREELY, TO_CHANGES, SINGLY
+    flipped: int  # 1: a contact has changed
+    cut: int  # 1: the loop outside was notified of the first step that the run's end cuts
+    refused: int  # 1: the last trial failed by a function that refuses
+    known: int  # 1: the search knows the contacts at the start
+    samples: int  # in the buffer
+    needed: int  # for how many there must be room
+    chosen: int  # index of the next chosen output time
+    accepted: int  # steps, counted
+    rejected: int  # steps, counted
+    relocated: int  # steps, counted
+    evaluations: int  # of the derivative, counted
+    budget: int  # trial steps that may still be made
+
+
+STRETCH = layout(Stretch)
 
 
 @by_address
@@ -90,15 +92,15 @@ class Buffers(NamedTuple):
         out: Scratch, (2, size).
     """
 
-    times: Any
-    states: Any
-    memories: Any
-    early: Any
-    instants: Any
-    sizes: Any
-    ends: Any
-    kept: Any
-    out: Any
+    times: Floats
+    states: Floats
+    memories: NDArray[Memory]
+    early: Ints
+    instants: Floats
+    sizes: Floats
+    ends: Floats
+    kept: Floats
+    out: Floats
 
 
 @by_address
@@ -116,13 +118,13 @@ class Search(NamedTuple):
             [m].
     """
 
-    nodes: Any
-    ignore: Any
-    limits: Any
-    peaks: Any
-    turns: Any
-    compared: Any
-    difference: Any
+    nodes: Floats
+    ignore: Ints
+    limits: Floats
+    peaks: Records[Peak]
+    turns: Records[Turn]
+    compared: Ints
+    difference: Floats
 
 
 @by_address
@@ -151,29 +153,29 @@ class Loop(NamedTuple):
         touches: Largest efforts of elements in touch, TOUCH, (n,).
     """
 
-    stretch: Any
-    pace: Any
-    breaks: Any
-    chosen: Any
-    tableau: Any
-    space: Any
-    work: Any
-    dense: Any
-    scales: Any
+    stretch: Records[Stretch]
+    pace: Records[Pace]
+    breaks: Floats
+    chosen: Floats
+    tableau: Tableau
+    space: Ints
+    work: Floats
+    dense: Floats
+    scales: Floats
     rtol: float
-    numbers: Any
-    search: Any
-    trial: Any
-    buffers: Any
-    book: Any
-    sizes: Any
-    watched: Any
-    works: Any
-    touches: Any
+    numbers: Numbers
+    search: Search
+    trial: Trial
+    buffers: Buffers
+    book: Book
+    sizes: Sizes
+    watched: Watched
+    works: Ints
+    touches: Records[Touch]
 
 
 @inlined
-def start_row(loop: Any) -> int:
+def start_row(loop: Loop) -> int:
     """Which of the stepper's rows is the state that the step starts from."""
     return int(loop.tableau.weights.shape[0] + START)
 
@@ -261,7 +263,7 @@ def keep(loop: Loop) -> None:
 
 
 @inlined
-def _settle(loop: Loop, theta: float, y: Any) -> None:
+def _settle(loop: Loop, theta: float, y: Floats) -> None:
     """Write the gross works of a state at a fraction of the trial step."""
     settle(theta, loop.works, loop.tableau, loop.space, loop.work, loop.dense, y)
 
@@ -344,7 +346,7 @@ def sample(loop: Loop, moment: float, tried: float) -> None:
 
 
 @kernel
-def remember(loop: Loop, memory: Any) -> None:
+def remember(loop: Loop, memory: Records[Memory]) -> None:
     """Put a contact memory beside the sample that comes next."""
     for c in range(memory.shape[0]):
         kept, held = loop.buffers.memories[loop.stretch[0].samples, c], memory[c]

@@ -9,14 +9,13 @@ the tree in closed form (:mod:`antenna_pin.mechanism.tangent_kernels`), and cons
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
-from antenna_pin.compiled.by_address import by_address
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.link_kernels import add_forces
 from antenna_pin.dynamics.link_tangent_kernels import add_link_changes
 from antenna_pin.dynamics.tangent_kernels import add_element_changes, time_step
+from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
 from antenna_pin.engine.row_tangent_kernels import (
     change_rows,
     differentiate_over_time,
@@ -36,142 +35,8 @@ from antenna_pin.mechanism.tangent_kernels import (
 )
 
 
-@by_address
-class Shifts(NamedTuple):
-    """How numbers of the system go with parameters, and with what elements keep: all of these by one name.
-
-    Attributes:
-        program: Which words of the program, :class:`antenna_pin.integrate.word_kernels.Words`.
-        tree: Which of the bodies' numbers, likewise.
-        flat: The bodies' numbers, flat, the tree's own.
-        bodies: By how much each body's change, BODY, (numbers, bodies).
-        gravity: By how much gravity does, (numbers, 3) [m/s^2].
-        heavy: Whether the tree, gravity or a constraint changes, (numbers,).
-        closures: By how much closures' own numbers change, CLOSURE, (numbers, closures).
-        couplings: Those of couplings, COUPLED, (numbers, couplings).
-        motions: Whether motions change, (numbers,).
-        lacks: How what accelerations lack does, scratch, (numbers, kinds, width).
-        acts: What of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers).
-        steps: First steps of differences, (numbers,).
-        rules: Which numbers of contacts' laws change, :class:`antenna_pin.joints.slope_kernels.LawWords`.
-        laws: Derivatives of what laws say over these, scratch, (contacts, words, kinds, said).
-        forces: Of the forces that the motion takes, with their sign turned, scratch, (numbers, nv).
-    """
-
-    program: Any
-    tree: Any
-    flat: Any
-    bodies: Any
-    gravity: Any
-    heavy: Any
-    closures: Any
-    couplings: Any
-    motions: Any
-    lacks: Any
-    acts: Any
-    steps: Any
-    rules: Any
-    laws: Any
-    forces: Any
-
-
-@by_address
-class TangentRoom(NamedTuple):
-    """What the parts of a derivative are computed with.
-
-    Attributes:
-        numbers: The system; its contact memory and program are those of the moment.
-        parts: What acts at joints, PART, (parts,).
-        links_x: Where in x what elements on links integrate begins, (1,).
-        weights: Of differences at 1, 2, ... steps, of each kind, (kinds, points).
-        layout: Of the manifold.
-        bristles: Their places in x, (bristles,).
-        bristle_of: Which bristle each place of x is, -1 if none, (nx,).
-        units: Of ways, rates and bristles, (2 nv + bristles,).
-        below: The freedom next below each one, (nv,).
-        asks: What is asked for, scratch, (2,).
-        state: The state, and where it is displaced, (1, size).
-        step: Of ways, scratch, (nv,).
-        tau: Generalized force, scratch, (nv,).
-        rates: Of velocities and of x, scratch, (nv + nx,).
-        drift: Rates of x of the state itself, (nx,).
-        poses: POSE, (3,): of a journal as it is, its changes, and displaced.
-        remembered: MEMORY, scratch, (1,).
-        freedoms: One freedom of a factor, scratch, (nv,).
-        looked: What is looked at, scratch, (values,).
-        change: How that of a contact changes, scratch, (kinds, LOOKED).
-        shapes: By how much its dimensions do, and these displaced, scratch, (2, CANDIDATE).
-        wrench: How the force and moment of a joint's contacts do, scratch, (kinds, 6).
-        carried: What these do along freedoms as the joint's frames change, scratch, (6,).
-        trial: Its differences, how it bends, and the middle, scratch, (kinds + 2, values).
-        column: Those that are kept, (kinds, values).
-        middle: What a law says undisplaced, scratch, (values,).
-        sides: What an element sees of its joints, scratch, (2, ROWS, MOST).
-        over: Over which numbers of a displacement its law is differentiated, scratch, (slots,).
-        of_law: Its derivatives, scratch, (slots, kinds, values).
-        asked: What laws are asked with, scratch.
-        said: What they say, scratch.
-        laws: Derivatives of that, (contacts of a joint, asked, kinds, said).
-        places: PLACE, (bodies + 1,), the tree's own; those that constraints write, if there are any.
-        room: ROOM, likewise.
-        mass: Factors of the mass matrix, of a tree without constraints, (nv, nv).
-        lanes: Right-hand sides, scratch, (nv, LANES).
-        acceleration: (nv,).
-        bodies: CHANGE, (bodies + 1,), the last the ground.
-        body: CHANGE, scratch, (1,).
-        first_number: Where in a displacement numbers of the system begin, (1,).
-        seen: Which of them a joint sees, scratch, (numbers,).
-        shifts: How these numbers go.
-        rows: What constraints are differentiated with.
-    """
-
-    numbers: Any
-    parts: Any
-    links_x: Any
-    weights: Any
-    layout: Any
-    bristles: Any
-    bristle_of: Any
-    units: Any
-    below: Any
-    asks: Any
-    state: Any
-    step: Any
-    tau: Any
-    rates: Any
-    drift: Any
-    poses: Any
-    remembered: Any
-    freedoms: Any
-    looked: Any
-    change: Any
-    shapes: Any
-    wrench: Any
-    carried: Any
-    trial: Any
-    column: Any
-    middle: Any
-    sides: Any
-    over: Any
-    of_law: Any
-    asked: Any
-    said: Any
-    laws: Any
-    places: Any
-    room: Any
-    mass: Any
-    lanes: Any
-    acceleration: Any
-    bodies: Any
-    body: Any
-    first_number: Any
-    seen: Any
-    shifts: Any
-    rows: Any
-
-
 @kernel
-def _prepare(t: float, y: Any, ways: Any, room: Any) -> None:
+def _prepare(t: float, y: Floats, ways: Floats, room: TangentRoom) -> None:
     """Evaluate the state itself, and look at what displacements have."""
     numbers, asks = room.numbers, room.asks
     head = head_of(numbers.program)
@@ -198,7 +63,7 @@ def _prepare(t: float, y: Any, ways: Any, room: Any) -> None:
 
 
 @inlined
-def _shift_tree(t: float, ways: Any, room: Any) -> None:
+def _shift_tree(t: float, ways: Floats, room: TangentRoom) -> None:
     """Write to ``room.shifts`` what changes of the tree itself, of gravity and of constraints do."""
     shifts, numbers = room.shifts, room.numbers
     ground = room.bodies[numbers.tree.shape[0]]
@@ -221,7 +86,7 @@ def _shift_tree(t: float, ways: Any, room: Any) -> None:
 
 
 @kernel
-def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) -> None:
+def write_tangent(t: float, y: Floats, ways: Floats, steps: Floats, room: TangentRoom, out: Floats) -> None:
     """Write the derivatives of the rates along displacements.
 
     Args:
@@ -270,7 +135,7 @@ def write_tangent(t: float, y: Any, ways: Any, steps: Any, room: Any, out: Any) 
 
 
 @inlined
-def _solve(differs: bool, room: Any, out: Any) -> None:
+def _solve(differs: bool, room: TangentRoom, out: Floats) -> None:
     """Make accelerations of forces; those of further orders are told by how much they differ, if they do."""
     nv = room.tau.shape[0]
     solve_trees(room.mass, room.below, room.lanes, out[0, :, :nv])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,16 +12,17 @@ from antenna_pin.constraints.layout_kernels import plan_of
 from antenna_pin.constraints.tangent_kernels import TIE
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.dynamics.angle_change_kernels import MOST, ROWS
-from antenna_pin.dynamics.tangent_kernels import ASKED, EFFORTS, PART
+from antenna_pin.dynamics.numbers_kernels import Numbers
+from antenna_pin.dynamics.tangent_kernels import ASKED, EFFORTS
+from antenna_pin.dynamics.tangent_room_kernels import RowRoom, Shifts, TangentRoom
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.impact_kernels import CLOSING, HEAVIER, MET, OPENING, write_met
-from antenna_pin.engine.row_tangent_kernels import RowRoom
 from antenna_pin.engine.shifts import SystemSlopes, shifts_of, takes_slopes
-from antenna_pin.engine.step_kernels import Numbers
-from antenna_pin.engine.tangent_kernels import Shifts, TangentRoom, write_tangent
+from antenna_pin.engine.tangent_kernels import write_tangent
 from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate import manifold_kernels
 from antenna_pin.joints import layout_kernels, motion_change_kernels, slope_kernels
+from antenna_pin.joints.tangent_room_kernels import PART
 from antenna_pin.mechanism import CHANGE, LANES, PLACE, ROOM, freedoms_below
 
 __all__ = ["Tangents"]
@@ -112,7 +115,8 @@ class Tangents:
     def _number(self, shifts: Shifts) -> None:
         """Take numbers of the system as parts of displacements."""
         room, count = self.room, len(shifts.steps)
-        slots = ASKED + int((room.parts["bristle_end"] - room.parts["bristle"]).max(initial=0)) + count + 1
+        parts: NDArray[Any] = room.parts
+        slots = ASKED + int((parts["bristle_end"] - parts["bristle"]).max(initial=0)) + count + 1
         self.room = room._replace(
             shifts=shifts,
             seen=np.zeros(count, dtype=np.int64),
@@ -120,7 +124,7 @@ class Tangents:
             of_law=np.zeros((slots, *room.column.shape)),
         )
 
-    def _shifts(self, slopes: SystemSlopes, parts: NDArray[np.void]) -> Shifts:
+    def _shifts(self, slopes: SystemSlopes, parts: NDArray[Any]) -> Shifts:
         return shifts_of(self._system, self._stepper, parts, self._said, slopes)
 
     def follow(self, slopes: SystemSlopes) -> bool:
@@ -193,7 +197,7 @@ class Tangents:
         return out
 
 
-def _parts(system: System) -> tuple[NDArray[np.void], int]:
+def _parts(system: System) -> tuple[NDArray[Any], int]:
     """Return what acts at a system's joints, ``PART``, and where in x books of elements on links begin."""
     factor_of, found, links_x = _factors(system), [], system.manifold.nx
     for block in system.clearance_blocks.values():
@@ -236,7 +240,7 @@ def _none(numbers: Numbers) -> SystemSlopes:
     return SystemSlopes(program, tree, plan, np.zeros((0, 3)), nothing, np.zeros(0))
 
 
-def _places(numbers: Numbers) -> NDArray[np.void]:
+def _places(numbers: Numbers) -> NDArray[Any]:
     """Return where the kernels write where bodies are: where constraints do, if there are any."""
     bodies = len(numbers.tree) + 1
     if not len(numbers.plan):

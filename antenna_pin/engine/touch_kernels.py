@@ -2,31 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, Records, layout
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, element_state, head_of
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.elements import kernels as elements
-from antenna_pin.integrate.kernels import STATE_ROW, dense_state
+from antenna_pin.integrate.kernels import STATE_ROW, DenseStep, dense_state
 
 # Equal parts of a step at whose ends the effort is evaluated; interpolations that follow at most, and the
 # distance [-] of two of them that ends them: the effort is off by its square.
 _PARTS, _VERTICES, _CLOSE = 4, 12, 1e-5
 
-#: Side of an element that touches, or a drive: block in the program; bit of the side in the element's mode, 0
-#: of drives; largest effort so far [N m] ([N]), and its time [s]; efforts in a step, scratch.
-TOUCH = layout(
-    ("block", "i8"),
-    ("side", "i8"),
-    ("effort", "f8"),
-    ("time", "f8"),
-    ("looks", "f8", (_PARTS + 1,)),
-)
+
+class Touch(Record):
+    """A side of an element that touches, or a drive, and its largest effort."""
+
+    block: int  # in the program
+    side: int  # its bit in the element's mode; 0: a drive
+    effort: float  # largest so far [N m] ([N])
+    time: float  # of the largest [s]
+    looks: Annotated[Floats, _PARTS + 1]  # efforts in a step, scratch
+
+
+TOUCH = layout(Touch)
 
 
 @kernel
-def keep_efforts(t: float, h: float, touches: Any, step: Any, numbers: Any) -> None:
+def keep_efforts(t: float, h: float, touches: Records[Touch], step: DenseStep, numbers: Numbers) -> None:
     """Update the largest effort of each side in touch by the step of size h from t [s].
 
     Args:
@@ -54,7 +58,9 @@ def keep_efforts(t: float, h: float, touches: Any, step: Any, numbers: Any) -> N
 
 
 @kernel
-def _largest(top: int, t: float, h: float, own: Any, step: Any, program: Any) -> tuple[float, float]:
+def _largest(
+    top: int, t: float, h: float, own: Touch, step: DenseStep, program: Floats
+) -> tuple[float, float]:
     """Return place in the step and size of the largest effort, by successive parabolas near a node."""
     looks, most = own.looks, own.looks[top]
     middle, centre = top / _PARTS, min(max(top, 1), _PARTS - 1) / _PARTS
@@ -88,7 +94,7 @@ def _largest(top: int, t: float, h: float, own: Any, step: Any, program: Any) ->
 
 
 @kernel
-def _effort(t: float, h: float, theta: float, block: int, step: Any, program: Any) -> float:
+def _effort(t: float, h: float, theta: float, block: int, step: DenseStep, program: Floats) -> float:
     """Return the size of an element's effort at a fraction of a step [N m] ([N])."""
     space, dense, work, start, out = step
     dense_state(theta, space, dense, work, start, out)

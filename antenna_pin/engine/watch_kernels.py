@@ -10,17 +10,18 @@ said, the loop outside looks closely; so this needs to see too much rather than 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Ints, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.constraints.layout_kernels import hold_at, plan_of
 from antenna_pin.dynamics.kernels import element_kink, element_switch, evaluate, head_of, joint_motion
 from antenna_pin.dynamics.link_kernels import kink_on_links
+from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.engine.step_kernels import ask_elements, derivative
-from antenna_pin.integrate.kernels import STATE_ROW, dense_state
+from antenna_pin.integrate.kernels import STATE_ROW, DenseStep, dense_state
 
 # What is watched: a function of an element where its effort has a kink, the angle (or way) of a joint, its
 # rate, a gap, a normal force, a function of an element where its mode changes.
@@ -42,19 +43,20 @@ _OFF, _NEAR = 0.05, 0.1
 # Points at which the interpolation is evaluated.
 _FINE = 16
 
-#: What is watched; where: block of the element, of the joint in the watch's own program, or the contact; the
-#: value to be passed; the side that it is on, 0 if that is not known; the parts of a step that are looked at.
-#: Of a kink and of a change of mode the number of the function; of the latter that of the hold whose load it
-#: asks for (-1: none, -2: WEIGHED).
-WATCHED = layout(
-    ("what", "i8"),
-    ("where", "i8"),
-    ("value", "f8"),
-    ("side", "f8"),
-    ("parts", "i8"),
-    ("number", "i8"),
-    ("hold", "i8"),
-)
+
+class Watch(Record):
+    """Something watched within steps."""
+
+    what: int  # kind of what is watched
+    where: int  # block of the element, of the joint in the watch's own program, or the contact
+    value: float  # to be passed
+    side: float  # that it is on; 0: unknown
+    parts: int  # of a step that are inspected
+    number: int  # of the function, of a kink or a change of mode
+    hold: int  # whose load a change of mode needs; -1: none, -2: WEIGHED
+
+
+WATCHED = layout(Watch)
 
 
 @by_address
@@ -71,17 +73,17 @@ class Watched(NamedTuple):
         unknown: How many functions there are that compiled code does not know.
     """
 
-    functions: Any
-    program: Any
-    rates: Any
-    instants: Any
-    values: Any
-    dips: Any
+    functions: Records[Watch]
+    program: Floats
+    rates: Floats
+    instants: Floats
+    values: Floats
+    dips: Floats
     unknown: int
 
 
 @kernel
-def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
+def _look(w: Watch, t: float, y: Floats, numbers: Numbers, watched: Watched) -> None:
     """Write how far a function is past its value at time t [s] and state y, and its rate (0: unknown)."""
     program, out = numbers.program, watched.values
     nq = head_of(program).nq
@@ -115,7 +117,7 @@ def _look(w: Any, t: float, y: Any, numbers: Any, watched: Any) -> None:
 
 
 @inlined
-def interpolated(x: float, f: Any) -> float:
+def interpolated(x: float, f: Floats) -> float:
     """Value at a fraction of a step of the polynomial through five values at the points of a step."""
     a, b, c = FIRST_POINT, SECOND_POINT, THIRD_POINT
     return float(
@@ -128,7 +130,7 @@ def interpolated(x: float, f: Any) -> float:
 
 
 @kernel
-def _may_dip(t: float, h: float, w: Any, step: Any, numbers: Any, watched: Any) -> bool:
+def _may_dip(t: float, h: float, w: Watch, step: DenseStep, numbers: Numbers, watched: Watched) -> bool:
     """Whether a function without a rate, whose value at the start is known, may come to zero in a step."""
     space, dense, work, start, out = step
     f = watched.dips
@@ -163,7 +165,15 @@ def _may_dip(t: float, h: float, w: Any, step: Any, numbers: Any, watched: Any) 
 
 @kernel
 def may_happen(
-    t: float, h: float, space: Any, dense: Any, work: Any, start: int, out: Any, numbers: Any, watched: Any
+    t: float,
+    h: float,
+    space: Ints,
+    dense: Floats,
+    work: Floats,
+    start: int,
+    out: Floats,
+    numbers: Numbers,
+    watched: Watched,
 ) -> bool:
     """Whether something watched may happen in the step of size h from t [s], whose dense output is there."""
     if watched.unknown > 0:

@@ -12,33 +12,69 @@ The journal frame J used here has its z axis along the journal and an arbitrary 
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout, words_of
-from antenna_pin.compiled.decorators import inlined, kernel, record
-from antenna_pin.geometry.revolute_kernels import REVOLUTE, bore_contact, flange_contact
-
-#: Rows, as bits (1, 2: the bore's circles at +z and at -z; 4, 8: the flanges there): those wanted, and of
-#: them those about which coal is still to be asked.
-QUERY = layout(("wanted", "i8"), ("asked", "i8"))
-#: Placement of H in J.
-FRAME = layout(("rotation", "f8", (3, 3)), ("origin", "f8", (3,)))
-#: The search on an end circle: the point asked, in J (read by coal) and in H [m]; where the circle stands, in
-#: half lengths, and the point's angle on it [rad]; whether the journal's axis passes through the circle;
-#: normal in H and gap [m]; coal's last answer, distance [m] and normal in J.
-END = layout(
-    ("in_journal", "f8", (3,)),
-    ("in_bearing", "f8", (3,)),
-    ("side", "f8"),
-    ("angle", "f8"),
-    ("inside", "i8"),
-    ("normal", "f8", (3,)),
-    ("gap", "f8"),
-    ("answer", "f8"),
-    ("direction", "f8", (3,)),
+from antenna_pin.base.records import (
+    Contact,
+    Floats,
+    Matrix3,
+    Pose,
+    Record,
+    Records,
+    Triple,
+    Vector3,
+    layout,
+    words_of,
 )
-#: coal's answer about a flange, in J: distance [m], normal from bearing to journal, nearest point [m].
-FLANGE_ANSWER = layout(("gap", "f8"), ("normal", "f8", (3,)), ("point", "f8", (3,)))
+from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.geometry.revolute_kernels import REVOLUTE, Revolute, bore_contact, flange_contact
+
+
+class Query(Record):
+    """Rows as bits (1, 2: the bore's circles at +z and -z; 4, 8: the flanges there)."""
+
+    wanted: int  # rows
+    asked: int  # of them those that coal is still to be called for
+
+
+QUERY = layout(Query)
+
+
+class Frame(Record):
+    """The placement of H in J."""
+
+    rotation: Matrix3  # from H to J
+    origin: Vector3  # [m]
+
+
+FRAME = layout(Frame)
+
+
+class End(Record):
+    """The search on an end circle of the bore."""
+
+    in_journal: Vector3  # the point queried, in J, read by coal [m]
+    in_bearing: Vector3  # the same point in H [m]
+    side: float  # where the circle stands, in half lengths
+    angle: float  # of the point on the circle [rad]
+    inside: int  # 1: the journal's axis passes through the circle
+    normal: Vector3  # in H
+    gap: float  # [m]
+    answer: float  # coal's last distance [m]
+    direction: Vector3  # coal's last normal, in J
+
+
+END = layout(End)
+
+
+class FlangeAnswer(Record):
+    """coal's answer about a flange, in J."""
+
+    gap: float  # [m]
+    normal: Vector3  # from bearing to journal
+    point: Vector3  # nearest one [m]
+
+
+FLANGE_ANSWER = layout(FlangeAnswer)
 
 # What the kernels are given is one flat array with all of that in it: each array that Python hands over takes
 # its time, twice that if it is one of records. Where QUERY, REVOLUTE, FRAME, END at +z and at -z, and the
@@ -56,33 +92,33 @@ _APPROACH = 6  # Newton steps at most to where coal is asked first
 
 
 @inlined
-def query_in(work: Any) -> Any:
+def query_in(work: Floats) -> Query:
     """Return what is wanted of coal."""
     return record(work[:SHAPE_AT], QUERY)
 
 
 @inlined
-def _shape_in(work: Any) -> Any:
+def _shape_in(work: Floats) -> Revolute:
     return record(work[SHAPE_AT:FRAME_AT], REVOLUTE)
 
 
 @inlined
-def _frame_in(work: Any) -> Any:
+def _frame_in(work: Floats) -> Frame:
     return record(work[FRAME_AT:ENDS_AT], FRAME)
 
 
 @inlined
-def _end_in(work: Any, k: int) -> Any:
+def _end_in(work: Floats, k: int) -> End:
     return record(work[ENDS_AT + k * END_WORDS : ENDS_AT + (k + 1) * END_WORDS], END)
 
 
 @inlined
-def _answer_in(work: Any, k: int) -> Any:
+def _answer_in(work: Floats, k: int) -> FlangeAnswer:
     return record(work[ANSWERS_AT + k * ANSWER_WORDS : ANSWERS_AT + (k + 1) * ANSWER_WORDS], FLANGE_ANSWER)
 
 
 @kernel
-def coal_set_out(work: Any, pose: Any, wanted: int) -> None:
+def coal_set_out(work: Floats, pose: Records[Pose], wanted: int) -> None:
     """Place the bearing in the journal frame and say what is to be asked of coal.
 
     Args:
@@ -125,7 +161,7 @@ def coal_set_out(work: Any, pose: Any, wanted: int) -> None:
 
 
 @kernel
-def coal_start(work: Any, k: int, side: float, pose: Any) -> bool:
+def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
     """Start the search on the circle at ``side`` times half the length; whether END k is to be asked."""
     # Towards the side of the bore that the journal axis is nearest to, where it cuts the circle's plane.
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
@@ -146,7 +182,7 @@ def coal_start(work: Any, k: int, side: float, pose: Any) -> bool:
 
 
 @inlined
-def _place_point(shape: Any, frame: Any, end: Any) -> None:
+def _place_point(shape: Revolute, frame: Frame, end: End) -> None:
     end.in_bearing[0] = shape.bearing_radius * math.cos(end.angle)
     end.in_bearing[1] = shape.bearing_radius * math.sin(end.angle)
     end.in_bearing[2] = end.side * shape.half_length
@@ -160,7 +196,7 @@ def _place_point(shape: Any, frame: Any, end: Any) -> None:
 
 
 @inlined
-def _in_bearing(at: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+def _in_bearing(at: Frame, x: float, y: float, z: float) -> Triple:
     """Return a direction of J in H."""
     return (
         at.rotation[0, 0] * x + at.rotation[1, 0] * y + at.rotation[2, 0] * z,
@@ -170,7 +206,7 @@ def _in_bearing(at: Any, x: float, y: float, z: float) -> tuple[float, float, fl
 
 
 @inlined
-def _newton(shape: Any, at: Any, end: Any, normal: Any, gap: float) -> tuple[float, float, float]:
+def _newton(shape: Revolute, at: Frame, end: End, normal: Triple, gap: float) -> Triple:
     """Return a Newton step of d gap / d phi = 0 in an END [rad], what the gap loses by it [m], and the slope.
 
     The derivative of the gap along the circle is -n . dQ/dphi, n the normal in H; its own derivative follows
@@ -193,7 +229,7 @@ def _newton(shape: Any, at: Any, end: Any, normal: Any, gap: float) -> tuple[flo
 
 
 @inlined
-def _approach(shape: Any, at: Any, end: Any) -> None:
+def _approach(shape: Revolute, at: Frame, end: End) -> None:
     """Bring the point of an END to where the closed form has the least gap, so that coal is asked once."""
     for _ in range(_APPROACH):
         x, y = end.in_journal[0], end.in_journal[1]
@@ -210,7 +246,7 @@ def _approach(shape: Any, at: Any, end: Any) -> None:
 
 
 @kernel
-def coal_turn(work: Any, k: int) -> bool:
+def coal_turn(work: Floats, k: int) -> bool:
     """Make one Newton step of d gap / d phi = 0 in END k from coal's answer; True when done.
 
     Once the step is below 1e-5 rad, gap and normal are carried over it to second and first order, which is
@@ -241,7 +277,7 @@ def coal_turn(work: Any, k: int) -> bool:
 
 
 @kernel
-def coal_take_in(work: Any, pose: Any, table: Any, row: int) -> bool:
+def coal_take_in(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> bool:
     """Turn coal's answers into the rows of the table that are wanted, in H; whether they are final.
 
     If not, coal is to be asked again.
@@ -256,7 +292,7 @@ def coal_take_in(work: Any, pose: Any, table: Any, row: int) -> bool:
 
 
 @inlined
-def _collect(work: Any, pose: Any, table: Any, row: int) -> None:
+def _collect(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> None:
     """Write the rows that are wanted, in H.
 
     The bore's stand in the ENDs of ``work``, the flanges' in its FLANGE_ANSWERs. Of a cylinder exactly

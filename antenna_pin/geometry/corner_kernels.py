@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Contact, Pose, Record, Vector3, layout
 from antenna_pin.compiled.decorators import kernel
 
-#: The centre of a corner's rounding, from the journal's centre in the *child's* axes [m], a plane wall in
-#: bearing axes: its normal into the hollow and its distance from the bearing's centre [m], and the corner's
-#: radius [m].
-CORNER = layout(
-    ("primitive", "i8"),
-    ("corner", "f8", (3,)),
-    ("wall", "f8", (3,)),
-    ("distance", "f8"),
-    ("radius", "f8"),
-)
+
+class Corner(Record):
+    """A rounded corner of the journal before a plane wall of the bearing."""
+
+    primitive: int  # its kind
+    corner: Vector3  # centre of the rounding, from the journal's centre in the child's axes [m]
+    wall: Vector3  # normal of the wall into the hollow, bearing axes
+    distance: float  # of the wall from the bearing's centre [m]
+    radius: float  # of the corner [m]
+
+
+CORNER = layout(Corner)
 
 
 @kernel
-def corner_contact(shape: Any, pose: Any, out: Any) -> None:
+def corner_contact(shape: Corner, pose: Pose, out: Contact) -> None:
     """Candidate between a corner and a wall: the ball of the corner's rounding against the plane.
 
     Of a box with rounded edges inside a hollow with plane walls no other point is deeper.

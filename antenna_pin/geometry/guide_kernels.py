@@ -14,27 +14,29 @@ towards the wall, and by the smaller else: so the gap does not jump as an end pa
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Contact, Pose, Record, Vector2, Vector3, layout
 from antenna_pin.compiled.decorators import kernel
-from antenna_pin.geometry.revolute_kernels import bore_contact
+from antenna_pin.geometry.revolute_kernels import Revolute, bore_contact
 
-#: As CORNER (:mod:`antenna_pin.geometry.corner_kernels`), in a guide that ends: the wall's normal into the
-#: hollow, which has no part along the axis, and half the guide's length.
-EDGE = layout(
-    ("primitive", "i8"),
-    ("corner", "f8", (3,)),
-    ("wall", "f8", (2,)),
-    ("distance", "f8"),
-    ("radius", "f8"),
-    ("reach", "f8"),
-)
+
+class Edge(Record):
+    """A corner (``corner_kernels.CORNER``) in a guide that ends."""
+
+    primitive: int  # its kind
+    corner: Vector3  # centre of the rounding, from the journal's centre in the child's axes [m]
+    wall: Vector2  # normal of the wall into the hollow, across the axis
+    distance: float  # of the wall from the bearing's centre [m]
+    radius: float  # of the corner [m]
+    reach: float  # half the guide's length [m]
+
+
+EDGE = layout(Edge)
 _MAX_ITERATIONS = 60
 
 
 @kernel
-def edge_contact(shape: Any, pose: Any, out: Any) -> None:
+def edge_contact(shape: Edge, pose: Pose, out: Contact) -> None:
     """Candidate at one end of what a slider's long edge has within the guide: its corner, or the mouth.
 
     Exact for a slider apart from its wall and for one that presses, where the depth is along the one of the
@@ -132,7 +134,7 @@ def farthest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple
 
 
 @kernel
-def rod_contact(shape: Any, pose: Any, out: Any) -> None:
+def rod_contact(shape: Revolute, pose: Pose, out: Contact) -> None:
     """Candidate at one end of what a round slider has within a round guide: its rim, or the mouth.
 
     REVOLUTE, of which half_length is half the guide's and half_distance half the slider's. The rim's gap is

@@ -7,9 +7,8 @@ primitive. A new primitive is a file of its own and one line here.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import words_of
+from antenna_pin.base.records import Contact, Floats, Pose, Records, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.geometry.corner_kernels import CORNER, corner_contact
 from antenna_pin.geometry.guide_kernels import EDGE, edge_contact, rod_contact
@@ -29,7 +28,7 @@ ROD_IN_GUIDE = 7
 
 
 @inlined
-def candidate_contact(words: Any, at: int, pose: Any, out: Any) -> None:
+def candidate_contact(words: Floats, at: int, pose: Pose, out: Contact) -> None:
     """Fill gap, normal and point of the candidate whose record stands at words[at:]."""
     shape = words[at : at + CANDIDATE]
     revolute = record(shape, REVOLUTE)
@@ -53,7 +52,7 @@ def candidate_contact(words: Any, at: int, pose: Any, out: Any) -> None:
 
 
 @kernel
-def fill(candidates: Any, pose: Any, table: Any) -> None:
+def fill(candidates: Floats, pose: Records[Pose], table: Records[Contact]) -> None:
     """Fill the rows of a table from flat candidates, one after another; pose: POSE, (1,)."""
     for k in range(table.shape[0]):
         candidate_contact(candidates, k * CANDIDATE, pose[0], table[k])

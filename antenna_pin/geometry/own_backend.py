@@ -38,7 +38,7 @@ class OwnBackend:
         """Allocate nothing yet: the table's length is known at the first query."""
         self.name = name
         self._distances, self._contacts = distances, contacts
-        self._table = np.zeros(0, CONTACT)
+        self._table: NDArray[Any] = np.zeros(0, CONTACT)
         self._own = np.zeros((0, len(_GIVEN)))
 
     def query(

@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Contact, Pose, Record, Records, layout
 from antenna_pin.compiled.decorators import kernel
-from antenna_pin.geometry.revolute_kernels import bore_contact
+from antenna_pin.geometry.revolute_kernels import Revolute, bore_contact
 
-#: Of a sector: sin(t_k), and cos(t_k) over the number of sectors.
-NODE = layout(("sine", "f8"), ("share", "f8"))
+
+class Node(Record):
+    """A sector of a patch."""
+
+    sine: float  # of t_k
+    share: float  # cos(t_k) over the number of sectors
+
+
+NODE = layout(Node)
 
 APART = 1.0  # [m], the gap written to strips that are known to be apart without being computed
 
 
 @kernel
-def take_place(patch: Any, part: Any) -> None:
+def take_place(patch: Contact, part: Contact) -> None:
     """Give a patch the gap, normal and point of one of its parts."""
     patch.gap = part.gap
     for i in range(3):
@@ -25,7 +31,9 @@ def take_place(patch: Any, part: Any) -> None:
 
 
 @kernel
-def strip_contacts(shape: Any, strips: int, pose: Any, table: Any, row: int, first: int) -> None:
+def strip_contacts(
+    shape: Revolute, strips: int, pose: Pose, table: Records[Contact], row: int, first: int
+) -> None:
     """Fill the bore's strips, and its two halves: the +z one in ``row``, the -z one behind it.
 
     The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The
@@ -61,7 +69,13 @@ def strip_contacts(shape: Any, strips: int, pose: Any, table: Any, row: int, fir
 
 @kernel
 def sector_contacts(
-    shape: Any, nodes: Any, radius: float, pose: Any, table: Any, row: int, first: int
+    shape: Revolute,
+    nodes: Records[Node],
+    radius: float,
+    pose: Pose,
+    table: Records[Contact],
+    row: int,
+    first: int,
 ) -> None:
     r"""Fill the flanges' sectors, from ``first`` on, and the two flanges' own rows, ``row`` and the next.
 

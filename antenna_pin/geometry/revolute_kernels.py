@@ -9,24 +9,26 @@ one record.
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Contact, Pose, Record, Records, layout
 from antenna_pin.compiled.decorators import kernel
 
-#: Dimensions of a revolute joint [m], of the end ``side`` (+1 or -1) of the bearing: R_i, L_i / 2, R_io, R_j,
-#: R_f, L_j / 2.
-REVOLUTE = layout(
-    ("primitive", "i8"),
-    ("side", "f8"),
-    ("bearing_radius", "f8"),
-    ("half_length", "f8"),
-    ("outer_radius", "f8"),
-    ("journal_radius", "f8"),
-    ("flange_radius", "f8"),
-    ("half_distance", "f8"),
-    ("unused", "f8"),
-)
+
+class Revolute(Record):
+    """Dimensions of a revolute joint, at one end of the bearing."""
+
+    primitive: int  # its kind
+    side: float  # +1 or -1, the bearing's end
+    bearing_radius: float  # R_i [m]
+    half_length: float  # L_i / 2 [m]
+    outer_radius: float  # R_io [m]
+    journal_radius: float  # R_j [m]
+    flange_radius: float  # R_f [m]
+    half_distance: float  # L_j / 2 [m]
+    unused: float  # as long as other shapes
+
+
+REVOLUTE = layout(Revolute)
 _MAX_ITERATIONS = 60
 
 # Contact scenarios.
@@ -85,7 +87,7 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
 
 
 @kernel
-def bore_contact(shape: Any, side: float, pose: Any, out: Any) -> None:
+def bore_contact(shape: Revolute, side: float, pose: Pose, out: Contact) -> None:
     """Radial candidate at the bearing's circle at ``side`` (+1, -1 or between) times half its length.
 
     gap = min over Q on the circle of dist(Q, journal axis) - R_j. Seen along the journal axis the circle is
@@ -154,7 +156,7 @@ def bore_contact(shape: Any, side: float, pose: Any, out: Any) -> None:
 
 
 @kernel
-def flange_contact(shape: Any, side: float, pose: Any, out: Any) -> None:
+def flange_contact(shape: Revolute, side: float, pose: Pose, out: Contact) -> None:
     """Axial candidate between the flange and the bearing's end face at ``side`` (+1 or -1).
 
     Where the flange covers the bearing's outer edge (R_f >= R_io) that edge meets the plane of the flange:
@@ -202,7 +204,7 @@ def flange_contact(shape: Any, side: float, pose: Any, out: Any) -> None:
 
 
 @kernel
-def revolute_contacts(shape: Any, pose: Any, table: Any) -> None:
+def revolute_contacts(shape: Revolute, pose: Pose, table: Records[Contact]) -> None:
     """Fill the first four rows of a table: bore at +z and -z, flange at +z and -z."""
     for k in range(2):
         side = 1.0 - 2.0 * k
@@ -211,7 +213,9 @@ def revolute_contacts(shape: Any, pose: Any, table: Any) -> None:
 
 
 @kernel
-def contact_scenario(shape: Any, pose: Any, table: Any, row: int, spare: Any) -> tuple[int, int]:
+def contact_scenario(
+    shape: Revolute, pose: Pose, table: Records[Contact], row: int, spare: Contact
+) -> tuple[int, int]:
     """Classify the penetrations of rows ``row`` to ``row + 3`` of a table; the row ``spare`` is scratch.
 
     Radial: none, one end, two ends, line (both ends and the middle section on the same side). Axial: none,
@@ -247,7 +251,9 @@ def contact_scenario(shape: Any, pose: Any, table: Any, row: int, spare: Any) ->
 
 
 @kernel
-def scenario_in(dimensions: Any, poses: Any, table: Any) -> tuple[int, int]:
+def scenario_in(
+    dimensions: Records[Revolute], poses: Records[Pose], table: Records[Contact]
+) -> tuple[int, int]:
     """Return the contact scenario of poses[0], filling the five rows of a table; REVOLUTE and POSE, (1,)."""
     shape, pose = dimensions[0], poses[0]
     revolute_contacts(shape, pose, table)

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Contact, Pose, Record, Vector6, layout
 from antenna_pin.compiled.decorators import kernel
 
-#: Dimensions of a journal in a bore that keeps its plane, or of a ball in a socket [m].
-ROUND = layout(
-    ("primitive", "i8"), ("bearing_radius", "f8"), ("journal_radius", "f8"), ("unused", "f8", (6,))
-)
+
+class Round(Record):
+    """A journal in a bore that keeps its plane, or a ball in a socket."""
+
+    primitive: int  # its kind
+    bearing_radius: float  # [m]
+    journal_radius: float  # [m]
+    unused: Vector6  # as long as other shapes
+
+
+ROUND = layout(Round)
 
 
 @kernel
-def circle_contact(shape: Any, pose: Any, out: Any) -> None:
+def circle_contact(shape: Round, pose: Pose, out: Contact) -> None:
     """Candidate of a circle in a circle, in the plane of the bearing."""
     ox, oy = pose.centre[0], pose.centre[1]
     eccentricity = math.hypot(ox, oy)
@@ -35,7 +41,7 @@ def circle_contact(shape: Any, pose: Any, out: Any) -> None:
 
 
 @kernel
-def ball_contact(shape: Any, pose: Any, out: Any) -> None:
+def ball_contact(shape: Round, pose: Pose, out: Contact) -> None:
     """Candidate of a ball in a socket, on the line of the two centres."""
     ox, oy, oz = pose.centre[0], pose.centre[1], pose.centre[2]
     eccentricity = math.sqrt(ox * ox + oy * oy + oz * oz)

@@ -11,27 +11,22 @@ axis and rotation and the shape's dimensions change.
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Contact, Floats, Pose
 from antenna_pin.compiled.decorators import inlined, kernel, record
-from antenna_pin.geometry.corner_kernels import CORNER
-from antenna_pin.geometry.kernels import (
-    BALL,
-    BORE,
-    CANDIDATE,
-    CIRCLE_IN_CIRCLE,
-    CORNER_ON_WALL,
-    FLANGE,
-)
-from antenna_pin.geometry.revolute_kernels import REVOLUTE
-from antenna_pin.geometry.round_kernels import ROUND
+from antenna_pin.geometry.corner_kernels import CORNER, Corner
+from antenna_pin.geometry.kernels import BALL, BORE, CANDIDATE, CIRCLE_IN_CIRCLE, CORNER_ON_WALL, FLANGE
+from antenna_pin.geometry.revolute_kernels import REVOLUTE, Revolute
+from antenna_pin.geometry.round_kernels import ROUND, Round
 
 #: Where in what is written the changes of gap, normal and point begin, and how many numbers that is.
 GAP, NORMAL, POINT, CHANGED = 0, 1, 4, 7
 
 
 @kernel
-def _bore_changes(shape: Any, change: Any, pose: Any, way: Any, row: Any, out: Any) -> None:
+def _bore_changes(
+    shape: Revolute, change: Revolute, pose: Pose, way: Pose, row: Contact, out: Floats
+) -> None:
     """Changes of the place where a bore's end circle is nearest to the journal's axis.
 
     With u from the journal's centre to the circle's point Q and d = u - (u . z) z square to the axis z,
@@ -67,7 +62,9 @@ def _bore_changes(shape: Any, change: Any, pose: Any, way: Any, row: Any, out: A
 
 
 @kernel
-def _flange_changes(shape: Any, change: Any, pose: Any, way: Any, row: Any, out: Any) -> None:
+def _flange_changes(
+    shape: Revolute, change: Revolute, pose: Pose, way: Pose, row: Contact, out: Floats
+) -> None:
     """Changes of the deepest point of a flange's rim, or of the bearing's edge where the flange covers that.
 
     At parallel axes, where the deepest point is that on the axis, it stays there.
@@ -105,7 +102,7 @@ def _flange_changes(shape: Any, change: Any, pose: Any, way: Any, row: Any, out:
 
 
 @kernel
-def _round_changes(shape: Any, change: Any, flat: bool, way: Any, row: Any, out: Any) -> None:
+def _round_changes(shape: Round, change: Round, flat: bool, way: Pose, row: Contact, out: Floats) -> None:
     """Changes of a ball's candidate in its socket, or of a circle's in a circle: ``flat``, in the plane."""
     n, radius = row.normal, shape.bearing_radius
     off = radius - shape.journal_radius - row.gap
@@ -121,7 +118,7 @@ def _round_changes(shape: Any, change: Any, flat: bool, way: Any, row: Any, out:
 
 
 @kernel
-def _corner_changes(shape: Any, change: Any, pose: Any, way: Any, row: Any, out: Any) -> None:
+def _corner_changes(shape: Corner, change: Corner, pose: Pose, way: Pose, row: Contact, out: Floats) -> None:
     """Changes of a rounded corner's candidate on its wall."""
     gap = change.distance - change.radius
     for i in range(3):
@@ -142,7 +139,7 @@ def has_closed_changes(primitive: int) -> bool:
 
 
 @kernel
-def contact_changes(words: Any, change: Any, pose: Any, way: Any, row: Any, out: Any) -> None:
+def contact_changes(words: Floats, change: Floats, pose: Pose, way: Pose, row: Contact, out: Floats) -> None:
     """Write how gap, normal and point of a candidate of closed form change.
 
     Args:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.integrate.linear_kernels import decompose, solve
 
 
 @kernel
-def propagate(stages: Any, weights: Any, size: float, matrices: Any, room: Any, out: Any) -> bool:
+def propagate(
+    stages: Floats,
+    weights: Floats,
+    size: float,
+    matrices: Floats,
+    room: tuple[Floats, Ints, Floats],
+    out: Floats,
+) -> bool:
     """Write what ``W' = A W`` makes of the identity over a step; return whether there is such.
 
     Args:

@@ -14,10 +14,9 @@ counts, as in :mod:`antenna_pin.base.differences`, and the second order is kept 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined
 
 #: How often a step is made finer at most, and by how much; and with what a part begins to be settled.
@@ -35,7 +34,7 @@ _BEND = np.array([-20.0, 15.0, -6.0, 1.0]) / 12.0
 
 
 @inlined
-def clear(trial: Any, count: int) -> None:
+def clear(trial: Floats, count: int) -> None:
     """Begin a trial of so many values."""
     for kind in range(trial.shape[0]):
         for i in range(count):
@@ -50,7 +49,7 @@ def place_at(turn: int, points: int) -> int:
 
 
 @inlined
-def add(values: Any, count: int, place: int, weights: Any, trial: Any) -> bool:
+def add(values: Floats, count: int, place: int, weights: Floats, trial: Floats) -> bool:
     """Add the values at ``place`` steps to a trial, by ``weights``, (kinds, points).
 
     Returns:
@@ -76,7 +75,7 @@ def add(values: Any, count: int, place: int, weights: Any, trial: Any) -> bool:
 
 
 @inlined
-def rests(turn: int, moves: bool, count: int, trial: Any) -> bool:
+def rests(turn: int, moves: bool, count: int, trial: Floats) -> bool:
     """Whether nothing changes, as the farthest neighbours say behind the third turn: so it is then."""
     if turn != 2 or moves:
         return False
@@ -85,7 +84,7 @@ def rests(turn: int, moves: bool, count: int, trial: Any) -> bool:
 
 
 @inlined
-def _judge(trial: Any, values: Any, step: float, part: Any) -> tuple[float, float]:
+def _judge(trial: Floats, values: Floats, step: float, part: tuple[int, int]) -> tuple[float, float]:
     """Return by how much two orders differ in a part of the values, and the largest derivative there.
 
     Where the function bends by more than that, the second order becomes what differs by the bend. What the
@@ -110,7 +109,12 @@ def _judge(trial: Any, values: Any, step: float, part: Any) -> tuple[float, floa
 
 @inlined
 def settle(
-    trial: Any, values: Any, step: float, part: Any, so_far: Any, out: Any
+    trial: Floats,
+    values: Floats,
+    step: float,
+    part: tuple[int, int],
+    so_far: tuple[float, float, bool],
+    out: Floats,
 ) -> tuple[float, float, bool]:
     """Judge a part of a trial, and keep it if it is the best yet, as long as finer steps are worth trying.
 

@@ -10,9 +10,10 @@ order (:mod:`antenna_pin.integrate.radau_kernels`).
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from antenna_pin.base import records
+from antenna_pin.base.records import Floats, Ints, Records
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.integrate.kernels import RATES, STATE, dense_coefficients, finish, stage, store
@@ -23,8 +24,15 @@ ASK = 0
 MADE = 1
 FAILED = 2
 
-#: The stage whose state was written last, and its time [s].
-COURSE = records.layout(("stage", "i8"), ("t", "f8"))
+
+class Course(records.Record):
+    """The progress of an explicit step."""
+
+    stage: int  # whose state was written last
+    t: float  # its time [s]
+
+
+COURSE = records.layout(Course)
 
 
 @by_address
@@ -41,23 +49,23 @@ class Tableau(NamedTuple):
         course: COURSE, (1,).
     """
 
-    nodes: Any
-    weights: Any
-    errors: Any
-    polynomials: Any
+    nodes: Floats
+    weights: Floats
+    errors: Floats
+    polynomials: Floats
     last: int
     adaptive: int
-    course: Any
+    course: Records[Course]
 
 
 @inlined
-def set_out(tableau: Any) -> None:
+def set_out(tableau: Tableau) -> None:
     """Begin a step from the start in the work rows."""
     tableau.course[0].stage = 0
 
 
 @inlined
-def go_on(t: float, h: float, tableau: Any, layout: Any, work: Any) -> int:
+def go_on(t: float, h: float, tableau: Tableau, layout: Ints, work: Floats) -> int:
     """Write the state of the next stage of a step of size h [s] from t [s]; return what is wanted then."""
     course = tableau.course[0]
     i = course.stage + 1
@@ -68,14 +76,14 @@ def go_on(t: float, h: float, tableau: Any, layout: Any, work: Any) -> int:
 
 
 @kernel
-def error_of(h: float, tableau: Any, layout: Any, work: Any, scales: Any, rtol: float) -> float:
+def error_of(h: float, tableau: Tableau, layout: Ints, work: Floats, scales: Floats, rtol: float) -> float:
     """Return the scaled error of a step that was made: 1 is the tolerance, 0 if steps are fixed."""
     error = finish(tableau.last, h, tableau.errors, layout, work, scales, rtol)
     return float(error if tableau.adaptive != 0 or not math.isfinite(error) else 0.0)
 
 
 @inlined
-def set_out_dense(tableau: Any, layout: Any, work: Any, kept: Any) -> None:
+def set_out_dense(tableau: Tableau, layout: Ints, work: Floats, kept: Floats) -> None:
     """Begin the dense output of a step that was made; ``kept``, (2, size), holds its end meanwhile."""
     space, stages = space_of(layout), tableau.weights.shape[0]
     tableau.course[0].stage = tableau.last
@@ -86,7 +94,9 @@ def set_out_dense(tableau: Any, layout: Any, work: Any, kept: Any) -> None:
 
 
 @inlined
-def go_on_dense(t: float, h: float, tableau: Any, layout: Any, work: Any, dense: Any, kept: Any) -> int:
+def go_on_dense(
+    t: float, h: float, tableau: Tableau, layout: Ints, work: Floats, dense: Floats, kept: Floats
+) -> int:
     """Write the state of the next stage that the dense output needs, as :func:`go_on`; MADE: it is there."""
     course, stages = tableau.course[0], tableau.weights.shape[0]
     space = space_of(layout)

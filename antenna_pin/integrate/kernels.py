@@ -21,10 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR, Floats, Ints
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.compiled.lanes import LANES, lane_of_row, put_lane_of_row, same_lane
 from antenna_pin.integrate.manifold_kernels import (
+    Factor,
     chart_rate,
     factor_of,
     retract,
@@ -44,9 +45,12 @@ STATE_ROW: Any = np.int64(0)
 CHART_ROW: Any = np.int64(1)
 FIRST_STAGE: Any = np.int64(0)
 
+#: A step with dense output: layout of states, coefficients, work rows, row of the start, rows to write to.
+DenseStep = tuple[Ints, Floats, Floats, int, Floats]
+
 
 @kernel
-def begin(stages: int, layout: Any, work: Any) -> None:
+def begin(stages: int, layout: Ints, work: Floats) -> None:
     """Make the present state the start of a step and its derivative, evaluated before, the first stage."""
     space = space_of(layout)
     for k in range(space.nq + space.nv + space.nx):
@@ -57,7 +61,7 @@ def begin(stages: int, layout: Any, work: Any) -> None:
 
 
 @inlined
-def store(i: int, stages: int, layout: Any, work: Any) -> None:
+def store(i: int, stages: int, layout: Ints, work: Floats) -> None:
     """Store the derivative just evaluated as stage i."""
     space = space_of(layout)
     nv = space.nv
@@ -67,7 +71,7 @@ def store(i: int, stages: int, layout: Any, work: Any) -> None:
 
 
 @kernel
-def stage(i: int, h: float, weights: Any, layout: Any, work: Any, keep: bool) -> None:
+def stage(i: int, h: float, weights: Floats, layout: Ints, work: Floats, keep: bool) -> None:
     """Store the derivative of stage i - 1 (if ``keep``) and write the state of stage i."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
@@ -97,7 +101,7 @@ def stage(i: int, h: float, weights: Any, layout: Any, work: Any, keep: bool) ->
 
 
 @inlined
-def _sum_lanes(i: int, h: float, weights: Any, work: Any, total: int, k: int) -> None:
+def _sum_lanes(i: int, h: float, weights: Floats, work: Floats, total: int, k: int) -> None:
     """Write the sum of the stages before stage i, by its weights, for two lanes of components from k on.
 
     The sums stay in the processor's registers, where those of whole rows would be read and written for each
@@ -114,7 +118,7 @@ def _sum_lanes(i: int, h: float, weights: Any, work: Any, total: int, k: int) ->
 
 
 @inlined
-def _length(rows: Any, r: int, k: int, n: int) -> float:
+def _length(rows: Floats, r: int, k: int, n: int) -> float:
     """Length of the n numbers of row r from k on."""
     if n == 1:
         return abs(float(rows[r, k]))
@@ -125,7 +129,7 @@ def _length(rows: Any, r: int, k: int, n: int) -> float:
 
 
 @kernel
-def magnitudes(layout: Any, stages: int, work: Any) -> None:
+def magnitudes(layout: Ints, stages: int, work: Floats) -> None:
     """Write into TOTAL the size of each component of [u, v, x] that its error is measured against.
 
     Of a translation in space or in a plane that is the length of the vector: an error weighs the same
@@ -153,7 +157,9 @@ def magnitudes(layout: Any, stages: int, work: Any) -> None:
 
 
 @kernel
-def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, rtol: float) -> float:
+def finish(
+    i: int, h: float, errors: Floats, layout: Ints, work: Floats, scales: Floats, rtol: float
+) -> float:
     """Store the derivative of the last stage i; return the scaled error of the step (1 is the tolerance).
 
     ``errors`` holds one row of weights, or two (Dormand-Prince 8(5,3), combined after Hairer). The error of a
@@ -173,7 +179,9 @@ def finish(i: int, h: float, errors: Any, layout: Any, work: Any, scales: Any, r
 
 
 @inlined
-def _norm(part: Any, i: int, h: float, errors: Any, work: Any, scales: Any, rtol: float) -> float:
+def _norm(
+    part: tuple[int, int], i: int, h: float, errors: Floats, work: Floats, scales: Floats, rtol: float
+) -> float:
     """Scaled error of a part of the components, from the first number to the second."""
     begin, end = part
     stages = errors.shape[1]
@@ -207,7 +215,7 @@ def _norm(part: Any, i: int, h: float, errors: Any, work: Any, scales: Any, rtol
 
 
 @kernel
-def dense_coefficients(h: float, polynomials: Any, n: int, work: Any, dense: Any) -> None:
+def dense_coefficients(h: float, polynomials: Floats, n: int, work: Floats, dense: Floats) -> None:
     """dense[p] = h sum_j polynomials[j, p] work[j]: z(theta) - z(0) = sum_p dense[p] theta^(p + 1)."""
     for p in range(polynomials.shape[1]):
         k = 0
@@ -231,7 +239,7 @@ def dense_coefficients(h: float, polynomials: Any, n: int, work: Any, dense: Any
 
 
 @kernel
-def bend(layout: Any, before: Any, after: Any, dense: Any) -> None:
+def bend(layout: Ints, before: Floats, after: Floats, dense: Floats) -> None:
     """Bend the dense output to a step's end that was moved after the step, by so little that charts agree.
 
     The move comes in as 3 theta^2 - 2 theta^3: the slopes at both ends stay.
@@ -265,14 +273,14 @@ def bend(layout: Any, before: Any, after: Any, dense: Any) -> None:
 
 
 @inlined
-def _bend(dense: Any, k: int, way: float) -> None:
+def _bend(dense: Floats, k: int, way: float) -> None:
     """Bend one component."""
     dense[1, k] += 3.0 * way
     dense[2, k] -= 2.0 * way
 
 
 @inlined
-def _term(theta: float, degree: int, dense: Any, k: int) -> float:
+def _term(theta: float, degree: int, dense: Floats, k: int) -> float:
     """Component k of z(theta) - z(0), by Horner's rule."""
     value = dense[degree - 1, k]
     for p in range(degree - 2, -1, -1):
@@ -281,7 +289,7 @@ def _term(theta: float, degree: int, dense: Any, k: int) -> float:
 
 
 @kernel
-def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, out: Any) -> None:
+def dense_state(theta: float, layout: Ints, dense: Floats, work: Floats, start: int, out: Floats) -> None:
     """Write the state at the fraction theta of the step from work[start] into out[0]; out[1] is scratch."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
@@ -295,7 +303,7 @@ def dense_state(theta: float, layout: Any, dense: Any, work: Any, start: int, ou
 
 @inlined
 def dense_joint(
-    theta: float, factor: Any, nq: int, nv: int, dense: Any, work: Any, start: int, out: Any
+    theta: float, factor: Factor, nq: int, nv: int, dense: Floats, work: Floats, start: int, out: Floats
 ) -> None:
     """Write only the part of a state that is one joint's."""
     degree = dense.shape[0]

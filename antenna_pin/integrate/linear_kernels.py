@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+import numpy as np
+from numpy.typing import NDArray
 
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import kernel
+
+RealOrComplex = Floats | NDArray[np.complex128]
 
 
 @kernel
-def decompose(matrix: Any, pivots: Any) -> bool:
+def decompose(matrix: RealOrComplex, pivots: Ints) -> bool:
     """Overwrite a square matrix with its factors L and U, rows exchanged; return whether it is regular.
 
     Args:
@@ -39,7 +43,7 @@ def decompose(matrix: Any, pivots: Any) -> bool:
 
 
 @kernel
-def solve(matrix: Any, pivots: Any, right: Any) -> None:
+def solve(matrix: RealOrComplex, pivots: Ints, right: RealOrComplex) -> None:
     """Overwrite the right-hand side, (n,), with the solution, by the factors of :func:`decompose`."""
     n = pivots.shape[0]
     for k in range(n):

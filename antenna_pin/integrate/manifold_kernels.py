@@ -10,36 +10,53 @@ the axes of the parent, R = R0 exp(u_w).
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from antenna_pin.base import records
-from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR, Floats, Ints, Triple
 from antenna_pin.compiled.decorators import inlined, kernel, record
 
-# Sizes of q, v and x, and how many factors the configurations have; as many ``FACTOR`` follow.
-SPACE = records.layout(("nq", "i8"), ("nv", "i8"), ("nx", "i8"), ("factors", "i8"))
-# A factor: how its joint moves (``VECTOR``, ``CIRCLE``, ... of ``records``), where it starts in q and in v,
-# its numbers in v.
-FACTOR = records.layout(("kind", "i8"), ("q", "i8"), ("v", "i8"), ("nv", "i8"))
+
+class Space(records.Record):
+    """The head of a configuration space's layout; its factors follow."""
+
+    nq: int  # size of q
+    nv: int  # size of v
+    nx: int  # size of x
+    factors: int  # how many
+
+
+SPACE = records.layout(Space)
+
+
+class Factor(records.Record):
+    """A factor of the configuration space."""
+
+    kind: int  # how its joint moves: VECTOR, CIRCLE, ...
+    q: int  # start in q
+    v: int  # start in v
+    nv: int  # its numbers in v
+
+
+FACTOR = records.layout(Factor)
 SPACE_WORDS = records.words_of(SPACE)
 FACTOR_WORDS = records.words_of(FACTOR)
 
 
 @inlined
-def space_of(layout: Any) -> Any:
+def space_of(layout: Ints) -> Space:
     """Return the head of a layout."""
     return record(layout[:SPACE_WORDS], SPACE)
 
 
 @inlined
-def factor_of(layout: Any, number: int) -> Any:
+def factor_of(layout: Ints, number: int) -> Factor:
     """Return one of the factors that a layout lists."""
     at = SPACE_WORDS + number * FACTOR_WORDS
     return record(layout[at : at + FACTOR_WORDS], FACTOR)
 
 
 @inlined
-def _turn(q0: Any, r0: int, i: int, way: Any, q: Any, r: int) -> None:
+def _turn(q0: Floats, r0: int, i: int, way: Triple, q: Floats, r: int) -> None:
     """Write q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
     ux, uy, uz = way
     square = ux * ux + uy * uy + uz * uz
@@ -65,7 +82,7 @@ def _turn(q0: Any, r0: int, i: int, way: Any, q: Any, r: int) -> None:
 
 
 @inlined
-def retract_factor(factor: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
+def retract_factor(factor: Factor, q0: Floats, r0: int, u: Floats, ru: int, q: Floats, r: int) -> None:
     """Write one factor of q[r] = q0[r0] o exp(u[ru])."""
     kind, i, j = factor.kind, factor.q, factor.v
     if kind == VECTOR:
@@ -94,7 +111,7 @@ def retract_factor(factor: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: in
 
 
 @inlined
-def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> None:
+def retract(layout: Ints, q0: Floats, r0: int, u: Floats, ru: int, q: Floats, r: int) -> None:
     """Write q[r] = q0[r0] o exp(u[ru]).
 
     Arrays and rows come apart, because a view of a row costs more than the sum it is for.
@@ -104,7 +121,7 @@ def retract(layout: Any, q0: Any, r0: int, u: Any, ru: int, q: Any, r: int) -> N
 
 
 @inlined
-def move_factor(factor: Any, rows: Any, r: int, step: Any) -> None:
+def move_factor(factor: Factor, rows: Floats, r: int, step: Floats) -> None:
     """:func:`move_by_velocity` of one factor."""
     kind, i, j = factor.kind, factor.q, factor.v
     if kind == VECTOR:
@@ -138,7 +155,7 @@ def move_factor(factor: Any, rows: Any, r: int, step: Any) -> None:
 
 
 @inlined
-def factor_size(factor: Any) -> int:
+def factor_size(factor: Factor) -> int:
     """Return how many numbers of q a factor has."""
     if factor.kind == VECTOR:
         return int(factor.nv)
@@ -146,7 +163,7 @@ def factor_size(factor: Any) -> int:
 
 
 @kernel
-def move_by_velocity(layout: Any, rows: Any, r: int, step: Any) -> None:
+def move_by_velocity(layout: Ints, rows: Floats, r: int, step: Floats) -> None:
     """Move the configuration rows[r], in place, by a step in the coordinates of velocities, in body axes.
 
     It is of first order, as for corrections: along a straight line, then turned.
@@ -156,7 +173,7 @@ def move_by_velocity(layout: Any, rows: Any, r: int, step: Any) -> None:
 
 
 @inlined
-def _unwind(vector: Any, spin: Any, out: Any, r: int, j: int) -> None:
+def _unwind(vector: Triple, spin: Triple, out: Floats, r: int, j: int) -> None:
     """Write the rate of a rotation vector for a body angular velocity.
 
     It is the velocity times the inverse right Jacobian of SO(3).
@@ -181,7 +198,7 @@ def _unwind(vector: Any, spin: Any, out: Any, r: int, j: int) -> None:
 
 
 @inlined
-def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) -> None:
+def chart_rate(layout: Ints, u: Floats, ru: int, y: Floats, ry: int, out: Floats, r: int) -> None:
     """Write the rate of u[ru] into out[r] for the state y[ry] = [q, v], whose q is q0 o exp(u)."""
     start = space_of(layout).nq
     for f in range(space_of(layout).factors):
@@ -217,7 +234,7 @@ def chart_rate(layout: Any, u: Any, ru: int, y: Any, ry: int, out: Any, r: int) 
 
 
 @kernel
-def write_bracket(layout: Any, v: Any, way: Any, out: Any) -> None:
+def write_bracket(layout: Ints, v: Floats, way: Floats, out: Floats) -> None:
     """Write the bracket [v, w] of a velocity with a way w, both from one configuration, (nv,) each."""
     for f in range(space_of(layout).factors):
         factor = factor_of(layout, f)

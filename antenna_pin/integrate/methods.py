@@ -326,7 +326,7 @@ def newton_of(method: Method, size: int, columns: NDArray[np.int64]) -> _newton.
     return _newton.Radau(
         progress=np.zeros(1, _newton.PROGRESS),
         nodes=np.ascontiguousarray(method.nodes[1:4]),
-        inverse=np.linalg.inv(method.weights[1:4, 1:4]),
+        inverse=np.asarray(np.linalg.inv(method.weights[1:4, 1:4]), dtype=np.float64),
         back=np.array(_BACK),
         forth=np.linalg.inv(np.array(_BACK)),
         values=np.array(

@@ -11,8 +11,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from antenna_pin.base import records
+from antenna_pin.base.records import Floats, Ints, Records
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.integrate.kernels import START, STATE, TOTAL, U, magnitudes, store
@@ -23,18 +25,22 @@ from antenna_pin.integrate.manifold_kernels import retract, space_of
 ERROR_ROW: Any = np.int64(4)
 FIRST: Any = np.int64(0)
 END: Any = np.int64(2)
-#: Where the algorithm is: what the answer is for, of which column, stage and round; whether the Jacobian is
-#: that of the present start; the time to evaluate at [s]; size of the last Newton step, in tolerances; error.
-PROGRESS = records.layout(
-    ("phase", "i8"),
-    ("column", "i8"),
-    ("stage", "i8"),
-    ("rounds", "i8"),
-    ("fresh", "i8"),
-    ("t", "f8"),
-    ("step", "f8"),
-    ("error", "f8"),
-)
+
+
+class Progress(records.Record):
+    """The progress of an implicit step."""
+
+    phase: int  # what the next derivative is for
+    column: int  # of the Jacobian that it is for
+    stage: int  # that it is for
+    rounds: int  # of Newton's iteration
+    fresh: int  # 1: the Jacobian is that of the present start
+    t: float  # time to evaluate at [s]
+    step: float  # size of the last Newton step, in tolerances
+    error: float  # scaled
+
+
+PROGRESS = records.layout(Progress)
 
 
 @by_address
@@ -61,27 +67,27 @@ class Radau(NamedTuple):
         paired: (m,), complex, scratch.
     """
 
-    progress: Any
-    nodes: Any
-    inverse: Any
-    back: Any
-    forth: Any
-    values: Any
-    error: Any
-    columns: Any
-    z: Any
-    w: Any
-    f: Any
-    jacobian: Any
-    real: Any
-    complex: Any
-    pivots: Any
-    solved: Any
-    paired: Any
+    progress: Records[Progress]
+    nodes: Floats
+    inverse: Floats
+    back: Floats
+    forth: Floats
+    values: Floats
+    error: Floats
+    columns: Ints
+    z: Floats
+    w: Floats
+    f: Floats
+    jacobian: Floats
+    real: Floats
+    complex: NDArray[np.complex128]
+    pivots: Ints
+    solved: Floats
+    paired: NDArray[np.complex128]
 
 
 @inlined
-def write_state(z: Any, r: int, stages: int, layout: Any, work: Any) -> None:
+def write_state(z: Floats, r: int, stages: int, layout: Ints, work: Floats) -> None:
     """Write the state at the chart coordinates z[r], counted from the start, into STATE and U."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
@@ -93,13 +99,13 @@ def write_state(z: Any, r: int, stages: int, layout: Any, work: Any) -> None:
 
 
 @inlined
-def _start_of(work: Any, start: int, nq: int, nv: int, k: int) -> float:
+def _start_of(work: Floats, start: int, nq: int, nv: int, k: int) -> float:
     """Component k of z at the start."""
     return 0.0 if k < nv else float(work[start, nq - nv + k])
 
 
 @inlined
-def _way(radau: Any, stages: int, layout: Any, work: Any, scales: Any) -> float:
+def _way(radau: Radau, stages: int, layout: Ints, work: Floats, scales: Floats) -> float:
     """By how much the component of the present column is moved for a difference."""
     space = space_of(layout)
     k = radau.columns[radau.progress[0].column]
@@ -113,7 +119,7 @@ def _way(radau: Any, stages: int, layout: Any, work: Any, scales: Any) -> float:
 
 
 @kernel
-def vary(radau: Any, stages: int, layout: Any, work: Any, scales: Any) -> None:
+def vary(radau: Radau, stages: int, layout: Ints, work: Floats, scales: Floats) -> None:
     """Write the state at the start with the component of the present column moved."""
     n = radau.z.shape[1]
     for k in range(n):
@@ -123,7 +129,7 @@ def vary(radau: Any, stages: int, layout: Any, work: Any, scales: Any) -> None:
 
 
 @kernel
-def keep_column(radau: Any, stages: int, layout: Any, work: Any, scales: Any) -> None:
+def keep_column(radau: Radau, stages: int, layout: Ints, work: Floats, scales: Floats) -> None:
     """Keep the column of the Jacobian that the answer gives."""
     store(ERROR_ROW, stages, layout, work)
     c = radau.progress[0].column
@@ -133,7 +139,7 @@ def keep_column(radau: Any, stages: int, layout: Any, work: Any, scales: Any) ->
 
 
 @kernel
-def factorize(h: float, radau: Any) -> bool:
+def factorize(h: float, radau: Radau) -> bool:
     """Factorize both systems for steps of size h; return whether they are regular."""
     m = radau.columns.shape[0]
     real, pair = radau.values[0] / h, complex(radau.values[1], radau.values[2]) / h
@@ -151,12 +157,14 @@ def factorize(h: float, radau: Any) -> bool:
 
 
 @inlined
-def _is_column(radau: Any, c: int, k: int) -> bool:
+def _is_column(radau: Radau, c: int, k: int) -> bool:
     return bool(c < radau.columns.shape[0] and radau.columns[c] == k)
 
 
 @kernel
-def newton_step(h: float, stages: int, layout: Any, work: Any, scales: Any, rtol: float, radau: Any) -> float:
+def newton_step(
+    h: float, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
+) -> float:
     """Make a Newton step from the derivatives at the stages; return its size in tolerances (RMS)."""
     space = space_of(layout)
     m, n = radau.columns.shape[0], radau.z.shape[1]
@@ -202,7 +210,7 @@ def newton_step(h: float, stages: int, layout: Any, work: Any, scales: Any, rtol
 
 
 @inlined
-def _size(begin: int, end: int, h: float, stages: int, work: Any, scales: Any, rtol: float) -> float:
+def _size(begin: int, end: int, h: float, stages: int, work: Floats, scales: Floats, rtol: float) -> float:
     """Root mean square of the scaled error of the components from ``begin`` to ``end``."""
     count, square = 0, 0.0
     for k in range(begin, end):
@@ -215,7 +223,7 @@ def _size(begin: int, end: int, h: float, stages: int, work: Any, scales: Any, r
 
 @kernel
 def estimate(
-    h: float, row: int, stages: int, layout: Any, work: Any, scales: Any, rtol: float, radau: Any
+    h: float, row: int, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> float:
     """Write the error of the step, over h, into its row, and return it scaled (1 is the tolerance).
 
@@ -247,7 +255,7 @@ def estimate(
 
 
 @kernel
-def write_slopes(h: float, stages: int, layout: Any, work: Any, radau: Any) -> None:
+def write_slopes(h: float, stages: int, layout: Ints, work: Floats, radau: Radau) -> None:
     """Write the slopes of the collocation polynomial at the stages."""
     for k in range(radau.z.shape[1]):
         for i in range(3):

@@ -19,8 +19,8 @@ derivative at ``progress.t`` in the row RATES, and is to be called again, until 
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.integrate.explicit_kernels import ASK, FAILED, MADE
 from antenna_pin.integrate.kernels import store
@@ -28,6 +28,7 @@ from antenna_pin.integrate.newton_kernels import (
     END,
     ERROR_ROW,
     FIRST,
+    Radau,
     estimate,
     factorize,
     keep_column,
@@ -49,14 +50,14 @@ NOT_SOLVED = 10.0
 
 
 @inlined
-def _ask(phase: int, t: float, radau: Any) -> int:
+def _ask(phase: int, t: float, radau: Radau) -> int:
     radau.progress[0].phase = phase
     radau.progress[0].t = t
     return ASK
 
 
 @kernel
-def _next_round(t: float, h: float, stages: int, layout: Any, work: Any, radau: Any) -> int:
+def _next_round(t: float, h: float, stages: int, layout: Ints, work: Floats, radau: Radau) -> int:
     """Ask for the derivative at the first stage."""
     radau.progress[0].stage = 0
     write_state(radau.z, FIRST, stages, layout, work)
@@ -65,7 +66,7 @@ def _next_round(t: float, h: float, stages: int, layout: Any, work: Any, radau: 
 
 @kernel
 def _set_out(
-    t: float, h: float, stages: int, layout: Any, work: Any, scales: Any, rtol: float, radau: Any
+    t: float, h: float, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> int:
     """Make the first Newton step: from rest, with the derivative at the start for all stages."""
     p = radau.progress[0]
@@ -84,7 +85,9 @@ def _set_out(
 
 
 @kernel
-def _conclude(h: float, stages: int, layout: Any, work: Any, scales: Any, rtol: float, radau: Any) -> int:
+def _conclude(
+    h: float, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
+) -> int:
     """Make the third stage the step's end and estimate the error; if it is large, ask for a better one."""
     write_slopes(h, stages, layout, work, radau)
     write_state(radau.z, END, stages, layout, work)
@@ -95,7 +98,7 @@ def _conclude(h: float, stages: int, layout: Any, work: Any, scales: Any, rtol: 
 
 @kernel
 def go_on(
-    t: float, h: float, stages: int, layout: Any, work: Any, scales: Any, rtol: float, radau: Any
+    t: float, h: float, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> int:
     """Go on with a step of size h [s] from t [s] with the answer to what was asked; return what comes next.
 
@@ -145,7 +148,7 @@ def go_on(
 
 
 @kernel
-def _keep_stage(stages: int, layout: Any, work: Any, radau: Any) -> None:
+def _keep_stage(stages: int, layout: Ints, work: Floats, radau: Radau) -> None:
     """Keep the derivative at the present stage."""
     store(ERROR_ROW, stages, layout, work)
     for k in range(radau.z.shape[1]):

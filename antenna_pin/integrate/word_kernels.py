@@ -6,8 +6,9 @@ those of each parameter begin.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined
 
@@ -23,28 +24,28 @@ class Words(NamedTuple):
         was: What they are undisplaced, scratch, (words,).
     """
 
-    first: Any
-    at: Any
-    slopes: Any
-    was: Any
+    first: Ints
+    at: Ints
+    slopes: Floats
+    was: Floats
 
 
 @inlined
-def note_words(array: Any, words: Any, m: int) -> None:
+def note_words(array: Floats, words: Words, m: int) -> None:
     """Note what the numbers of parameter m are before they are displaced."""
     for i in range(words.first[m], words.first[m + 1]):
         words.was[i] = array[words.at[i]]
 
 
 @inlined
-def displace_words(array: Any, words: Any, m: int, h: float) -> None:
+def displace_words(array: Floats, words: Words, m: int, h: float) -> None:
     """Displace them by h times their change, from what was noted."""
     for i in range(words.first[m], words.first[m + 1]):
         array[words.at[i]] = words.was[i] + h * words.slopes[i]
 
 
 @inlined
-def put_back_words(array: Any, words: Any, m: int) -> None:
+def put_back_words(array: Floats, words: Words, m: int) -> None:
     """Put them back as they were noted."""
     for i in range(words.first[m], words.first[m + 1]):
         array[words.at[i]] = words.was[i]

@@ -11,8 +11,7 @@ stay those of the deepest point.
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy
@@ -52,7 +51,7 @@ from antenna_pin.joints.row_kernels import (
 
 
 @inlined
-def contact_geometry(p: Any, b: int, pose: Any, table: Any) -> None:
+def contact_geometry(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None:
     """Fill gap, normal and point of all of a joint's rows in closed form."""
     j = joint_at(p, b)
     if j.distributed != 0:
@@ -64,7 +63,9 @@ def contact_geometry(p: Any, b: int, pose: Any, table: Any) -> None:
 
 
 @inlined
-def touching_geometry(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
+def touching_geometry(
+    p: Floats, b: int, pose: Pose, memory: Records[Memory], table: Records[Contact]
+) -> None:
     """Fill gap, normal and point of the contacts that touch; the others have no force, whatever their gap."""
     j = joint_at(p, b)
     if j.distributed != 0:
@@ -78,7 +79,7 @@ def touching_geometry(p: Any, b: int, pose: Any, memory: Any, table: Any) -> Non
 
 
 @inlined
-def contact_rates(p: Any, b: int, pose: Any, table: Any) -> None:
+def contact_rates(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None:
     """Fill depth rate and slip of a joint's contacts; with distributed load of its loaded strips too.
 
     A point load at a flange that presses flat is moved to where it acts.
@@ -94,7 +95,7 @@ def contact_rates(p: Any, b: int, pose: Any, table: Any) -> None:
 
 
 @inlined
-def _rates_of(p: Any, b: int, k: int, pose: Any, table: Any) -> None:
+def _rates_of(p: Floats, b: int, k: int, pose: Pose, table: Records[Contact]) -> None:
     """Fill depth rate and slip of contact k of a joint with point loads."""
     out = table[joint_at(p, b).row + k]
     row_rates(pose, out)
@@ -103,7 +104,7 @@ def _rates_of(p: Any, b: int, k: int, pose: Any, table: Any) -> None:
 
 
 @inlined
-def touching_rates(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
+def touching_rates(p: Floats, b: int, pose: Pose, memory: Records[Memory], table: Records[Contact]) -> None:
     """Fill depth rate and slip of the contacts that touch; of all where strips or a backend are asked."""
     j = joint_at(p, b)
     if j.distributed != 0 or j.mode == GEOMETRY_GIVEN:
@@ -115,7 +116,7 @@ def touching_rates(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
 
 
 @inlined
-def apart_motion(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
+def apart_motion(p: Floats, b: int, pose: Pose, memory: Records[Memory], table: Records[Contact]) -> None:
     """Fill what :func:`touching_geometry` and :func:`touching_rates` leave out: contacts that are apart."""
     j = joint_at(p, b)
     if j.distributed != 0:
@@ -129,14 +130,14 @@ def apart_motion(p: Any, b: int, pose: Any, memory: Any, table: Any) -> None:
 
 
 @inlined
-def contact_motion(p: Any, b: int, k: int, pose: Any, table: Any) -> None:
+def contact_motion(p: Floats, b: int, k: int, pose: Pose, table: Records[Contact]) -> None:
     """Fill gap, normal, point, depth rate and slip of contact k of a joint with point loads."""
     candidate_contact(p, candidate_at(b, k), pose, table[joint_at(p, b).row + k])
     _rates_of(p, b, k, pose, table)
 
 
 @inlined
-def normal_force_of(p: Any, b: int, k: int, memory: Any, table: Any) -> None:
+def normal_force_of(p: Floats, b: int, k: int, memory: Records[Memory], table: Records[Contact]) -> None:
     """Fill the normal force of contact k of a joint with point loads; none if it does not touch."""
     j = joint_at(p, b)
     out, remembered = table[j.row + k], memory[j.row + k]
@@ -148,7 +149,16 @@ def normal_force_of(p: Any, b: int, k: int, memory: Any, table: Any) -> None:
 
 
 @inlined
-def contact_forces(p: Any, b: int, y: Any, x0: int, memory: Any, table: Any, rates: Any, r0: int) -> None:
+def contact_forces(
+    p: Floats,
+    b: int,
+    y: Floats,
+    x0: int,
+    memory: Records[Memory],
+    table: Records[Contact],
+    rates: Floats,
+    r0: int,
+) -> None:
     """Fill the forces of a joint's rows from its laws; contacts that do not touch have none.
 
     x starts at y[x0] and its rates at rates[r0].
@@ -175,7 +185,9 @@ def contact_forces(p: Any, b: int, y: Any, x0: int, memory: Any, table: Any, rat
 
 
 @inlined
-def contact_wrench(p: Any, b: int, pose: Any, table: Any, tau: Any, rates: Any, r0: int) -> None:
+def contact_wrench(
+    p: Floats, b: int, pose: Pose, table: Records[Contact], tau: Floats, rates: Floats, r0: int
+) -> None:
     """Add the forces of a joint's rows to tau (in the child's own axes) and write what they integrate."""
     j = joint_at(p, b)
     distributed = j.distributed != 0
@@ -208,7 +220,9 @@ def contact_wrench(p: Any, b: int, pose: Any, table: Any, tau: Any, rates: Any, 
 
 
 @kernel
-def unit_normal_force(p: Any, b: int, poses: Any, table: Any, r: int, tau: Any) -> None:
+def unit_normal_force(
+    p: Floats, b: int, poses: Records[Pose], table: Records[Contact], r: int, tau: Floats
+) -> None:
     """Add to tau the generalized force of one newton along the normal of row r; poses: POSE, (1,)."""
     out, pose = table[r], poses[0]
     nx, ny, nz = out.normal[0], out.normal[1], out.normal[2]
@@ -220,7 +234,7 @@ def unit_normal_force(p: Any, b: int, poses: Any, table: Any, r: int, tau: Any) 
 
 
 @kernel
-def wrench_on_journal(p: Any, b: int, poses: Any, table: Any) -> None:
+def wrench_on_journal(p: Floats, b: int, poses: Records[Pose], table: Records[Contact]) -> None:
     """Write the contacts' force and torque about the journal's centre, in bearing axes, into poses[0]."""
     j, pose = joint_at(p, b), poses[0]
     if j.distributed != 0:
@@ -233,7 +247,7 @@ def wrench_on_journal(p: Any, b: int, poses: Any, table: Any) -> None:
 
 
 @kernel
-def joint_energy(p: Any, b: int, memory: Any, table: Any) -> float:
+def joint_energy(p: Floats, b: int, memory: Records[Memory], table: Records[Contact]) -> float:
     """Energy stored in a joint's touching contacts [J], of compiled laws; gaps from the table."""
     j = joint_at(p, b)
     energy = 0.0
@@ -250,7 +264,16 @@ def joint_energy(p: Any, b: int, memory: Any, table: Any) -> float:
 
 @inlined
 def clearance_joint(
-    p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
+    p: Floats,
+    b: int,
+    y: Floats,
+    nq: int,
+    nv: int,
+    memory: Records[Memory],
+    table: Records[Contact],
+    pose: Pose,
+    tau: Floats,
+    rates: Floats,
 ) -> None:
     """Add a clearance joint's generalized force to tau; write the rates of what it integrates.
 
@@ -268,20 +291,31 @@ def clearance_joint(
 
 @kernel
 def alone(
-    p: Any, b: int, y: Any, nq: int, nv: int, memory: Any, table: Any, pose: Any, tau: Any, rates: Any
+    p: Floats,
+    b: int,
+    y: Floats,
+    nq: int,
+    nv: int,
+    memory: Records[Memory],
+    table: Records[Contact],
+    pose: Records[Pose],
+    tau: Floats,
+    rates: Floats,
 ) -> None:
     """:func:`clearance_joint` of one joint by itself, called from outside; pose: POSE, (1,)."""
     clearance_joint(p, b, y, nq, nv, memory, table, pose[0], tau, rates)
 
 
 @kernel
-def geometry_alone(p: Any, b: int, y: Any, nq: int, table: Any, pose: Any) -> None:
+def geometry_alone(
+    p: Floats, b: int, y: Floats, nq: int, table: Records[Contact], pose: Records[Pose]
+) -> None:
     """Fill gap, normal and point of a joint's rows for a state, called from outside; pose: POSE, (1,)."""
     journal_state(joint_at(p, b), y, nq, pose[0])
     contact_geometry(p, b, pose[0], table)
 
 
 @kernel
-def rates_alone(p: Any, b: int, table: Any, pose: Any) -> None:
+def rates_alone(p: Floats, b: int, table: Records[Contact], pose: Records[Pose]) -> None:
     """Fill the depth rates and slips of a joint's rows, called from outside; pose: POSE, (1,)."""
     contact_rates(p, b, pose[0], table)

@@ -7,14 +7,12 @@ array the place is returned, not the array: compiled code that counts no referen
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import layout, words_of
+from antenna_pin.base.records import Floats, Matrix3, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE
 from antenna_pin.geometry.kernels import CANDIDATE
-from antenna_pin.geometry.revolute_kernels import REVOLUTE
+from antenna_pin.geometry.revolute_kernels import REVOLUTE, Revolute
 
 #: The kind of block that a joint with play is in a program.
 CLEARANCE = 1
@@ -24,45 +22,62 @@ ALL_COMPILED = 0
 GEOMETRY_GIVEN = 1  # gap, normal and point (coal, or another backend in Python)
 FORCES_GIVEN = 2  # forces too (laws in Python)
 
-#: Starts of the joint's slices of q and v; rows of its contacts; where in x the numbers start that they
-#: integrate, how many each has, and where the turned angle is (-1: none); whether it is a planar joint
-#: (3 freedoms, else 6), under distributed load, slides, and has its bearing on the child; axes of bearing and
-#: journal frame in the joint's frames on parent and child (columns) and their centre there [m].
-JOINT = layout(
-    ("kind", "i8"),
-    ("length", "i8"),
-    ("mode", "i8"),
-    ("q", "i8"),
-    ("v", "i8"),
-    ("row", "i8"),
-    ("contacts", "i8"),
-    ("x", "i8"),
-    ("stride", "i8"),
-    ("turn", "i8"),
-    ("planar", "i8"),
-    ("distributed", "i8"),
-    ("slides", "i8"),
-    ("on_child", "i8"),
-    ("axes", "f8", (3, 3)),
-    ("centre", "f8", (3,)),
-)
+
+class Joint(Record):
+    """A joint with play; frames in the joint's frames on parent and child."""
+
+    kind: int  # of the block
+    length: int  # of the block, in 8-byte words
+    mode: int  # what Python provides: nothing, GEOMETRY_GIVEN, FORCES_GIVEN
+    q: int  # start of the joint's slice of q
+    v: int  # start of the joint's slice of v
+    row: int  # of its first contact in the table
+    contacts: int  # how many
+    x: int  # start of what they integrate
+    stride: int  # how many numbers each integrates
+    turn: int  # place of the turned angle in x; -1: none
+    planar: int  # 1: 3 freedoms, else 6
+    distributed: int  # 1: under distributed load
+    slides: int  # 1: prismatic
+    on_child: int  # 1: the bearing is on the child
+    axes: Matrix3  # of bearing and journal frame (columns)
+    centre: Vector3  # of these frames [m]
+
+
+JOINT = layout(Joint)
 JOINT_WORDS = words_of(JOINT)
 
 #: A contact's part of a block: candidate, normal law, friction law.
 CANDIDATE_WORDS = CANDIDATE + NORMAL_SIZE + FRICTION_SIZE
 
-#: Under distributed load: strips, sectors, row of the first strip, radius of the sectors' circle [m]; the
-#: sectors' nodes follow (:data:`antenna_pin.geometry.patch_kernels.NODE`).
-PATCHES = layout(("strips", "i8"), ("sectors", "i8"), ("first", "i8"), ("radius", "f8"))
+
+class Patches(Record):
+    """Patches under distributed load; the nodes of sectors follow."""
+
+    strips: int  # how many
+    sectors: int  # how many
+    first: int  # row of the first strip
+    radius: float  # of the sectors' circle [m]
+
+
+PATCHES = layout(Patches)
 PATCHES_WORDS = words_of(PATCHES)
 
-#: What a contact integrates, from its own start in x on; bristles follow.
-INTEGRALS = layout(("impulse", "f8"), ("lost_normal", "f8"), ("lost_friction", "f8"))
+
+class Integrals(Record):
+    """Integrals of a contact, from its own start in x on; bristles follow."""
+
+    impulse: float  # of the normal force [N s]
+    lost_normal: float  # [J]
+    lost_friction: float  # [J]
+
+
+INTEGRALS = layout(Integrals)
 BRISTLES = words_of(INTEGRALS)
 
 
 @inlined
-def joint_at(p: Any, b: int) -> Any:
+def joint_at(p: Floats, b: int) -> Joint:
     """Return the head of the joint whose block stands at p[b:]."""
     return record(p[b : b + JOINT_WORDS], JOINT)
 
@@ -74,13 +89,13 @@ def candidate_at(b: int, k: int) -> int:
 
 
 @inlined
-def primitive_of(p: Any, b: int, k: int) -> int:
+def primitive_of(p: Floats, b: int, k: int) -> int:
     """Return the primitive of contact k."""
     return int(revolute_of(p, b, k).primitive)
 
 
 @inlined
-def revolute_of(p: Any, b: int, k: int) -> Any:
+def revolute_of(p: Floats, b: int, k: int) -> Revolute:
     """Return the dimensions of contact k of a revolute joint."""
     at = candidate_at(b, k)
     return record(p[at : at + CANDIDATE], REVOLUTE)
@@ -99,7 +114,7 @@ def friction_at(b: int, k: int) -> int:
 
 
 @inlined
-def patches_at(p: Any, b: int) -> Any:
+def patches_at(p: Floats, b: int) -> Patches:
     """Return the record of distributed load of a joint with four contacts."""
     at = candidate_at(b, 4)
     return record(p[at : at + PATCHES_WORDS], PATCHES)

@@ -5,18 +5,18 @@ that gives the changes of its pose; these and those of dimensions the changes of
 (:mod:`antenna_pin.geometry.tangent_kernels`); all together those of depth rate and slip. Ends of sliders in
 guides are the exception, whose gap is one of several: these are differentiated along the change of the pose.
 
-``room`` is :class:`antenna_pin.engine.tangent_kernels.TangentRoom`. Of its poses the first is the journal as
+``room`` is a :class:`~.tangent_room_kernels.JointRoom`. Of its poses the first is the journal as
 it is, the second by how much it changes, the third where differences displace it to.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Contact, Floats, Pose, Records, Six, Triple
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.geometry.kernels import CANDIDATE, FLANGE, candidate_contact
-from antenna_pin.geometry.revolute_kernels import REVOLUTE
+from antenna_pin.geometry.revolute_kernels import REVOLUTE, Revolute
 from antenna_pin.geometry.tangent_kernels import (
     CHANGED,
     GAP,
@@ -28,9 +28,10 @@ from antenna_pin.geometry.tangent_kernels import (
 from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
-from antenna_pin.joints.layout_kernels import candidate_at, joint_at, primitive_of, revolute_of
+from antenna_pin.joints.layout_kernels import Joint, candidate_at, joint_at, primitive_of, revolute_of
 from antenna_pin.joints.pose_kernels import journal_state, onto_joint
 from antenna_pin.joints.row_kernels import lever, lever_slope
+from antenna_pin.joints.tangent_room_kernels import JointRoom
 
 #: Behind the changes of gap, normal and point: those of depth rate, slip, and of what a flange's arm does.
 RATE, SLIP, TWIRL, LOOKED = CHANGED, CHANGED + 1, CHANGED + 4, CHANGED + 5
@@ -42,7 +43,7 @@ _WAY = 1e-3
 
 
 @inlined
-def _twist(j: Any, pose: Any, x: Any, k: int) -> tuple[float, float, float, float, float, float]:
+def _twist(j: Joint, pose: Pose, x: Floats, k: int) -> Six:
     """Return the velocity of the journal's centre and its spin that x[k:] makes as the joint's own velocity.
 
     It is the transpose of :func:`antenna_pin.joints.pose_kernels.onto_joint`.
@@ -82,7 +83,7 @@ def _twist(j: Any, pose: Any, x: Any, k: int) -> tuple[float, float, float, floa
 
 
 @kernel
-def change_pose(p: Any, b: int, y: Any, way: Any, room: Any) -> None:
+def change_pose(p: Floats, b: int, y: Floats, way: Floats, room: JointRoom) -> None:
     """Write how a journal's pose and twist change along a displacement to ``room.poses[1]``.
 
     To its force and moment it writes what a wrench in bearing axes must change by to do along the joint's
@@ -139,7 +140,7 @@ def change_pose(p: Any, b: int, y: Any, way: Any, room: Any) -> None:
 
 
 @inlined
-def _change_places(p: Any, b: int, y: Any, number: int, share: float, room: Any) -> None:
+def _change_places(p: Floats, b: int, y: Floats, number: int, share: float, room: JointRoom) -> None:
     """Add to what changes of a pose what a number does of which the joint's frames are made.
 
     Of these a pose, and what a wrench does, are polynomials of less than the differences' order.
@@ -169,7 +170,7 @@ def _change_places(p: Any, b: int, y: Any, number: int, share: float, room: Any)
 
 
 @kernel
-def _change_shape(p: Any, b: int, k: int, way: Any, room: Any) -> None:
+def _change_shape(p: Floats, b: int, k: int, way: Floats, room: JointRoom) -> None:
     """Write by how much the dimensions of a contact change to ``room.shapes[0]``."""
     first, out, shifts = candidate_at(b, k), room.shapes[0], room.shifts
     words = shifts.program
@@ -185,7 +186,7 @@ def _change_shape(p: Any, b: int, k: int, way: Any, room: Any) -> None:
 
 
 @inlined
-def _size(p: Any, b: int, way: Any, room: Any) -> float:
+def _size(p: Floats, b: int, way: Floats, room: JointRoom) -> float:
     """Return how large a displacement is for a joint's geometry, in units."""
     j, size = joint_at(p, b), 0.0
     for k in range(3 if j.planar != 0 else 6):
@@ -197,7 +198,7 @@ def _size(p: Any, b: int, way: Any, room: Any) -> float:
 
 
 @inlined
-def _displace(at: Any, h: float, room: Any) -> None:
+def _displace(at: Floats, h: float, room: JointRoom) -> None:
     """Write pose and dimensions displaced by h times their changes."""
     pose, way, moved = room.poses[0], room.poses[1], room.poses[2]
     for i in range(3):
@@ -213,7 +214,7 @@ def _displace(at: Any, h: float, room: Any) -> None:
 
 
 @kernel
-def _differentiate_contact(p: Any, b: int, k: int, way: Any, room: Any) -> None:
+def _differentiate_contact(p: Floats, b: int, k: int, way: Floats, room: JointRoom) -> None:
     """Write the differences of a contact's gap, normal and point along the change of pose and dimensions."""
     out, first, trial = room.change, candidate_at(b, k), room.trial
     row, size = room.numbers.table[joint_at(p, b).row + k], _size(p, b, way, room)
@@ -244,7 +245,7 @@ def _differentiate_contact(p: Any, b: int, k: int, way: Any, room: Any) -> None:
 
 
 @inlined
-def _change_arm(shape: Any, change: Any, poses: Any, row: Any, out: Any) -> tuple[float, float, float]:
+def _change_arm(shape: Revolute, change: Revolute, poses: Records[Pose], row: Contact, out: Floats) -> Triple:
     """Move the change of a flange's deepest point on to where its force acts; return that of its arm.
 
     See :func:`antenna_pin.joints.row_kernels.place_flange_force`.
@@ -281,7 +282,7 @@ def _change_arm(shape: Any, change: Any, poses: Any, row: Any, out: Any) -> tupl
 
 
 @inlined
-def _change_rates(poses: Any, row: Any, arm: Any, out: Any) -> None:
+def _change_rates(poses: Records[Pose], row: Contact, arm: Triple, out: Floats) -> None:
     """Write the changes of depth rate and slip, and of what a flange's arm does, of which ``arm`` is."""
     pose, way, n, r = poses[0], poses[1], row.normal, row.point
     w, dw, a = pose.spin, way.spin, row.arm
@@ -311,7 +312,7 @@ def _change_rates(poses: Any, row: Any, arm: Any, out: Any) -> None:
 
 
 @kernel
-def change_contact(p: Any, b: int, k: int, way: Any, room: Any) -> None:
+def change_contact(p: Floats, b: int, k: int, way: Floats, room: JointRoom) -> None:
     """Write how what is looked at of a contact changes along a displacement to ``room.change``.
 
     That is for each kind of differences, (kinds, LOOKED); :func:`change_pose` has been.

@@ -6,9 +6,7 @@ which follow behind the contacts of all joints.
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import words_of
+from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records, words_of
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force
@@ -27,7 +25,7 @@ NODE_WORDS = words_of(NODE)
 
 
 @kernel
-def patch_geometry(p: Any, b: int, pose: Any, table: Any, bore: bool, flanges: bool) -> None:
+def patch_geometry(p: Floats, b: int, pose: Pose, table: Records[Contact], bore: bool, flanges: bool) -> None:
     """Fill strips and sectors of a joint with distributed load, and its patches, or one kind only."""
     row = joint_at(p, b).row
     shape = revolute_of(p, b, 0)
@@ -42,7 +40,7 @@ def patch_geometry(p: Any, b: int, pose: Any, table: Any, bore: bool, flanges: b
 
 
 @kernel
-def loaded_rates(p: Any, b: int, pose: Any, table: Any) -> None:
+def loaded_rates(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None:
     """Fill depth rate and slip of the loaded strips and sectors."""
     patches = patches_at(p, b)
     for r in range(patches.first, patches.first + patches.strips + 2 * patches.sectors):
@@ -51,7 +49,7 @@ def loaded_rates(p: Any, b: int, pose: Any, table: Any) -> None:
 
 
 @inlined
-def patch_rows(p: Any, b: int, k: int) -> tuple[int, int]:
+def patch_rows(p: Floats, b: int, k: int) -> tuple[int, int]:
     """Return the range of table rows of patch k: bore at +z, bore at -z, flange at +z, flange at -z."""
     patches = patches_at(p, b)
     half = patches.strips // 2
@@ -64,7 +62,9 @@ def patch_rows(p: Any, b: int, k: int) -> tuple[int, int]:
 
 
 @kernel
-def _tune_sectors(p: Any, b: int, normal: Any, table: Any, patch: Any, first: int) -> tuple[float, float]:
+def _tune_sectors(
+    p: Floats, b: int, normal: Floats, table: Records[Contact], patch: Contact, first: int
+) -> tuple[float, float]:
     r"""Return alpha and gamma: the forces of a flange's sectors times 1 + alpha + gamma x^2 have a potential.
 
     The sectors of a partly loaded ring move with the ends of its loaded arc, so that the forces that they
@@ -104,7 +104,7 @@ def _tune_sectors(p: Any, b: int, normal: Any, table: Any, patch: Any, first: in
 
 
 @kernel
-def patch_forces(p: Any, b: int, k: int, remembered: Any, table: Any) -> None:
+def patch_forces(p: Floats, b: int, k: int, remembered: Memory, table: Records[Contact]) -> None:
     """Fill the forces of the loaded strips or sectors of patch k, and their sums in the patch's row.
 
     The law is the patch's; at its own depth, rate and slip each strip or sector has its share of it.
@@ -142,7 +142,7 @@ def patch_forces(p: Any, b: int, k: int, remembered: Any, table: Any) -> None:
 
 
 @kernel
-def patch_energy(p: Any, b: int, k: int, table: Any) -> float:
+def patch_energy(p: Floats, b: int, k: int, table: Records[Contact]) -> float:
     """Energy stored by the loaded strips or sectors of patch k [J]; gaps from the table."""
     first, last = patch_rows(p, b, k)
     at = normal_at(b, k)
@@ -155,7 +155,7 @@ def patch_energy(p: Any, b: int, k: int, table: Any) -> float:
 
 
 @kernel
-def patch_wrench(p: Any, b: int, pose: Any, table: Any) -> None:
+def patch_wrench(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None:
     """Write force and torque of all loaded strips and sectors into the pose."""
     no_wrench(pose)
     j = joint_at(p, b)

@@ -10,16 +10,16 @@ A^T (d - c), turned by A^T R^T A.
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Floats, Pose, Records, Six, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.joints.layout_kernels import joint_at
+from antenna_pin.joints.layout_kernels import Joint, joint_at
 from antenna_pin.mechanism.tree_kernels import unwrapped
 from antenna_pin.mechanism.twist_kernels import twist_angle
 
 
 @inlined
-def journal_state(j: Any, y: Any, nq: int, pose: Any) -> None:
+def journal_state(j: Joint, y: Floats, nq: int, pose: Pose) -> None:
     """Write the journal's pose and twist relative to the bearing, in bearing axes."""
     if j.on_child != 0:
         journal_on_parent(j, y, nq, pose)
@@ -74,7 +74,7 @@ def journal_state(j: Any, y: Any, nq: int, pose: Any) -> None:
 
 
 @kernel
-def journal_on_parent(j: Any, y: Any, nq: int, pose: Any) -> None:
+def journal_on_parent(j: Joint, y: Floats, nq: int, pose: Pose) -> None:
     """:func:`journal_state` of a joint whose bearing is on its child."""
     k = nq + j.v
     dx, dy, dz = centre_from_child(j, y)
@@ -113,7 +113,7 @@ def journal_on_parent(j: Any, y: Any, nq: int, pose: Any) -> None:
 
 
 @inlined
-def journal_place(j: Any, y: Any) -> tuple[float, float, float, float, float, float]:
+def journal_place(j: Joint, y: Floats) -> Six:
     """Return the journal's centre [m] and axis in bearing axes."""
     i = j.q
     if j.planar != 0:
@@ -143,13 +143,13 @@ def journal_place(j: Any, y: Any) -> tuple[float, float, float, float, float, fl
 
 
 @kernel
-def place_journal(program: Any, block: int, y: Any, nq: int, pose: Any) -> None:
+def place_journal(program: Floats, block: int, y: Floats, nq: int, pose: Records[Pose]) -> None:
     """:func:`journal_state`, called from outside: of the joint whose block stands there; POSE, (1,)."""
     journal_state(joint_at(program, block), y, nq, pose[0])
 
 
 @inlined
-def onto_joint(j: Any, pose: Any, force: Any, moment: Any, tau: Any) -> None:
+def onto_joint(j: Joint, pose: Pose, force: Triple, moment: Triple, tau: Floats) -> None:
     """Add force and torque on the journal about its centre, in bearing axes, to tau, in the child's own."""
     if j.on_child != 0:
         onto_bearing(j, pose, force, moment, tau)
@@ -181,7 +181,7 @@ def onto_joint(j: Any, pose: Any, force: Any, moment: Any, tau: Any) -> None:
 
 
 @kernel
-def onto_bearing(j: Any, pose: Any, force: Any, moment: Any, tau: Any) -> None:
+def onto_bearing(j: Joint, pose: Pose, force: Triple, moment: Triple, tau: Floats) -> None:
     """:func:`onto_joint` of a joint whose bearing is on its child, which has the reaction."""
     fx, fy, fz = force
     mx, my, mz = moment
@@ -207,7 +207,7 @@ def onto_bearing(j: Any, pose: Any, force: Any, moment: Any, tau: Any) -> None:
 
 
 @kernel
-def wrapped_angle(j: Any, y: Any) -> tuple[float, float, float]:
+def wrapped_angle(j: Joint, y: Floats) -> Triple:
     """Rotation of the child about the joint's axis (swing-twist) and where its rate comes from.
 
     It is the journal's in the bearing, or with the bearing on the child the opposite of that: the twist about
@@ -229,16 +229,14 @@ def wrapped_angle(j: Any, y: Any) -> tuple[float, float, float]:
 
 
 @kernel
-def motion_angle(j: Any, y: Any, x0: int) -> tuple[float, float, float]:
+def motion_angle(j: Joint, y: Floats, x0: int) -> Triple:
     """Return :func:`wrapped_angle` with its whole turns, from the turned angle in the state's x at y[x0:]."""
     angle, gx, gy = wrapped_angle(j, y)
     return unwrapped(angle, y[x0 + j.turn]), gx, gy
 
 
 @inlined
-def rotated(
-    qx: float, qy: float, qz: float, qw: float, x: float, y: float, z: float
-) -> tuple[float, float, float]:
+def rotated(qx: float, qy: float, qz: float, qw: float, x: float, y: float, z: float) -> Triple:
     """Return a vector rotated by a quaternion."""
     tx = 2.0 * (qy * z - qz * y)
     ty = 2.0 * (qz * x - qx * z)
@@ -247,14 +245,14 @@ def rotated(
 
 
 @inlined
-def axis_of_parent(j: Any, y: Any) -> tuple[float, float, float]:
+def axis_of_parent(j: Joint, y: Floats) -> Triple:
     """Return the axis of what is on the parent, bearing or journal, in the child's own axes."""
     i = j.q + 3
     return rotated(-y[i], -y[i + 1], -y[i + 2], y[i + 3], j.axes[0, 2], j.axes[1, 2], j.axes[2, 2])
 
 
 @inlined
-def centre_from_child(j: Any, y: Any) -> tuple[float, float, float]:
+def centre_from_child(j: Joint, y: Floats) -> Triple:
     """Return the centre of what is on the parent, bearing or journal, in the child's own frame [m]."""
     i = j.q
     if j.planar != 0:
@@ -265,7 +263,7 @@ def centre_from_child(j: Any, y: Any) -> tuple[float, float, float]:
 
 
 @inlined
-def journal_centre(j: Any, y: Any) -> tuple[float, float, float]:
+def journal_centre(j: Joint, y: Floats) -> Triple:
     """Return the journal's centre in the child's own frame [m]."""
     if j.on_child != 0:
         return centre_from_child(j, y)
@@ -273,7 +271,7 @@ def journal_centre(j: Any, y: Any) -> tuple[float, float, float]:
 
 
 @inlined
-def along_bearing(j: Any, y: Any) -> tuple[float, float, float, float, float, float, float]:
+def along_bearing(j: Joint, y: Floats) -> tuple[float, float, float, float, float, float, float]:
     """Return the way of a sliding joint's child along the bearing's axis [m], and its gradient.
 
     It is that of the journal's centre, or with the bearing on the child its opposite. The gradient is over

@@ -199,7 +199,7 @@ class PythonPath:
 
     def _apply_laws(self) -> None:
         coefficient, rows = self._coefficient, self._rows
-        code = self._friction.code() if coefficient is None else None
+        code: NDArray[np.float64] = self._friction.code() if coefficient is None else np.empty(0)
         rows["force"][:] = 0.0
         rows["elastic"][:] = 0.0
         rows["friction"][:] = 0.0

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
+from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records, Six
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.bristle_kernels import bristle_force
 from antenna_pin.contact.friction_kernels import friction_force
 from antenna_pin.contact.kernels import damped_force, elastic_force
 from antenna_pin.contact.records import FRICTION_SIZE
+from antenna_pin.geometry.revolute_kernels import Revolute
 from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at
 
 
 @inlined
-def row_rates(pose: Any, out: Any) -> None:
+def row_rates(pose: Pose, out: Contact) -> None:
     """Fill depth rate and slip: the relative velocity of the two material points at the contact."""
     rx = out.point[0] - pose.centre[0]
     ry = out.point[1] - pose.centre[1]
@@ -31,7 +32,7 @@ def row_rates(pose: Any, out: Any) -> None:
 
 
 @inlined
-def _press(normal: Any, remembered: Any, out: Any) -> float:
+def _press(normal: Floats, remembered: Memory, out: Contact) -> float:
     """Fill the normal force of a row and its elastic part; return the former [N]."""
     depth = -out.gap
     elastic = elastic_force(normal, depth)
@@ -44,13 +45,13 @@ def _press(normal: Any, remembered: Any, out: Any) -> float:
 
 
 @kernel
-def row_normal_force(normal: Any, remembered: Any, out: Any) -> None:
+def row_normal_force(normal: Floats, remembered: Memory, out: Contact) -> None:
     """Fill the normal force of a row; its friction is not looked at."""
     _press(normal, remembered, out)
 
 
 @kernel
-def row_forces(normal: Any, friction: Any, remembered: Any, out: Any) -> None:
+def row_forces(normal: Floats, friction: Floats, remembered: Memory, out: Contact) -> None:
     """Fill the forces of a row from its laws; friction with bristles comes after.
 
     Args:
@@ -67,7 +68,7 @@ def row_forces(normal: Any, friction: Any, remembered: Any, out: Any) -> None:
 
 
 @inlined
-def no_forces(out: Any) -> None:
+def no_forces(out: Contact) -> None:
     """Clear the forces of a row."""
     out.force = 0.0
     out.elastic = 0.0
@@ -78,14 +79,14 @@ def no_forces(out: Any) -> None:
 
 
 @inlined
-def friction_power(out: Any) -> float:
+def friction_power(out: Contact) -> float:
     """Power that friction takes [W]."""
     power = out.friction[0] * out.slip[0] + out.friction[1] * out.slip[1] + out.friction[2] * out.slip[2]
     return -float(power)
 
 
 @inlined
-def row_wrench(pose: Any, out: Any) -> tuple[float, float, float, float, float, float]:
+def row_wrench(pose: Pose, out: Contact) -> Six:
     """Return force and torque about the journal's centre of one row, in bearing axes."""
     gx = out.force * out.normal[0] + out.friction[0]
     gy = out.force * out.normal[1] + out.friction[1]
@@ -97,7 +98,7 @@ def row_wrench(pose: Any, out: Any) -> tuple[float, float, float, float, float, 
 
 
 @inlined
-def add_wrench(pose: Any, out: Any) -> None:
+def add_wrench(pose: Pose, out: Contact) -> None:
     """Add force and torque of a row to the resultant in the pose."""
     gx, gy, gz, hx, hy, hz = row_wrench(pose, out)
     pose.force[0] += gx
@@ -109,7 +110,7 @@ def add_wrench(pose: Any, out: Any) -> None:
 
 
 @inlined
-def no_wrench(pose: Any) -> None:
+def no_wrench(pose: Pose) -> None:
     """Clear the resultant."""
     for i in range(3):
         pose.force[i] = 0.0
@@ -117,7 +118,16 @@ def no_wrench(pose: Any) -> None:
 
 
 @kernel
-def bristles(p: Any, b: int, y: Any, x0: int, memory: Any, table: Any, rates: Any, r0: int) -> None:
+def bristles(
+    p: Floats,
+    b: int,
+    y: Floats,
+    x0: int,
+    memory: Records[Memory],
+    table: Records[Contact],
+    rates: Floats,
+    r0: int,
+) -> None:
     """Fill the friction of a joint whose law has bristles, and the rates of what they remember.
 
     The bristle of a contact that is apart does not change; at the onset it is set to zero.
@@ -169,7 +179,7 @@ def lever_slope(s: float) -> float:
 
 
 @kernel
-def place_flange_force(shape: Any, pose: Any, out: Any) -> None:
+def place_flange_force(shape: Revolute, pose: Pose, out: Contact) -> None:
     """Move a flange row's point, the deepest of the rim, to where the force acts, and take the rates there.
 
     The depth stays the deepest point's. Its own rate jumps where the deepest point goes from one side of the
@@ -201,13 +211,13 @@ def place_flange_force(shape: Any, pose: Any, out: Any) -> None:
 
 
 @inlined
-def arm_power(pose: Any, out: Any) -> float:
+def arm_power(pose: Pose, out: Contact) -> float:
     """Power of a flange's spring between its deepest point, where it is pressed, and the force's [W]."""
     return float(out.elastic * arm_rate(pose, out))
 
 
 @inlined
-def arm_rate(pose: Any, out: Any) -> float:
+def arm_rate(pose: Pose, out: Contact) -> float:
     """Return how fast the one goes from the other along the normal as the journal turns [m/s]."""
     ax, ay, az = out.arm[0], out.arm[1], out.arm[2]
     vx = pose.spin[1] * az - pose.spin[2] * ay

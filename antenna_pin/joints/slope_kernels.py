@@ -7,9 +7,8 @@ All is put together in :mod:`antenna_pin.joints.tangent_kernels`.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
-from antenna_pin.compiled.by_address import by_address
+from antenna_pin.base.records import Contact, Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.bristle_kernels import bristle_force
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
@@ -18,6 +17,7 @@ from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, c
 from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor
 from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at, normal_at
 from antenna_pin.joints.row_kernels import row_forces
+from antenna_pin.joints.tangent_room_kernels import JointRoom
 
 # What a law is asked with: gap, depth rate, slip, normal, logarithms of what is remembered, bristles. And
 # what it says: force, its elastic part, friction, rates of bristles. Without bristles the first of slip, and
@@ -33,25 +33,8 @@ REMEMBERED, TIMES = 0, 1
 _DEPTH, _SHALLOW, _SPEED, _PURE = 2e-3, 1e-12, 1e-3, 1e-3
 
 
-@by_address
-class LawWords(NamedTuple):
-    """Numbers of contacts' laws in a program that go with numbers of the system, contact by contact.
-
-    Attributes:
-        first: Where those of each contact begin, and the end, (contacts + 1,).
-        at: Where they stand in the program, (words,).
-        slopes: By how much they change, (words, numbers).
-        steps: First steps of differences, (words,).
-    """
-
-    first: Any
-    at: Any
-    slopes: Any
-    steps: Any
-
-
 @inlined
-def is_moved(ways: Any, i: int) -> bool:
+def is_moved(ways: Floats, i: int) -> bool:
     """Whether any displacement has number i."""
     moved = False
     for d in range(ways.shape[0]):
@@ -60,7 +43,7 @@ def is_moved(ways: Any, i: int) -> bool:
 
 
 @kernel
-def displace_joint(f: int, y: Any, h: float, way: Any, room: Any) -> None:
+def displace_joint(f: int, y: Floats, h: float, way: Floats, room: JointRoom) -> None:
     """Write the configuration of factor f, displaced by h times a way, (factor's nv,), to ``room.state``."""
     factor = factor_of(room.layout, f)
     for k in range(factor.q, factor.q + factor_size(factor)):
@@ -71,7 +54,7 @@ def displace_joint(f: int, y: Any, h: float, way: Any, room: Any) -> None:
 
 
 @inlined
-def _say(p: Any, b: int, k: int, room: Any) -> None:
+def _say(p: Floats, b: int, k: int, room: JointRoom) -> None:
     """Write what the laws of a contact say of ``room.asked`` to ``room.said``."""
     j, asked, said = joint_at(p, b), room.asked, room.said
     row, remembered, was = room.numbers.table[j.row + k], room.remembered[0], room.numbers.memory[j.row + k]
@@ -93,14 +76,14 @@ def _say(p: Any, b: int, k: int, room: Any) -> None:
 
 
 @inlined
-def slip_speed(row: Any) -> float:
+def slip_speed(row: Contact) -> float:
     """Return the size of a contact's slip [m/s]."""
     x, y, z = row.slip[0], row.slip[1], row.slip[2]
     return math.sqrt(x * x + y * y + z * z)
 
 
 @inlined
-def _ask_with(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> None:
+def _ask_with(p: Floats, b: int, k: int, y: Floats, x0: int, row: Contact, room: JointRoom) -> None:
     """Write what the laws of a contact are asked with."""
     j, asked = joint_at(p, b), room.asked
     asked[A_GAP], asked[A_RATE], asked[A_SPEED], asked[A_MASS] = row.gap, row.rate, 0.0, 0.0
@@ -114,7 +97,7 @@ def _ask_with(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> N
 
 
 @inlined
-def _first_step(p: Any, b: int, k: int, i: int, room: Any) -> float:
+def _first_step(p: Floats, b: int, k: int, i: int, room: JointRoom) -> float:
     """Return the first step of what the laws of a contact are asked with."""
     j, asked, units, nv = joint_at(p, b), room.asked, room.units, room.tau.shape[0]
     if i == A_GAP:
@@ -127,14 +110,16 @@ def _first_step(p: Any, b: int, k: int, i: int, room: Any) -> float:
 
 
 @inlined
-def said_by(p: Any, b: int) -> int:
+def said_by(p: Floats, b: int) -> int:
     """Return how many numbers the laws of a joint's contacts say."""
     states = joint_at(p, b).stride - BRISTLES
     return V_BRISTLE + states if states > 0 else V_FRICTION + 1
 
 
 @kernel
-def _differentiate(p: Any, b: int, k: int, about: Any, step: float, room: Any, out: Any) -> None:
+def _differentiate(
+    p: Floats, b: int, k: int, about: tuple[int, int], step: float, room: JointRoom, out: Floats
+) -> None:
     """Write the derivatives of what the laws of a contact say over one number, (kinds, said).
 
     ``about``: which of what they are asked with, or which of the program's words if that is none (-1).
@@ -172,7 +157,7 @@ def _differentiate(p: Any, b: int, k: int, about: Any, step: float, room: Any, o
 
 
 @inlined
-def _is_asked(i: int, states: int, room: Any) -> bool:
+def _is_asked(i: int, states: int, room: JointRoom) -> bool:
     """Whether what laws are asked with at i is any of it, and goes with displacements."""
     if states == 0 and A_SLIP < i < A_SPEED:
         return False
@@ -180,7 +165,7 @@ def _is_asked(i: int, states: int, room: Any) -> bool:
 
 
 @kernel
-def differentiate_laws(p: Any, b: int, k: int, y: Any, x0: int, row: Any, room: Any) -> None:
+def differentiate_laws(p: Floats, b: int, k: int, y: Floats, x0: int, row: Contact, room: JointRoom) -> None:
     """Write the derivatives of what the laws of a contact say to ``room.laws[k]``, (asked, kinds, said).
 
     Those over the numbers of the laws that go with any of ``room.seen`` go to ``room.shifts.laws[k]``.

@@ -7,27 +7,19 @@ may be a millionth of it. Geometry has closed forms, along any displacement
 friction over gap, depth rate, slip, and what contacts remember. The rest is the chain rule. Nothing small is
 the difference of large numbers: a derivative of a force is good to round-off at any depth.
 
-``room`` is :class:`antenna_pin.engine.tangent_kernels.TangentRoom`; contacts are of closed form with compiled
+``room`` is a :class:`~.tangent_room_kernels.JointRoom`; contacts are of closed form with compiled
 laws, of point loads.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Contact, Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.geometry.kernels import FLANGE
 from antenna_pin.geometry.tangent_kernels import GAP, NORMAL, POINT
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.joints.layout_kernels import BRISTLES, joint_at, primitive_of
-from antenna_pin.joints.motion_change_kernels import (
-    RATE,
-    RULES,
-    SLIP,
-    TWIRL,
-    change_contact,
-    change_pose,
-)
+from antenna_pin.joints.motion_change_kernels import RATE, RULES, SLIP, TWIRL, change_contact, change_pose
 from antenna_pin.joints.pose_kernels import journal_state, onto_joint
 from antenna_pin.joints.row_kernels import add_wrench, arm_rate, no_wrench
 from antenna_pin.joints.slope_kernels import (
@@ -46,10 +38,11 @@ from antenna_pin.joints.slope_kernels import (
     said_by,
     slip_speed,
 )
+from antenna_pin.joints.tangent_room_kernels import JointRoom, Part
 
 
 @inlined
-def _answer(p: Any, b: int, k: int, way: Any, kind: int, room: Any) -> None:
+def _answer(p: Floats, b: int, k: int, way: Floats, kind: int, room: JointRoom) -> None:
     """Write to ``room.said`` how what a contact's laws say changes along a displacement."""
     j, nv, change, said = joint_at(p, b), room.tau.shape[0], room.change[kind], room.said
     states, count, asked, shifts = j.stride - BRISTLES, said_by(p, b), room.asked, room.shifts
@@ -85,7 +78,7 @@ def _answer(p: Any, b: int, k: int, way: Any, kind: int, room: Any) -> None:
 
 
 @inlined
-def _along_slip(row: Any, change: Any) -> float:
+def _along_slip(row: Contact, change: Floats) -> float:
     """Return how the size of slip changes; at rest by nothing, for friction goes with all of its change."""
     speed, total = slip_speed(row), 0.0
     for i in range(3):
@@ -94,7 +87,7 @@ def _along_slip(row: Any, change: Any) -> float:
 
 
 @inlined
-def _turn_friction(row: Any, change: Any, at_rest: float, said: Any) -> None:
+def _turn_friction(row: Contact, change: Floats, at_rest: float, said: Floats) -> None:
     """Write how friction that is along slip changes, of how it does along that.
 
     What of slip changes across it turns it: by friction over slip, of which ``at_rest`` is the limit.
@@ -111,7 +104,7 @@ def _turn_friction(row: Any, change: Any, at_rest: float, said: Any) -> None:
 
 
 @inlined
-def _write(p: Any, b: int, k: int, kind: int, room: Any, out: Any) -> None:
+def _write(p: Floats, b: int, k: int, kind: int, room: JointRoom, out: Floats) -> None:
     """Add what changes of a contact's forces and geometry do: to ``room.wrench``, and to rates of x."""
     j, nv, change, said = joint_at(p, b), room.tau.shape[0], room.change[kind], room.said
     row, here, moved, wrench = room.numbers.own[j.row + k], room.poses[0], room.poses[1], room.wrench[kind]
@@ -147,7 +140,7 @@ def _write(p: Any, b: int, k: int, kind: int, room: Any, out: Any) -> None:
 
 
 @kernel
-def _along(p: Any, b: int, y: Any, way: Any, d: int, room: Any, out: Any) -> None:
+def _along(p: Floats, b: int, y: Floats, way: Floats, d: int, room: JointRoom, out: Floats) -> None:
     """Add how a joint's generalized force, and the rates of what its contacts integrate, change along d."""
     j, here, moved = joint_at(p, b), room.poses[0], room.poses[1]
     change_pose(p, b, y, way, room)
@@ -168,7 +161,7 @@ def _along(p: Any, b: int, y: Any, way: Any, d: int, room: Any, out: Any) -> Non
 
 
 @kernel
-def add_joint_changes(p: Any, part: Any, y: Any, ways: Any, room: Any, out: Any) -> None:
+def add_joint_changes(p: Floats, part: Part, y: Floats, ways: Floats, room: JointRoom, out: Floats) -> None:
     """Add how a joint with play changes generalized forces and rates of x along displacements.
 
     Args:

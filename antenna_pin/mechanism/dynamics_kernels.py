@@ -7,11 +7,10 @@ go of everything: it hands on its own force and no inertia, and its body's accel
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE, Floats, Records
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.room_kernels import (
+    BodyRoom,
     carried_acceleration,
     gyroscopic_wrench,
     hand_on,
@@ -27,10 +26,19 @@ from antenna_pin.mechanism.take_out_kernels import (
     take_out_plane,
     take_out_rotation,
 )
+from antenna_pin.mechanism.tree_kernels import Body
 
 
 @kernel
-def aba(y: Any, nq: int, tree: Any, gravity: Any, tau: Any, room: Any, acceleration: Any) -> None:
+def aba(
+    y: Floats,
+    nq: int,
+    tree: Records[Body],
+    gravity: Floats,
+    tau: Floats,
+    room: Records[BodyRoom],
+    acceleration: Floats,
+) -> None:
     """Write the acceleration of a tree under generalized forces.
 
     Args:
@@ -73,7 +81,7 @@ def aba(y: Any, nq: int, tree: Any, gravity: Any, tau: Any, room: Any, accelerat
 
 
 @inlined
-def _hand_on_inertia(own: Any, on: Any) -> None:
+def _hand_on_inertia(own: BodyRoom, on: BodyRoom) -> None:
     """Add the inertia that a joint leaves, and the wrench that goes with it, to the body it is on."""
     a, b, d, c, s, f, m = (
         own.block_a,
@@ -142,7 +150,9 @@ def _hand_on_inertia(own: Any, on: Any) -> None:
 
 
 @inlined
-def _accelerate(body: Any, gravity: Any, room: Any, own: Any, acceleration: Any) -> None:
+def _accelerate(
+    body: Body, gravity: Floats, room: Records[BodyRoom], own: BodyRoom, acceleration: Floats
+) -> None:
     """Write how a joint accelerates, and its body."""
     ax, ay, az, bx, by, bz = carried_acceleration(body, gravity, room, own)
     kind, k, ratio, w, axis = body.kind, body.v, own.ratio, own.driven, body.axis

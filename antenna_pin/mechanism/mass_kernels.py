@@ -8,21 +8,28 @@ how they move is known: all is in world axes, and goes from a body to the one it
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE
+from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE, Floats, Records, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.room_kernels import (
+    BodyRoom,
     crossed,
     symmetric_times,
     turned,
     turned_back,
     turned_symmetric,
 )
+from antenna_pin.mechanism.tree_kernels import Body, Place
 
 
 @kernel
-def mass_and_bias(tree: Any, places: Any, gravity: Any, room: Any, mass: Any, bias: Any) -> None:
+def mass_and_bias(
+    tree: Records[Body],
+    places: Records[Place],
+    gravity: Floats,
+    room: Records[BodyRoom],
+    mass: Floats,
+    bias: Floats,
+) -> None:
     """Write the mass matrix and the generalized force of gravity and velocities.
 
     Args:
@@ -52,7 +59,7 @@ def mass_and_bias(tree: Any, places: Any, gravity: Any, room: Any, mass: Any, bi
 
 
 @inlined
-def _rest(body: Any, gravity: Any, places: Any, place: Any, own: Any) -> None:
+def _rest(body: Body, gravity: Floats, places: Records[Place], place: Place, own: BodyRoom) -> None:
     """Write a body's inertia and the wrench at its origin that it takes while no velocity changes."""
     r, axis, c, m, w = place.rotation, body.axis, body.centre, body.mass, place.spin
     own.turn[0], own.turn[1], own.turn[2] = turned(r, axis[0], axis[1], axis[2])
@@ -94,7 +101,7 @@ def _rest(body: Any, gravity: Any, places: Any, place: Any, own: Any) -> None:
 
 
 @inlined
-def _project_bias(body: Any, place: Any, own: Any, bias: Any) -> None:
+def _project_bias(body: Body, place: Place, own: BodyRoom, bias: Floats) -> None:
     """Write what a joint must give of the wrench that its body needs."""
     f, m, k, axis = own.force, own.moment, body.v, own.turn
     if body.kind == RIGID or body.kind == ROTATION or body.kind == PLANE:
@@ -114,7 +121,7 @@ def _project_bias(body: Any, place: Any, own: Any, bias: Any) -> None:
 
 
 @inlined
-def _hand_on(own: Any, on: Any) -> None:
+def _hand_on(own: BodyRoom, on: BodyRoom) -> None:
     """Add wrench, mass, first moment and inertia of a body with all it carries to the one it is on."""
     f, n, m, h, p, d, inertia = (
         own.force,
@@ -148,7 +155,9 @@ def _hand_on(own: Any, on: Any) -> None:
 
 
 @inlined
-def _columns(tree: Any, places: Any, room: Any, b: int, mass: Any) -> None:
+def _columns(
+    tree: Records[Body], places: Records[Place], room: Records[BodyRoom], b: int, mass: Floats
+) -> None:
     """Write what the mass matrix has of a joint: with itself, and with those that carry it."""
     body, own, r = tree[b], room[b], places[b].rotation
     m, h, d, k, turn = own.block_a[0], own.block_b, own.block_d, body.v, own.turn
@@ -168,7 +177,15 @@ def _columns(tree: Any, places: Any, room: Any, b: int, mass: Any) -> None:
 
 
 @inlined
-def _way(bodies: Any, b: int, at: int, m: float, h: Any, axis: Any, mass: Any) -> None:
+def _way(
+    bodies: tuple[Records[Body], Records[Place], Records[BodyRoom]],
+    b: int,
+    at: int,
+    m: float,
+    h: Floats,
+    axis: Triple,
+    mass: Floats,
+) -> None:
     """Write the column of a displacement along an axis."""
     x, y, z = axis
     moment = crossed(h[0], h[1], h[2], x, y, z)
@@ -176,7 +193,15 @@ def _way(bodies: Any, b: int, at: int, m: float, h: Any, axis: Any, mass: Any) -
 
 
 @inlined
-def _turn(bodies: Any, b: int, at: int, h: Any, d: Any, axis: Any, mass: Any) -> None:
+def _turn(
+    bodies: tuple[Records[Body], Records[Place], Records[BodyRoom]],
+    b: int,
+    at: int,
+    h: Floats,
+    d: Floats,
+    axis: Triple,
+    mass: Floats,
+) -> None:
     """Write the column of a turn about an axis."""
     x, y, z = axis
     force = crossed(x, y, z, h[0], h[1], h[2])
@@ -184,7 +209,14 @@ def _turn(bodies: Any, b: int, at: int, h: Any, d: Any, axis: Any, mass: Any) ->
 
 
 @kernel
-def _column(bodies: Any, b: int, at: int, force: Any, moment: Any, mass: Any) -> None:
+def _column(
+    bodies: tuple[Records[Body], Records[Place], Records[BodyRoom]],
+    b: int,
+    at: int,
+    force: Triple,
+    moment: Triple,
+    mass: Floats,
+) -> None:
     """Write a column and its mirror image: what a wrench on a body is to its joint and those below."""
     tree, places, room = bodies
     fx, fy, fz = force
@@ -221,7 +253,7 @@ def _column(bodies: Any, b: int, at: int, force: Any, moment: Any, mass: Any) ->
 
 
 @inlined
-def _mirror(mass: Any, i: int, j: int, value: float) -> None:
+def _mirror(mass: Floats, i: int, j: int, value: float) -> None:
     """Write an entry of a symmetric matrix."""
     mass[i, j] = value
     mass[j, i] = value

@@ -8,16 +8,22 @@ Axes of joints are not among them.
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats, Records
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.room_kernels import crossed, turned, turned_symmetric
-from antenna_pin.mechanism.spatial_kernels import add_six, cross_wrench, set_six, times_inertia
+from antenna_pin.mechanism.spatial_kernels import Change, add_six, cross_wrench, set_six, times_inertia
 from antenna_pin.mechanism.tangent_kernels import change_motion
+from antenna_pin.mechanism.tree_kernels import Body, Place
 
 
 @inlined
-def write_frame_change(frame: Any, change: Any, parent: int, places: Any, out: Any) -> None:
+def write_frame_change(
+    frame: tuple[Floats, Floats],
+    change: tuple[Floats, Floats],
+    parent: int,
+    places: Records[Place],
+    out: Floats,
+) -> None:
     """Write the way that a change of a frame's place on a body, or on the world, is.
 
     Args:
@@ -48,7 +54,7 @@ def write_frame_change(frame: Any, change: Any, parent: int, places: Any, out: A
 
 
 @inlined
-def _inertia_change(body: Any, change: Any, rotation: Any, own: Any, out: Any) -> None:
+def _inertia_change(body: Body, change: Body, rotation: Floats, own: Change, out: Change) -> None:
     """Write how mass, first moment and moment of inertia of a body about the point change."""
     c, s, i, j, h = body.centre, change.centre, change.inertia, out.inertia, out.first
     m, dm = body.mass, change.mass
@@ -70,7 +76,14 @@ def _inertia_change(body: Any, change: Any, rotation: Any, own: Any, out: Any) -
 
 
 @kernel
-def write_number_changes(change: Any, space: Any, pulls: Any, scratch: Any, bodies: Any, out: Any) -> None:
+def write_number_changes(
+    change: Records[Body],
+    space: tuple[Records[Body], Records[Place]],
+    pulls: tuple[Floats, Floats],
+    scratch: tuple[Floats, Records[Change]],
+    bodies: Records[Change],
+    out: Floats,
+) -> None:
     """Write how bodies' motions and own wrenches change with a number of the tree.
 
     As :func:`antenna_pin.mechanism.tangent_kernels.write_changes` does along a displacement.

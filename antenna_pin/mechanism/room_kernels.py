@@ -6,37 +6,44 @@ Spatial coordinates as in Pinocchio: linear part first, at a body's origin and i
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated
 
-import numpy as np
-
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, Records, Six, Triple, Vector3, Vector6, layout
 from antenna_pin.compiled.decorators import inlined
-from antenna_pin.mechanism.tree_kernels import PLACE_FIELDS, relative
+from antenna_pin.mechanism.tree_kernels import Body, Place, relative
 
-#: Room for a body, to be written to. Whether it carries any inertia. Its place in the body that it is on; its
-#: velocity; what its joint adds to it; the acceleration that velocities alone add to that of the body it is
-#: on; its acceleration, in which the ground rises against gravity; the wrench that its joint must give for
-#: it. The inertia of what it carries, in three blocks: force by acceleration, force by angular acceleration,
-#: moment by that. Of a joint that is taken out, of what its accelerations follow: ``driven - ratio a``.
-#: It does not begin as PLACE does: Numba would take it for one, which it warns of.
-ROOM = layout(
-    ("carries", np.int64),
-    *PLACE_FIELDS,
-    ("linear", np.float64, (3,)),
-    ("angular", np.float64, (3,)),
-    ("force", np.float64, (3,)),
-    ("moment", np.float64, (3,)),
-    ("block_a", np.float64, (6,)),
-    ("block_b", np.float64, (9,)),
-    ("block_d", np.float64, (6,)),
-    ("ratio", np.float64, (9,)),
-    ("driven", np.float64, (6,)),
-)
+
+class Carrying(Record):
+    """A body that may carry others."""
+
+    carries: int  # 1: it or what it carries has inertia
+
+
+class BodyRoom(Place, Carrying):
+    """Room for a body, to be written to: its place, and inertia and forces of what it carries.
+
+    It does not begin as :class:`Place` does: Numba would take it for one, which it warns of.
+    """
+
+    linear: Vector3  # acceleration of the origin, in which the ground rises against gravity [m/s^2]
+    angular: Vector3  # acceleration [rad/s^2]
+    force: Vector3  # that its joint must give for it [N]
+    moment: Vector3  # that its joint must give for it [N m]
+    block_a: Vector6  # force by acceleration
+    block_b: Annotated[Floats, 9]  # force by angular acceleration
+    block_d: Vector6  # moment by angular acceleration
+    ratio: Annotated[Floats, 9]  # of a joint taken out, a' = driven - ratio a
+    driven: Vector6  # of a joint taken out
+
+
+ROOM = layout(BodyRoom)
+
+#: A matrix, row after row.
+Nine = tuple[float, float, float, float, float, float, float, float, float]
 
 
 @inlined
-def turned(r: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+def turned(r: Floats, x: float, y: float, z: float) -> Triple:
     """Return R a: a vector of the body in the axes of the one it is on."""
     return (
         r[0, 0] * x + r[0, 1] * y + r[0, 2] * z,
@@ -46,7 +53,7 @@ def turned(r: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
 
 
 @inlined
-def turned_back(r: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+def turned_back(r: Floats, x: float, y: float, z: float) -> Triple:
     """Return R^T a."""
     return (
         r[0, 0] * x + r[1, 0] * y + r[2, 0] * z,
@@ -56,13 +63,13 @@ def turned_back(r: Any, x: float, y: float, z: float) -> tuple[float, float, flo
 
 
 @inlined
-def crossed(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> tuple[float, float, float]:
+def crossed(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> Triple:
     """Return a x b."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 @inlined
-def symmetric_times(s: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+def symmetric_times(s: Floats, x: float, y: float, z: float) -> Triple:
     """Return S a of a symmetric matrix."""
     return (
         s[0] * x + s[1] * y + s[2] * z,
@@ -72,7 +79,7 @@ def symmetric_times(s: Any, x: float, y: float, z: float) -> tuple[float, float,
 
 
 @inlined
-def turned_symmetric(r: Any, s: Any) -> tuple[float, float, float, float, float, float]:
+def turned_symmetric(r: Floats, s: Floats) -> Six:
     """Return R S R^T of a symmetric matrix."""
     x0, y0, z0 = symmetric_times(s, r[0, 0], r[0, 1], r[0, 2])
     x1, y1, z1 = symmetric_times(s, r[1, 0], r[1, 1], r[1, 2])
@@ -88,7 +95,7 @@ def turned_symmetric(r: Any, s: Any) -> tuple[float, float, float, float, float,
 
 
 @inlined
-def turned_matrix(r: Any, s: Any) -> Any:
+def turned_matrix(r: Floats, s: Floats) -> Nine:
     """Return R B R^T of any matrix, row after row, (9,)."""
     x0, x1, x2 = turned(r, s[0], s[3], s[6])
     y0, y1, y2 = turned(r, s[1], s[4], s[7])
@@ -100,7 +107,7 @@ def turned_matrix(r: Any, s: Any) -> Any:
 
 
 @inlined
-def move(body: Any, y: Any, nq: int, room: Any, own: Any, way: Any) -> None:
+def move(body: Body, y: Floats, nq: int, room: Records[BodyRoom], own: BodyRoom, way: BodyRoom) -> None:
     """Write a body's place in the one it is on, its velocity, and the acceleration that velocities add.
 
     With u and w of the joint, all in the body's axes: ``spin x u + velocity x w`` and ``spin x w``.
@@ -133,9 +140,7 @@ def move(body: Any, y: Any, nq: int, room: Any, own: Any, way: Any) -> None:
 
 
 @inlined
-def carried_acceleration(
-    body: Any, gravity: Any, room: Any, own: Any
-) -> tuple[float, float, float, float, float, float]:
+def carried_acceleration(body: Body, gravity: Floats, room: Records[BodyRoom], own: BodyRoom) -> Six:
     """Return the acceleration of a body whose joint does not accelerate, (6,)."""
     r, p, bias, bias_spin = own.rotation, own.origin, own.bias, own.bias_spin
     if body.parent < 0:
@@ -150,7 +155,7 @@ def carried_acceleration(
 
 
 @inlined
-def hand_on(own: Any, on: Any, force: Any, moment: Any) -> None:
+def hand_on(own: BodyRoom, on: BodyRoom, force: Triple, moment: Triple) -> None:
     """Add a wrench at a body's origin, in its axes, to that of the body it is on."""
     fx, fy, fz = turned(own.rotation, force[0], force[1], force[2])
     mx, my, mz = turned(own.rotation, moment[0], moment[1], moment[2])
@@ -164,7 +169,7 @@ def hand_on(own: Any, on: Any, force: Any, moment: Any) -> None:
 
 
 @inlined
-def gyroscopic_wrench(body: Any, own: Any) -> tuple[float, float, float, float, float, float]:
+def gyroscopic_wrench(body: Body, own: BodyRoom) -> Six:
     """Return the wrench at a body's origin that keeps its velocity, as a spatial one, constant.
 
     With the centre's velocity u: ``f = w x m u`` and ``c x f + w x (I w)``, I about the centre.
@@ -181,7 +186,7 @@ def gyroscopic_wrench(body: Any, own: Any) -> tuple[float, float, float, float, 
 
 
 @inlined
-def inertia_at_origin(body: Any) -> tuple[float, float, float, float, float, float]:
+def inertia_at_origin(body: Body) -> Six:
     """Return a body's moment by its angular acceleration, at its origin: a symmetric matrix."""
     c, i = body.centre, body.inertia
     x, y, z = c[0], c[1], c[2]

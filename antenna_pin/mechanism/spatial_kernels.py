@@ -2,21 +2,44 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from antenna_pin.base.records import Floats, Record, Six, Vector3, Vector6, layout
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.mechanism.room_kernels import crossed, symmetric_times
 
+#: Six numbers, the linear ones first, in an array or by themselves.
+Spatial = Floats | Six
+
+
+class Change(Record):
+    """A body about the point, in world axes, and its changes by one displacement."""
+
+    origin: Vector3  # place of its origin [m]
+    velocity: Vector6  # of the body
+    acceleration: Vector6  # of the body, in which the ground rises against gravity
+    joint_rate: Vector6  # what its joint adds to the velocity
+    momentum: Vector6  # of the body
+    wrench: Vector6  # that its joint gives
+    mass: float  # [kg]
+    first: Vector3  # moment of mass [kg m]
+    inertia: Vector6  # moment of inertia [kg m^2]
+    way: Vector6  # displacement by the joint
+    velocity_change: Vector6  # by the displacement
+    acceleration_change: Vector6  # by the displacement
+    wrench_change: Vector6  # by the displacement
+
+
+CHANGE = layout(Change)
+
 
 @inlined
-def set_six(out: Any, x: Any) -> None:
+def set_six(out: Floats, x: Spatial) -> None:
     """Write six numbers."""
     a, b, c, d, e, f = x
     out[0], out[1], out[2], out[3], out[4], out[5] = a, b, c, d, e, f
 
 
 @inlined
-def add_six(out: Any, x: Any) -> None:
+def add_six(out: Floats, x: Spatial) -> None:
     """Add six numbers."""
     a, b, c, d, e, f = x
     out[0] += a
@@ -28,7 +51,7 @@ def add_six(out: Any, x: Any) -> None:
 
 
 @inlined
-def cross_motion(a: Any, b: Any) -> tuple[float, float, float, float, float, float]:
+def cross_motion(a: Spatial, b: Spatial) -> Six:
     """Return a x b of two motions."""
     x, y, z = crossed(a[3], a[4], a[5], b[3], b[4], b[5])
     p, q, r = crossed(a[3], a[4], a[5], b[0], b[1], b[2])
@@ -37,7 +60,7 @@ def cross_motion(a: Any, b: Any) -> tuple[float, float, float, float, float, flo
 
 
 @inlined
-def cross_wrench(a: Any, f: Any) -> tuple[float, float, float, float, float, float]:
+def cross_wrench(a: Spatial, f: Spatial) -> Six:
     """Return a x* f of a motion and a wrench."""
     x, y, z = crossed(a[3], a[4], a[5], f[0], f[1], f[2])
     p, q, r = crossed(a[3], a[4], a[5], f[3], f[4], f[5])
@@ -46,7 +69,7 @@ def cross_wrench(a: Any, f: Any) -> tuple[float, float, float, float, float, flo
 
 
 @inlined
-def times_inertia(own: Any, a: Any) -> tuple[float, float, float, float, float, float]:
+def times_inertia(own: Change, a: Spatial) -> Six:
     """Return I a, of a mass, first moment and moment of inertia."""
     m, h = own.mass, own.first
     x, y, z = crossed(a[3], a[4], a[5], h[0], h[1], h[2])

@@ -6,17 +6,14 @@ acceleration that it has along the others. What remains of its inertia and force
 
 from __future__ import annotations
 
-from typing import Any
-
-from antenna_pin.base.records import SLIDE
+from antenna_pin.base.records import SLIDE, Floats, Six, Triple
 from antenna_pin.compiled.decorators import inlined
-from antenna_pin.mechanism.room_kernels import crossed, inertia_at_origin, symmetric_times
+from antenna_pin.mechanism.room_kernels import BodyRoom, Nine, crossed, inertia_at_origin, symmetric_times
+from antenna_pin.mechanism.tree_kernels import Body
 
 
 @inlined
-def _factors(
-    xx: float, xy: float, xz: float, yy: float, yz: float, zz: float
-) -> tuple[float, float, float, float, float, float]:
+def _factors(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> Six:
     """Return L (three entries) and the inverse of D (three) of a symmetric matrix, L D L^T."""
     x = 1.0 / xx
     a, b = xy * x, xz * x
@@ -27,9 +24,7 @@ def _factors(
 
 
 @inlined
-def _solved(
-    factors: tuple[float, float, float, float, float, float], x: float, y: float, z: float
-) -> tuple[float, float, float]:
+def _solved(factors: Six, x: float, y: float, z: float) -> Triple:
     """Solve for a vector with the factors of a matrix."""
     a, b, c, dx, dy, dz = factors
     y -= a * x
@@ -39,7 +34,7 @@ def _solved(
 
 
 @inlined
-def sum_inertia(body: Any, own: Any) -> None:
+def sum_inertia(body: Body, own: BodyRoom) -> None:
     """Add a body's own inertia at its origin to what it carries."""
     m, c = body.mass, body.centre
     mx, my, mz = m * c[0], m * c[1], m * c[2]
@@ -70,7 +65,7 @@ def sum_inertia(body: Any, own: Any) -> None:
 
 
 @inlined
-def let_go(body: Any, own: Any, tau: Any) -> None:
+def let_go(body: Body, own: BodyRoom, tau: Floats) -> None:
     """Write the acceleration of a body whose joint leaves all six degrees of freedom: it is its own."""
     k, c = body.v, body.centre
     fx, fy, fz = tau[k] - own.force[0], tau[k + 1] - own.force[1], tau[k + 2] - own.force[2]
@@ -116,7 +111,7 @@ def let_go(body: Any, own: Any, tau: Any) -> None:
 
 
 @inlined
-def take_out_axis(body: Any, own: Any, tau: Any) -> None:
+def take_out_axis(body: Body, own: BodyRoom, tau: Floats) -> None:
     """Take a hinge or a slide out of the inertia of what it moves."""
     a, b, d, ratio, f, m = own.block_a, own.block_b, own.block_d, own.ratio, own.force, own.moment
     x, y, z = body.axis[0], body.axis[1], body.axis[2]
@@ -180,7 +175,7 @@ def take_out_axis(body: Any, own: Any, tau: Any) -> None:
 
 
 @inlined
-def _condense(own: Any, k: Any, n: Any, q: Any, x: float, y: float, z: float) -> Any:
+def _condense(own: BodyRoom, k: Floats | Six, n: Nine, q: Floats | Six, x: float, y: float, z: float) -> Nine:
     """Take three free directions out of an inertia of six: K among them, N to the others, Q among those.
 
     Writes ``K^-1 N`` and ``K^-1 (x, y, z)`` for the accelerations; returns what is left of Q, and what the
@@ -209,7 +204,7 @@ def _condense(own: Any, k: Any, n: Any, q: Any, x: float, y: float, z: float) ->
 
 
 @inlined
-def take_out_rotation(body: Any, own: Any, tau: Any) -> None:
+def take_out_rotation(body: Body, own: BodyRoom, tau: Floats) -> None:
     """Take a joint that turns every way out: no moment goes through but its own."""
     a, b, d, f, m, v = own.block_a, own.block_b, own.block_d, own.force, own.moment, body.v
     n = (b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8])
@@ -226,7 +221,7 @@ def take_out_rotation(body: Any, own: Any, tau: Any) -> None:
 
 
 @inlined
-def take_out_plane(body: Any, own: Any, tau: Any) -> None:
+def take_out_plane(body: Body, own: BodyRoom, tau: Floats) -> None:
     """Take a joint in the plane of x and y out: along these and about z nothing goes through but its own."""
     a, b, d, f, m, v = own.block_a, own.block_b, own.block_d, own.force, own.moment, body.v
     among = (a[0], a[1], b[2], a[3], b[5], d[5])

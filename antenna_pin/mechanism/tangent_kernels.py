@@ -22,44 +22,26 @@ Of a number of the tree (:mod:`antenna_pin.mechanism.number_kernels`) the same h
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-
-from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, layout
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION, SLIDE, Floats, Ints, Records
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
-from antenna_pin.mechanism.room_kernels import crossed, turned, turned_back, turned_symmetric
-from antenna_pin.mechanism.spatial_kernels import add_six, cross_motion, cross_wrench, set_six, times_inertia
-from antenna_pin.mechanism.tree_kernels import bias_accelerations, place_bodies
-
-#: Of a body, about the point and in world axes: place of its origin [m]; its velocity and acceleration, in
-#: which the ground rises against gravity; what its joint adds to the velocity; its momentum; the wrench that
-#: its joint gives. Its mass, first moment and moment of inertia. Then for one displacement: ``way`` by the
-#: joint, changes of velocity, acceleration and wrench.
-CHANGE = layout(
-    ("origin", np.float64, (3,)),
-    ("velocity", np.float64, (6,)),
-    ("acceleration", np.float64, (6,)),
-    ("joint_rate", np.float64, (6,)),
-    ("momentum", np.float64, (6,)),
-    ("wrench", np.float64, (6,)),
-    ("mass", np.float64),
-    ("first", np.float64, (3,)),
-    ("inertia", np.float64, (6,)),
-    ("way", np.float64, (6,)),
-    ("velocity_change", np.float64, (6,)),
-    ("acceleration_change", np.float64, (6,)),
-    ("wrench_change", np.float64, (6,)),
+from antenna_pin.mechanism.room_kernels import BodyRoom, crossed, turned, turned_back, turned_symmetric
+from antenna_pin.mechanism.spatial_kernels import (
+    Change,
+    add_six,
+    cross_motion,
+    cross_wrench,
+    set_six,
+    times_inertia,
 )
-
+from antenna_pin.mechanism.tree_kernels import Body, Place, bias_accelerations, place_bodies
 
 #: How many right-hand sides are solved for side by side.
 LANES = 16
 
 
 @inlined
-def _along_joint(body: Any, rotation: Any, own: Any, x: Any, out: Any) -> None:
+def _along_joint(body: Body, rotation: Floats, own: Change, x: Floats, out: Floats) -> None:
     """Write the motion of a body that the joint's part of a generalized velocity makes."""
     k, kind, axis = body.v, body.kind, body.axis
     ux, uy, uz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -81,7 +63,7 @@ def _along_joint(body: Any, rotation: Any, own: Any, x: Any, out: Any) -> None:
 
 
 @inlined
-def _onto_joint(body: Any, rotation: Any, own: Any, out: Any) -> None:
+def _onto_joint(body: Body, rotation: Floats, own: Change, out: Floats) -> None:
     """Subtract from the joint's part of ``out`` what the change of its wrench does along it."""
     f, p, k, kind, axis = own.wrench_change, own.origin, body.v, body.kind, body.axis
     x, y, z = crossed(p[0], p[1], p[2], f[0], f[1], f[2])
@@ -108,7 +90,15 @@ def _onto_joint(body: Any, rotation: Any, own: Any, out: Any) -> None:
 
 
 @kernel
-def read_bodies(y: Any, nq: int, tree: Any, places: Any, gravity: Any, a: Any, bodies: Any) -> None:
+def read_bodies(
+    y: Floats,
+    nq: int,
+    tree: Records[Body],
+    places: Records[Place],
+    gravity: Floats,
+    a: Floats,
+    bodies: Records[Change],
+) -> None:
     """Write how bodies move about the first one's origin, accelerating by a, and the wrenches that takes."""
     count = tree.shape[0]
     point = places[0].origin
@@ -154,7 +144,7 @@ def read_bodies(y: Any, nq: int, tree: Any, places: Any, gravity: Any, a: Any, b
 
 
 @inlined
-def change_motion(parent: int, bodies: Any, own: Any, gravity: Any) -> None:
+def change_motion(parent: int, bodies: Records[Change], own: Change, gravity: Floats) -> None:
     """Write how a body's motion, and the wrench of itself, change with its way and what its parent does.
 
     ``own`` has its way, and what its joint adds to the change of velocity.
@@ -181,7 +171,9 @@ def change_motion(parent: int, bodies: Any, own: Any, gravity: Any) -> None:
 
 
 @kernel
-def subtract_wrenches(tree: Any, places: Any, bodies: Any, out: Any) -> None:
+def subtract_wrenches(
+    tree: Records[Body], places: Records[Place], bodies: Records[Change], out: Floats
+) -> None:
     """Subtract from ``out`` what changes of all bodies' wrenches do along the joints."""
     for b in range(tree.shape[0] - 1, -1, -1):
         body, own = tree[b], bodies[b]
@@ -193,7 +185,14 @@ def subtract_wrenches(tree: Any, places: Any, bodies: Any, out: Any) -> None:
 
 
 @kernel
-def write_changes(way: Any, nv: int, tree: Any, places: Any, gravity: Any, bodies: Any) -> None:
+def write_changes(
+    way: Floats,
+    nv: int,
+    tree: Records[Body],
+    places: Records[Place],
+    gravity: Floats,
+    bodies: Records[Change],
+) -> None:
     """Write how bodies' motions and own wrenches change along a displacement, after :func:`read_bodies`.
 
     What these do along the joints, :func:`subtract_wrenches` makes of them: how M a + b changes.
@@ -214,7 +213,7 @@ def write_changes(way: Any, nv: int, tree: Any, places: Any, gravity: Any, bodie
 
 
 @kernel
-def factorize_tree(mass: Any, below: Any) -> None:
+def factorize_tree(mass: Floats, below: Ints) -> None:
     """Factorize a tree's mass matrix in place: L^T D L with D on the diagonal and the unit L below it.
 
     ``below``: the freedom next below each one, -1 at the root, (nv,); where a freedom is not below another
@@ -233,7 +232,7 @@ def factorize_tree(mass: Any, below: Any) -> None:
 
 
 @kernel
-def solve_tree(factors: Any, below: Any, x: Any) -> None:
+def solve_tree(factors: Floats, below: Ints, x: Floats) -> None:
     """Solve M x = x in place, with the factors of :func:`factorize_tree`."""
     for i in range(below.shape[0] - 1, -1, -1):
         j = below[i]
@@ -249,7 +248,7 @@ def solve_tree(factors: Any, below: Any, x: Any) -> None:
 
 
 @kernel
-def solve_trees(factors: Any, below: Any, lanes: Any, x: Any) -> None:
+def solve_trees(factors: Floats, below: Ints, lanes: Floats, x: Floats) -> None:
     """Do so for each row of x, (k, nv): one after the other they would wait for the ways through the tree.
 
     So many as ``lanes``, (nv, LANES), holds go side by side there.
@@ -266,7 +265,7 @@ def solve_trees(factors: Any, below: Any, lanes: Any, x: Any) -> None:
 
 
 @inlined
-def _solve_lanes(factors: Any, below: Any, x: Any) -> None:
+def _solve_lanes(factors: Floats, below: Ints, x: Floats) -> None:
     """Solve M x = x for each of the columns."""
     for i in range(below.shape[0] - 1, -1, -1):
         j = below[i]
@@ -288,7 +287,15 @@ def _solve_lanes(factors: Any, below: Any, x: Any) -> None:
 
 
 @kernel
-def prepare_changes(y: Any, nq: int, space: Any, gravity: Any, tau: Any, scratch: Any, bodies: Any) -> None:
+def prepare_changes(
+    y: Floats,
+    nq: int,
+    space: tuple[Records[Body], Ints],
+    gravity: Floats,
+    tau: Floats,
+    scratch: tuple[Records[Place], Records[BodyRoom], Floats, Floats],
+    bodies: Records[Change],
+) -> None:
     """Write how a tree moves and accelerates under forces, and the factors of its mass matrix.
 
     Args:

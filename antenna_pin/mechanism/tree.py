@@ -17,8 +17,8 @@ from antenna_pin.mechanism.inertia import idle_joint
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.model import Mechanism
 from antenna_pin.mechanism.room_kernels import ROOM
+from antenna_pin.mechanism.spatial_kernels import CHANGE
 from antenna_pin.mechanism.tangent_kernels import (
-    CHANGE,
     LANES,
     prepare_changes,
     solve_tree,

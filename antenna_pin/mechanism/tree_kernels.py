@@ -6,46 +6,57 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-import numpy as np
-
-from antenna_pin.base.records import CIRCLE, FIXED_AXIS, RIGID, ROTATION, SLIDE, layout
+from antenna_pin.base.records import (
+    CIRCLE,
+    FIXED_AXIS,
+    RIGID,
+    ROTATION,
+    SLIDE,
+    Floats,
+    Matrix3,
+    Record,
+    Records,
+    Vector3,
+    layout,
+)
 from antenna_pin.compiled.decorators import inlined, kernel
 
-# A moving body and the joint that moves it: index of the body that it is on (-1: the world), how the joint
-# moves (``FIXED_AXIS``, ``CIRCLE``, ... of ``records``), starts in q and v, whether the body counts in the
-# scales of momentum; the joint's axis, its frame in the parent's; mass [kg], centre of mass [m] and inertia
-# about it [kg m^2] in the joint's frame; what a turning joint feels beside it (armature) [kg m^2].
-BODY = layout(
-    ("parent", np.int64),
-    ("kind", np.int64),
-    ("q", np.int64),
-    ("v", np.int64),
-    ("counts", np.int64),
-    ("axis", np.float64, (3,)),
-    ("rotation", np.float64, (3, 3)),
-    ("position", np.float64, (3,)),
-    ("mass", np.float64),
-    ("centre", np.float64, (3,)),
-    ("inertia", np.float64, (3, 3)),
-    ("armature", np.float64),
-)
 
-# Where a body is in the world, or by its joint: rotation and origin [m], velocity of the origin [m/s] and
-# angular velocity [rad/s]; what its joint adds to these two, in world axes; acceleration of the origin and
-# angular acceleration that velocities alone make [m/s^2, rad/s^2] (:func:`bias_accelerations`).
-PLACE_FIELDS = (
-    ("rotation", np.float64, (3, 3)),
-    ("origin", np.float64, (3,)),
-    ("velocity", np.float64, (3,)),
-    ("spin", np.float64, (3,)),
-    ("slide", np.float64, (3,)),
-    ("turn", np.float64, (3,)),
-    ("bias", np.float64, (3,)),
-    ("bias_spin", np.float64, (3,)),
-)
-PLACE = layout(*PLACE_FIELDS)
+class Body(Record):
+    """A moving body and the joint that moves it; lengths and axes in the joint's frame."""
+
+    parent: int  # index of the body that it is on; -1: the world
+    kind: int  # how the joint moves: FIXED_AXIS, CIRCLE, ...
+    q: int  # start in q
+    v: int  # start in v
+    counts: int  # 1: counts in the scales of momentum
+    axis: Vector3  # of the joint
+    rotation: Matrix3  # of the joint's frame in the parent's
+    position: Vector3  # of the joint's frame in the parent's [m]
+    mass: float  # [kg]
+    centre: Vector3  # of mass [m]
+    inertia: Matrix3  # about the centre of mass [kg m^2]
+    armature: float  # what a turning joint feels beside the body's inertia [kg m^2]
+
+
+BODY = layout(Body)
+
+
+class Place(Record):
+    """Pose and motion of a body in the world, or by its joint."""
+
+    rotation: Matrix3  # of its frame
+    origin: Vector3  # [m]
+    velocity: Vector3  # of the origin [m/s]
+    spin: Vector3  # angular velocity [rad/s]
+    slide: Vector3  # what its joint adds to the velocity, world axes [m/s]
+    turn: Vector3  # what its joint adds to the angular velocity, world axes [rad/s]
+    bias: Vector3  # acceleration of the origin by velocities alone (:func:`bias_accelerations`) [m/s^2]
+    bias_spin: Vector3  # angular acceleration by velocities alone [rad/s^2]
+
+
+PLACE = layout(Place)
 
 
 @inlined
@@ -55,7 +66,7 @@ def unwrapped(angle: float, near: float) -> float:
 
 
 @inlined
-def _about_axis(axis: Any, c: float, s: float, m: Any) -> None:
+def _about_axis(axis: Floats, c: float, s: float, m: Floats) -> None:
     """Write the rotation about an axis by an angle of cosine c and sine s."""
     x, y, z = axis[0], axis[1], axis[2]
     t = 1.0 - c
@@ -65,7 +76,7 @@ def _about_axis(axis: Any, c: float, s: float, m: Any) -> None:
 
 
 @inlined
-def _of_quaternion(q: Any, i: int, m: Any) -> None:
+def _of_quaternion(q: Floats, i: int, m: Floats) -> None:
     """Write the rotation of the quaternion (xyzw) at q[i:]."""
     x, y, z, w = q[i], q[i + 1], q[i + 2], q[i + 3]
     m[0, 0], m[0, 1], m[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)
@@ -74,7 +85,7 @@ def _of_quaternion(q: Any, i: int, m: Any) -> None:
 
 
 @inlined
-def relative(body: Any, y: Any, nq: int, way: Any) -> None:
+def relative(body: Body, y: Floats, nq: int, way: Place) -> None:
     """Write how a joint places and moves its body, in a ``PLACE``.
 
     Its rotation; its displacement in the joint's frame; its velocities in the body's own.
@@ -118,7 +129,7 @@ def relative(body: Any, y: Any, nq: int, way: Any) -> None:
 
 
 @kernel
-def place_bodies(y: Any, nq: int, tree: Any, places: Any) -> None:
+def place_bodies(y: Floats, nq: int, tree: Records[Body], places: Records[Place]) -> None:
     """Write where the bodies are and how they move, in the world.
 
     Args:
@@ -148,14 +159,14 @@ def place_bodies(y: Any, nq: int, tree: Any, places: Any) -> None:
 
 
 @inlined
-def cross(a: Any, b: Any, k: int) -> float:
+def cross(a: Floats, b: Floats, k: int) -> float:
     """Component k of the cross product of two vectors."""
     i, j = (k + 1) % 3, (k + 2) % 3
     return float(a[i] * b[j] - a[j] * b[i])
 
 
 @kernel
-def bias_accelerations(tree: Any, places: Any) -> None:
+def bias_accelerations(tree: Records[Body], places: Records[Place]) -> None:
     """Write the accelerations that bodies have while no component of the velocity changes.
 
     With r from the parent's origin, u the velocity that the joint adds and w angular velocities,
@@ -185,7 +196,7 @@ def bias_accelerations(tree: Any, places: Any) -> None:
 
 
 @inlined
-def _place_on_world(body: Any, own: Any) -> None:
+def _place_on_world(body: Body, own: Place) -> None:
     """Write the frame of a joint on the world."""
     for k in range(3):
         own.origin[k] = body.position[k]
@@ -196,7 +207,7 @@ def _place_on_world(body: Any, own: Any) -> None:
 
 
 @inlined
-def _place_on(body: Any, on: Any, own: Any) -> None:
+def _place_on(body: Body, on: Place, own: Place) -> None:
     """Write the frame of a joint on a body, which turns with it."""
     for k in range(3):
         own.spin[k] = on.spin[k]
@@ -211,7 +222,7 @@ def _place_on(body: Any, on: Any, own: Any) -> None:
 
 
 @inlined
-def _move(own: Any, way: Any) -> None:
+def _move(own: Place, way: Place) -> None:
     """Turn and displace a joint's frame, in place, by what the joint does: the body's frame."""
     m = way.rotation
     for k in range(3):
@@ -222,7 +233,7 @@ def _move(own: Any, way: Any) -> None:
 
 
 @inlined
-def _carry(on: Any, own: Any) -> None:
+def _carry(on: Place, own: Place) -> None:
     """Write the velocity that a body's origin has from the body that it is on."""
     dx = own.origin[0] - on.origin[0]
     dy = own.origin[1] - on.origin[1]

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 
+from antenna_pin.base.records import Triple
 from antenna_pin.compiled.decorators import inlined
 
 
 @inlined
-def twist_angle(hx: float, hy: float, hz: float, qw: float) -> tuple[float, float, float]:
+def twist_angle(hx: float, hy: float, hz: float, qw: float) -> Triple:
     """Return the twist about z [rad], in (-pi, pi], and gx, gy of its rate gx wx + gy wy + wz.
 
     The angular velocity w is the turned body's, in its own axes.
@@ -27,9 +28,7 @@ def twist_angle(hx: float, hy: float, hz: float, qw: float) -> tuple[float, floa
 
 
 @inlined
-def twist_slopes(
-    h: tuple[float, float, float], qw: float, way: tuple[float, float, float]
-) -> tuple[float, float]:
+def twist_slopes(h: Triple, qw: float, way: Triple) -> tuple[float, float]:
     """Return how gx and gy of :func:`twist_angle` change as the body turns by a small way, in its own axes.
 
     By h' = (qw w + h x w) / 2 and qw' = -h . w / 2.
@@ -51,7 +50,7 @@ def twist_slopes(
 
 
 @inlined
-def twist_bias(h: tuple[float, float, float], qw: float, w: tuple[float, float, float]) -> float:
+def twist_bias(h: Triple, qw: float, w: Triple) -> float:
     """Return what the twist accelerates by at constant w: gx' wx + gy' wy [rad/s^2]."""
     first, second = twist_slopes(h, qw, w)
     return first * w[0] + second * w[1]

@@ -6,12 +6,7 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from antenna_pin.analysis import (
-    answer,
-    said_of_limits,
-    said_of_singular,
-    said_of_spin,
-)
+from antenna_pin.analysis import answer, said_of_limits, said_of_singular, said_of_spin
 from antenna_pin.base.readable import number, readable
 from antenna_pin.report._page import Details, Picture, Section, Table
 from antenna_pin.report._runs import ReportedRun, labels_of, row_of

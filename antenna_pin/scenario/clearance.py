@@ -9,14 +9,7 @@ from pydantic import model_validator
 
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.scenario._base import PositiveLength, refuse
-from antenna_pin.scenario._clearance import (
-    KINDS,
-    RADIAL_PLAY,
-    Clearance,
-    Kind,
-    Variant,
-    check_play,
-)
+from antenna_pin.scenario._clearance import KINDS, RADIAL_PLAY, Clearance, Kind, Variant, check_play
 from antenna_pin.scenario._kinds import Tables
 from antenna_pin.scenario.assumed import OUTER, Assuming
 from antenna_pin.scenario.laws import LawSpec, needs_materials

@@ -8,14 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, model_validator
 
 from antenna_pin.base.units import matching_unit, shown
-from antenna_pin.control import (
-    AttitudeFeedback,
-    BangBang,
-    Matrix,
-    Pid,
-    Sensor,
-    StateFeedback,
-)
+from antenna_pin.control import AttitudeFeedback, BangBang, Matrix, Pid, Sensor, StateFeedback
 from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario._joint import Motion
 from antenna_pin.scenario._made import MadeSpec, reads

@@ -1,14 +1,6 @@
 """Checks of files made of tables, for other rooms that read such files like scenarios."""
 
-from antenna_pin.scenario._base import (
-    Count,
-    Folder,
-    PositiveTime,
-    Quantity,
-    Spec,
-    refuse,
-    refuse_name,
-)
+from antenna_pin.scenario._base import Count, Folder, PositiveTime, Quantity, Spec, refuse, refuse_name
 from antenna_pin.scenario._explained import Place, dotted, explained
 
 __all__ = [

@@ -15,14 +15,7 @@ from antenna_pin.base.parameters import parameters_of
 from antenna_pin.base.readable import number
 from antenna_pin.base.roots import least_between
 from antenna_pin.constraints import least_row
-from antenna_pin.dynamics import (
-    Adjustments,
-    System,
-    Workspace,
-    acting_in,
-    check_restraint,
-    kernels,
-)
+from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, check_restraint, kernels
 from antenna_pin.elements import CallableMotion, Motion, PrescribedMotion
 from antenna_pin.elements.prescribed import continued
 from antenna_pin.errors import InvalidParameterError

@@ -98,7 +98,7 @@ class Episodes:
     @property
     def all(self) -> NDArray[Any]:
         """Episodes in the order of their onsets, EPISODE; without those that ended before the run began."""
-        episodes = self.book.episodes[: int(self.book.count[0])]
+        episodes: NDArray[Any] = self.book.episodes[: int(self.book.count[0])]
         own: NDArray[Any] = episodes[~(episodes["release"] < self.begin)]
         return own
 
@@ -122,7 +122,7 @@ class Episodes:
         """Begin a contact of the initial state, at a depth [m] and its rate [m/s]."""
         self.touch(c, rate)
         floor = self.system.approach_speed_floors[c]
-        self.book.memory["approach_speed"][c] = approach_speed_in_contact(depth, rate, floor)
+        self.book.memory[c]["approach_speed"] = approach_speed_in_contact(depth, rate, floor)
 
     def close(self) -> None:
         """Complete the record of the contacts that touch at the end of a run."""
@@ -153,7 +153,8 @@ class Episodes:
         """Record from a time on [s]; earlier snapshots become invalid."""
         self.begin = t
         book, count = self.book, int(self.book.count[0])
-        mine = ~(book.episodes["release"][:count] < t)
+        episodes: NDArray[Any] = book.episodes
+        mine = ~(episodes["release"][:count] < t)
         numbers = np.cumsum(mine) - 1
         left = int(mine.sum())
         book.episodes[:left] = book.episodes[:count][mine]
@@ -247,7 +248,7 @@ class ContactSearch:
         self.nodes = np.zeros((inspect_kernels.NODE_SIZE, peak_kernels.NODES + 1, contacts))
         self.limits = np.array([limit for j in system.clearances for limit in j.depth_limits])
         self.reasons = [reason for j in system.clearances for reason in j.limit_reasons]
-        self.tolerances = episodes.book.places["tolerance"].tolist()
+        self.tolerances = [one["tolerance"].item() for one in episodes.book.places]
         of_coal = [int(j.backend == "coal") for j in system.clearances for _ in j.contact_names]
         self.compared = np.array(of_coal if any(of_coal) else [], dtype=np.int64)
         self.difference = np.zeros(1)

@@ -18,14 +18,7 @@ from antenna_pin.base.answers import AskedFunction, asked, check_takes
 from antenna_pin.base.arguments import fits, takes, unknown_type
 from antenna_pin.base.parameters import holds
 from antenna_pin.base.records import PROGRAM, memory_numbers
-from antenna_pin.dynamics import (
-    JointMotion,
-    System,
-    Workspace,
-    acting_in,
-    kernels,
-    reduced_inertia,
-)
+from antenna_pin.dynamics import JointMotion, System, Workspace, acting_in, kernels, reduced_inertia
 from antenna_pin.elements import ForceElement, Modal
 from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.errors import FunctionError, InvalidParameterError, UnknownNameError

@@ -10,11 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.dynamics import (
-    Workspace,
-    bearing_names,
-    observed,
-)
+from antenna_pin.dynamics import Workspace, bearing_names, observed
 from antenna_pin.elements import Motion
 from antenna_pin.errors import FunctionError
 from antenna_pin.integrate import method_named

@@ -28,22 +28,12 @@ from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.compiled.compile_time import CompileClock, compiling_timed
 from antenna_pin.control import Controller
-from antenna_pin.dynamics import (
-    System,
-)
-from antenna_pin.errors import (
-    InvalidParameterError,
-    LedgerOpenWarning,
-    OutputError,
-)
+from antenna_pin.dynamics import System
+from antenna_pin.errors import InvalidParameterError, LedgerOpenWarning, OutputError
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.simulation.checkpoint import Checkpoint, CheckpointStore, about_run, check_same
 from antenna_pin.simulation.events import Event
-from antenna_pin.simulation.inputs import (
-    RunStart,
-    as_run,
-    prepared,
-)
+from antenna_pin.simulation.inputs import RunStart, as_run, prepared
 from antenna_pin.simulation.loop import Progress, Run
 from antenna_pin.simulation.recorder import Recorder, result_data
 from antenna_pin.simulation.samples import check_room

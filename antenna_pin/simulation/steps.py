@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from antenna_pin.base.records import MEMORY
 from antenna_pin.base.settings import ErrorScales, RunSettings
 from antenna_pin.dynamics import System, Workspace, works_in_x
+from antenna_pin.dynamics.outside_kernels import Asked
 from antenna_pin.elements import ForceElement
 from antenna_pin.engine import Compiled, CompiledStepper, Pace, Sizes, loop_kernels
 from antenna_pin.engine import stretch_kernels as kernels
@@ -427,17 +428,18 @@ class StepBatches:
     def _give_answers(self) -> None:
         """Set the callbacks of the loop: implicit steps, corrections to events."""
         stepper, stretch = self._stepper, self._stretch
-        answers, answer = stepper.answers, stepper.numbers.outside.asked
+        answers = stepper.answers
+        answer: Asked = stepper.numbers.outside.asked[0]
 
         def step(h: float) -> None:
             stepper.t = float(stretch["t"][0])
-            if answer["new"][0]:
-                stepper.newton.progress["fresh"] = answer["new"] = 0
-            answer["answer"] = stepper.tried(h)
+            if answer.new:
+                stepper.newton.progress["fresh"] = answer.new = 0
+            answer.answer = stepper.tried(h)
 
         def lack(h: float) -> None:
             stepper.h = h
-            answer["answer"] = self._lack()
+            answer.answer = self._lack()
 
         if stepper.newton is not None:
             answers.give("step", step)

@@ -6,13 +6,13 @@ import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import get_args
+from typing import Annotated, get_args
 
 import every_kind
 import numpy as np
 import pytest
 
-from antenna_pin.base.records import layout
+from antenna_pin.base.records import Floats, Record, Vector3, layout
 from antenna_pin.constraints import CLOSURES
 from antenna_pin.contact.records import dissipation_record
 from antenna_pin.elements import PointSpring
@@ -58,14 +58,30 @@ def test_every_kind_runs_without_the_compiler():
     assert {f"{kind} closure" for kind in CLOSURES} <= runs
 
 
+_COLUMNS = 4
+
+
+class _Placed(Record):
+    inverses: int
+    centre: Vector3
+
+
+class _Turned(_Placed):
+    sine: float
+    numbers: Annotated[Floats, (2, _COLUMNS)]
+
+
+def test_a_record_has_the_fields_of_its_class_in_order():
+    assert layout(_Placed).descr == [("inverses", "<i8"), ("centre", "<f8", (3,))]
+    assert layout(_Turned).names == ("inverses", "centre", "sine", "numbers")
+    assert np.zeros(1, layout(_Turned))[0].numbers.shape == (2, _COLUMNS)
+
+
 def test_a_record_refuses_names_that_numpy_has():
     """Without the compiler ``record.diagonal`` would be NumPy's method, whatever stands in the field."""
-    assert layout(("inverses", "i8"), ("centre", "f8", (3,))).names == ("inverses", "centre")
     for name in ("base", "diagonal", "size", "T"):
-        for declare in (
-            lambda name=name: layout(("rate", "f8"), (name, "f8")),
-            lambda name=name: dissipation_record(name),
-        ):
+        kind = type("Kind", (Record,), {"__annotations__": {"rate": float, name: float}})
+        for declare in (lambda kind=kind: layout(kind), lambda kind=kind: dissipation_record(kind)):
             with pytest.raises(ValueError, match=re.escape(f"an attribute of numpy.void, got {name}:")):
                 declare()
         assert hasattr(np.void, name)

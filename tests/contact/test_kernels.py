@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from antenna_pin.base.records import Record
 from antenna_pin.compiled.decorators import record
 from antenna_pin.contact import (
     NORMAL_LAWS,
@@ -132,6 +133,10 @@ def test_every_kind_that_is_declared_is_known_to_the_kernels_and_no_other():
         assert math.isnan(friction(kind)) == (kind in (10.0, 103.0)), kind
 
 
+def _kind(*names):
+    return type("Kind", (Record,), {"__annotations__": dict.fromkeys(names, float)})
+
+
 def test_a_law_is_written_by_the_names_of_its_record():
     """One that is missing, or is not the law's, is refused; there is no place that nobody names."""
     with pytest.raises(ValueError, match="takes stiffness, exponent, got stiffness"):
@@ -141,9 +146,9 @@ def test_a_law_is_written_by_the_names_of_its_record():
     with pytest.raises(KeyError):
         elastic_code(7.0)
     with pytest.raises(ValueError, match="there is room for 6"):
-        dissipation_record(*"abcdefg")
+        dissipation_record(_kind(*"abcdefg"))
     with pytest.raises(ValueError, match="numpy.void, got shape"):
-        dissipation_record("shape")
+        dissipation_record(_kind("shape"))
 
 
 def test_friction_kernels_equal_their_python(friction_law):
