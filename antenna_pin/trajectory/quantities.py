@@ -153,7 +153,7 @@ EPISODES: tuple[Variable, ...] = rows(
     ("change_loss", "J", "energy lost in the impulse"),
     ("change_impulse", "N m s|N s", "impulse about the axis on the child (N s)"),
     ("change_energy", "J", "energy of a latch's joint, 1/2 I_r rate^2; NaN: no latch", _LACKS),
-    ("change_peak_effort", "N m|N", "largest torque of a touch, at its end, or onset if it lasts (a force [N])",
+    ("change_peak_effort", "N m|N", "largest torque of a touch, at its end, or its onset if it lasts (N)",
      Rule(least=0.0, lacks=True)),
     ("change_peak_time", "s", "when that effort was", _LACKS),
     "episodes: tick",
