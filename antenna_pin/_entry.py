@@ -1,11 +1,11 @@
-"""Where the installed command starts: until everything is imported, Ctrl-C ends the process without a word.
+"""Entry of the installed command: until everything is imported, Ctrl-C ends the process without a word.
 
 Python would print a traceback from wherever an import has come. Only the command imports this module.
 """
 
+import _signal as signal  # type: ignore[import-not-found] # which is there at once: the module that Python has above it takes its time
 import gc
 import os
-import signal
 
 __all__ = ["main"]
 

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions that a user can act on.
+"""Errors as exceptions that a user can act on.
 
 Every error derives from :class:`AntennaPinError` and from the built-in it refines. A message gives the
 place, the rule, the value seen and a way out, in one line. What only a run can find out is not an exception
@@ -67,7 +67,7 @@ class NotSimulatedWarning(UserWarning):
 
 
 class AssumedWarning(UserWarning):
-    """Something is taken for granted that neither a scenario nor its URDF says."""
+    """Warning of an assumption that neither a scenario nor its URDF states."""
 
 
 class StiffRunWarning(UserWarning):
@@ -165,11 +165,11 @@ class FileFormatError(AntennaPinError, ValueError):
 
 
 class OutputError(AntennaPinError, OSError):
-    """A result cannot be written where it was asked to be."""
+    """Result that cannot be written to the requested place."""
 
 
 class TooLargeError(AntennaPinError, MemoryError):
-    """What is asked for needs more memory than this machine has."""
+    """Request that needs more memory than this machine has."""
 
 
 class MissingToolError(AntennaPinError, RuntimeError):

@@ -275,7 +275,7 @@ def _picture(png: bytes) -> np.ndarray:
 def _programs() -> Any:
     """Return what pages are opened with; where there is none, leave the test out, or fail as is wished."""
     from antenna_pin.errors import MissingToolError
-    from antenna_pin.record._browser import find_browser
+    from antenna_pin.record.browser import find_browser
 
     if os.environ.get(BROWSER_TESTS) == "skip":
         pytest.skip(f"{BROWSER_TESTS}=skip")
@@ -290,7 +290,7 @@ def _programs() -> Any:
 @pytest.fixture(scope="session")
 def _browser() -> Iterator[Any]:
     """One browser for each worker, with a profile of its own."""
-    from antenna_pin.record._browser import open_browser
+    from antenna_pin.record.browser import open_browser
 
     with open_browser(_programs(), logs=True) as browser:
         yield browser
@@ -299,7 +299,7 @@ def _browser() -> Iterator[Any]:
 @pytest.fixture(scope="session")
 def _local_browser() -> Iterator[Any]:
     """One that reaches servers on this machine."""
-    from antenna_pin.record._browser import open_browser
+    from antenna_pin.record.browser import open_browser
 
     with open_browser(_programs(), logs=True, here=True) as browser:
         yield browser

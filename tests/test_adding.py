@@ -220,21 +220,19 @@ def test_a_law_has_its_certificate_and_its_runs(copy):
 BASE_ENERGY = '''
 """Energy of the whole, drawn."""
 
-from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import labelled
-from antenna_pin.plot._style import new_figure, styled
+from antenna_pin.plot._compared import pick
+from antenna_pin.plot._kinds import RunFigure
+from antenna_pin.plot.grammar import Axis, Panel, Sheet, figure
 
 
-@styled
+@figure()
 def figure_twice(runs, *, width="page"):
-    figure = new_figure(width, 60.0)
-    axes = figure.subplots()
-    for run in labelled(runs):
-        axes.plot(run.time, run.values("twice_the_energy"), label=run.legend)
-    return figure
+    """Return twice the energy of all runs."""
+    curves = pick(runs).curves(lambda run: run.values("twice_the_energy"))
+    return Sheet([[Panel("", curves, Axis("energy", "J"))]], width, 60.0)
 
 
-FIGURES = (RunFigure(name="twice", title="Twice the energy", function=figure_twice, standard=False),)
+FIGURES = (RunFigure("twice", "Twice the energy", figure_twice, standard=False),)
 '''
 
 
@@ -347,6 +345,8 @@ RING = '''
 from dataclasses import dataclass
 
 from antenna_pin.geometry import kernels
+from antenna_pin.geometry.look import radial_words
+from antenna_pin.geometry.planar import PlanarClearance
 from antenna_pin.geometry.shape import ContactPlace, RoundShape, flat, require_lengths
 from antenna_pin.geometry.coal_round import CoalPlanar
 from antenna_pin.geometry.round_kernels import ROUND
@@ -358,6 +358,12 @@ class Ring(RoundShape):
     planar = False
     motion = "turn"
     half_length = None
+    look = PlanarClearance.look._replace(
+        held="a ring on a rod, held by contact alone",
+        dimensions=lambda size: [radial_words("ring", size["bearing_radius"], "rod", size["journal_radius"])],
+        contacts=frozenset({"hoop"}),
+        rows=("radial",),
+    )
 
     bearing_radius: float
     journal_radius: float
@@ -374,19 +380,6 @@ class Ring(RoundShape):
 
     def coal(self, axes):
         return CoalPlanar(self.bearing_radius, self.journal_radius)
-'''
-RING_LOOK = '''
-"""How a ring on a rod is looked at and told of."""
-
-from antenna_pin.geometry.look import Look, radial_words
-from antenna_pin.geometry.planar_look import LOOK as IN_A_PLANE
-
-LOOK = IN_A_PLANE._replace(
-    held="a ring on a rod, held by contact alone",
-    dimensions=lambda size: [radial_words("ring", size["bearing_radius"], "rod", size["journal_radius"])],
-    contacts=frozenset({"hoop"}),
-    rows=("radial",),
-)
 '''
 RING_SPEC = '''
 
@@ -418,8 +411,7 @@ def insert(copy, file, before, text):
 
 @pytest.mark.slow
 def test_a_kind_of_joint_with_play_is_run_drawn_recorded_and_told_of(copy):
-    """Two files of geometry with their lines, and a class of the scenario: nothing else knows of it."""
-    (copy / "antenna_pin" / "geometry" / "ring_look.py").write_text(RING_LOOK, encoding="utf-8")
+    """One file of geometry with its line, and a class of the scenario: nothing else knows of it."""
     add(
         copy,
         "geometry/ring.py",
@@ -428,12 +420,6 @@ def test_a_kind_of_joint_with_play_is_run_drawn_recorded_and_told_of(copy):
         "from antenna_pin.geometry.ring import Ring",
         before="for shape in (",
         entry="for shape in (Ring,)} | {shape.kind: shape",
-    )
-    insert(
-        copy, "geometry/looks.py", '"planar":', '"ring": __import__("antenna_pin").geometry.ring_look.LOOK,'
-    )
-    insert(
-        copy, "geometry/looks.py", "from antenna_pin.geometry.look ", "import antenna_pin.geometry.ring_look"
     )
     insert(copy, "scenario/clearance.py", "ClearanceSpec = ", RING_SPEC)
     path = copy / "antenna_pin" / "scenario" / "clearance.py"

@@ -2,6 +2,7 @@
 
 import contextlib
 import importlib
+import multiprocessing
 import os
 import pty
 import re
@@ -9,16 +10,21 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 import typer
 
-from antenna_pin import Outcome, Trajectory
+from antenna_pin import Outcome, Trajectory, load_scenario
 from antenna_pin.base.files import replacing
 from antenna_pin.base.interruption import Ended, ending_by_signals, held_back, interruptible, is_interruption
 from antenna_pin.cli._common import one_line_errors
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.linear import modes
+from antenna_pin.nonlinear import poincare
+from antenna_pin.nonlinear.surfaces import section_of
 from antenna_pin.sweep import Cluster
+from antenna_pin.sweep.cluster import ClusterLostError
 
 _ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
 # Far longer than any test waits, and yet it ends by itself, whatever becomes of the test that has started it.
@@ -179,7 +185,7 @@ def test_a_signal_is_not_lost_where_python_drops_exceptions(as_command_line, cap
     assert capsys.readouterr().err == ""
 
 
-def test_what_comes_of_a_dropped_signal_is_an_interruption(as_command_line, capsys):
+def test_what_comes_of_a_dropped_signal_is_an_interruption(as_command_line, capsys, monkeypatch):
     """What compiled code calls back has no way to raise: its caller goes on with what is no answer."""
 
     class Removed:
@@ -198,6 +204,7 @@ def test_what_comes_of_a_dropped_signal_is_an_interruption(as_command_line, caps
     assert capsys.readouterr().err == "antenna-pin: interrupted\n"
     with pytest.raises(Ended):
         time.sleep(5.0)
+    monkeypatch.setattr("antenna_pin.base.interruption._raised", [])
     assert not is_interruption(ZeroDivisionError())
 
 
@@ -233,8 +240,12 @@ def test_work_that_stops_between_steps_ends_with_the_signals_code(as_command_lin
     assert ended.value.exit_code == 128 + number
 
 
-def test_what_a_library_makes_of_ctrl_c_is_an_interruption_still(as_command_line):
-    """Matplotlib, interrupted while its C library is imported, says that the initialization failed."""
+def test_what_a_library_makes_of_ctrl_c_is_an_interruption_still(as_command_line, monkeypatch):
+    """Matplotlib, interrupted while its C library is imported, says that the initialization failed.
+
+    Pydantic says, of a class that it makes, that its schema is none. What comes long afterwards is a bug.
+    """
+    monkeypatch.setattr("antenna_pin.base.interruption._raised", [])
     assert not is_interruption(ZeroDivisionError())
     with pytest.raises(ValueError) as seen:
         try:
@@ -243,6 +254,10 @@ def test_what_a_library_makes_of_ctrl_c_is_an_interruption_still(as_command_line
             raise ValueError from None
     assert is_interruption(seen.value)
     assert is_interruption(ImportError("initialization failed"))
+    assert is_interruption(ZeroDivisionError())
+    assert not is_interruption(InvalidParameterError("law", "force", "finite", float("nan")))
+    later = time.monotonic() + 20.0
+    monkeypatch.setattr(time, "monotonic", lambda: later)
     assert not is_interruption(ZeroDivisionError())
 
 
@@ -265,11 +280,26 @@ def test_a_library_that_swallows_the_signal_while_it_is_imported(tmp_path, monke
     (tmp_path / "swallows.py").write_text("def f() -> None | int.nothing: ...\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr("antenna_pin.base.interruption._last", [])
+    monkeypatch.setattr("antenna_pin.base.interruption._raised", [])
     with pytest.raises(AttributeError) as failed:
         importlib.import_module("swallows")
     assert not is_interruption(failed.value)
     monkeypatch.setattr("antenna_pin.base.interruption._last", [int(signal.SIGTERM)])
     assert is_interruption(failed.value) and not is_interruption(AttributeError())
+
+
+def test_a_signal_within_an_import_comes_behind_it(tmp_path, monkeypatch, as_command_line):
+    """Some libraries go on without what they were importing, as if nothing had been."""
+    (tmp_path / "interrupted.py").write_text(
+        "import signal\nsignal.raise_signal(signal.SIGINT)\nwhole = True\n"
+    )
+    (tmp_path / "goes_on.py").write_text("try:\n    import interrupted\nexcept BaseException:\n    pass\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    imported = []
+    with pytest.raises(KeyboardInterrupt):  # noqa: PT012 - imported first, ended later
+        imported.append(importlib.import_module("goes_on"))
+        time.sleep(30.0)
+    assert imported[0].interrupted.whole
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -296,3 +326,74 @@ def test_a_signal_while_processes_start_or_end_comes_when_they_have(monkeypatch,
     with pytest.raises(KeyboardInterrupt):
         cluster.close()
     assert done[2:] == ["client closed", "processes closed"]
+
+
+def test_a_signal_while_a_batch_is_given_out_comes_when_it_has_been(as_command_line):
+    """Half of that leaves Dask with a batch that nobody knows of."""
+    done = []
+
+    class Client:
+        def __getattr__(self, name):
+            def call(*arguments, **more):
+                signal.raise_signal(signal.SIGINT)
+                done.append(name)
+                return [self] if name == "scatter" else self
+
+            return call
+
+        def nthreads(self):
+            return {"a worker": 1}
+
+    cluster = Cluster(1)
+    cluster._client = Client()
+    with pytest.raises(KeyboardInterrupt):
+        list(cluster.each(len, "shared", iter([["a batch"]])))
+    assert done[:3] == ["scatter", "submit", "add_done_callback"]
+
+
+def test_a_signal_that_ends_processes_at_their_start_is_an_interruption(monkeypatch, as_command_line):
+    """A batch queue sends it to all of them: that they do not start is not what is to be said."""
+
+    def ended(self):
+        signal.raise_signal(signal.SIGTERM)
+        raise OSError("one was ended by SIGTERM")
+
+    monkeypatch.setattr(Cluster, "_processes", ended)
+    with pytest.raises(Ended):
+        Cluster(1).start()
+
+
+def test_processes_that_dask_does_not_end_are_ended(monkeypatch):
+    """As where some have started and others have not."""
+    left = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(600.0,), daemon=True)
+    other = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(600.0,), daemon=True)
+    other.start()
+
+    def fails(self):
+        left.start()
+        raise OSError("no more processes")
+
+    monkeypatch.setattr(Cluster, "_processes", fails)
+    with pytest.raises(ClusterLostError):
+        Cluster(1).start()
+    left.join(60.0)
+    assert left.exitcode == -signal.SIGKILL and other.is_alive()
+    other.kill()
+
+
+def _stopped(*_, **__):
+    return SimpleNamespace(outcome=Outcome.INTERRUPTED)
+
+
+@pytest.mark.parametrize(
+    ("room", "work"),
+    [
+        ("nonlinear.returns", lambda scenario: poincare(scenario, section_of("rate.hinge=0"), ["q[hinge]"])),
+        ("linear.of_model", lambda scenario: modes(scenario, at=0.1)),
+    ],
+)
+def test_a_signal_within_a_short_run_ends_what_the_run_is_for(monkeypatch, room, work):
+    """The run takes it, and returns what it has: a part, of which nothing is to be concluded."""
+    monkeypatch.setattr(f"antenna_pin.{room}.simulate", _stopped)
+    with pytest.raises(KeyboardInterrupt):
+        work(load_scenario("pendulum", case="ideal"))

@@ -118,7 +118,10 @@ def drive_loads(run: RunLike) -> xr.Dataset:
     """
     data = data_of(run)
     time = sample_times(data, "drive_loads")
-    located = names_along(data, "motion") if "time_of_peak_effort" in data else ()
+    measure, dimension = (
+        ("peak_drive_effort", "drive") if "peak_drive_effort" in data else ("peak_effort", "motion")
+    )
+    located = names_along(data, dimension) if f"time_of_{measure}" in data else ()
     rows = []
     for name in names_along(data, "drive"):
         effort = np.asarray(data["drive_torque"].sel(drive=name).values, dtype=float)
@@ -129,7 +132,7 @@ def drive_loads(run: RunLike) -> xr.Dataset:
         most = float("nan") if power is None else float(np.abs(power).max())
         peak = float(size.max())
         if name in located:
-            peak, at = (float(data[what].sel(motion=name)) for what in ("peak_effort", "time_of_peak_effort"))
+            peak, at = (float(data[what].sel({dimension: name})) for what in (measure, f"time_of_{measure}"))
         rows.append([peak, at, float(time_rms(time, effort)), most, *totals])
     return _table("drive loads", names_along(data, "drive"), rows)
 

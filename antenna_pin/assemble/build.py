@@ -344,7 +344,7 @@ def build_system(scenario: Scenario) -> System:
 
 
 def said_of_file(written: WrittenUrdf, mechanism: Mechanism) -> tuple[str, ...]:
-    """Return what is said when a URDF is loaded: how much was passed over, what was taken for granted."""
+    """Return the messages of loading a URDF: ignored parts, assumptions."""
     urdf = mechanism.urdf
     lines = [written.said_of_passed_over()]
     lines += [

@@ -1,4 +1,4 @@
-"""What a scenario is as a mechanism: found by building its system and its initial state."""
+"""Facts about the mechanism of a scenario, found by building its system and its initial state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where something stands in a scenario, and whether what it names is there."""
+"""Places in a scenario, and checks that the names given there exist."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def check_known(
 
 
 def slides(scenario: Scenario, slot: JointSlot) -> bool:
-    """Whether a joint slides along its axis, with play or without, rather than turning about it."""
+    """Return whether a joint slides along its axis, with play or without."""
     play = scenario.clearance.get(slot.name)
     return slot.kind == "prismatic" or (slot.kind == "floating" and play is not None and play.slides)
 

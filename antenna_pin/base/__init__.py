@@ -1,4 +1,4 @@
-"""What every room may use, and nothing of mechanics: parameters, checks, units, text, files, state."""
+"""Basics of every room, without mechanics: parameters, checks, units, text, files, state."""
 
 from antenna_pin.base.lazy import exported
 

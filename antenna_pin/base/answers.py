@@ -1,4 +1,4 @@
-"""Functions of a user's as they are asked: what they must take and answer, and what is said if they do not.
+"""Users' functions: their arguments and return values, and messages about both.
 
 Drives, laws, motions, backends, events: whatever is asked in the middle of a run is asked through here, so
 that an answer that is none (NaN, infinity, text, an array, a complex number, an exception) is found where it
@@ -71,7 +71,7 @@ class AskedFunction:
 
 
 def asked(name: str, told: str, rule: str, function: Callable[..., Any], *question: Any) -> Any:
-    """Return whatever a function answers; what it is, is for the caller to look at.
+    """Return the value of a function, unchecked.
 
     Args:
         name: Whose it is and what it is called.
@@ -113,7 +113,7 @@ def number_in(answer: object) -> float | None:
 
 
 def told_numbers(words: Sequence[tuple[str, str]]) -> Callable[[Sequence[float]], str]:
-    """Return what tells a question of numbers in words, by the name and the unit of each."""
+    """Return a function's numerical arguments in words, by the name and the unit of each."""
     return partial(_told, tuple(words))
 
 
@@ -123,7 +123,7 @@ def _told(words: Sequence[tuple[str, str]], question: Sequence[float]) -> str:
 
 
 def check_takes(place: object, name: str, function: Any, *arguments: str) -> None:
-    """Refuse what cannot be asked: no function, a class, one of other arguments.
+    """Refuse objects that cannot be called with given arguments: no function, a class, other arguments.
 
     Args:
         place: Whose it is, for the refusal.

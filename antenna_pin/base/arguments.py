@@ -1,4 +1,4 @@
-"""What public functions and classes take: arguments of a wrong kind are refused in one line, by their types.
+"""Arguments of public functions and classes: wrong types are refused in one line.
 
 :func:`takes` above a function, or above a class, checks each argument against its annotation before anything
 is done with it, and reads text with a unit where a number with a unit is asked for::
@@ -174,7 +174,7 @@ def _hints(function: Any, owner: type[Any] | None) -> dict[str, Any]:
 
 
 def unknown_type(value: object) -> str:
-    """Return a value for the message that refuses it: what tells numbers and text, else its type as well."""
+    """Return a value for a message; with its type unless it is a number or text."""
     if value is None or isinstance(value, str | int | float):
         return shown(value)
     return f"{shown(value)} ({type(value).__name__})"
@@ -184,7 +184,7 @@ def unknown_type(value: object) -> str:
 
 
 def fits(value: Any, hint: Any) -> bool:
-    """Return whether a value is of an annotation's type; True for types that cannot be told at run time.
+    """Return whether a value is of an annotation's type; True for types that cannot be checked at run time.
 
     NumPy's numbers are numbers, arrays are sequences of what they hold; true and false are no numbers, and
     text is no sequence.
@@ -309,7 +309,7 @@ _WORDS: Mapping[Any, str] = {
 
 
 def rule_of(hint: Any) -> str:
-    """Return what an annotation asks for, as it reads after "must be"."""
+    """Return the requirement of an annotation, to be read after "must be"."""
     try:
         if hint in _WORDS:
             return _WORDS[hint]

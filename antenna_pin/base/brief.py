@@ -1,4 +1,4 @@
-"""How results and models show themselves in a shell: on one short line, arrays and tables by their sizes."""
+"""Short representation of results and models in a shell: arrays and tables by their sizes."""
 
 from __future__ import annotations
 

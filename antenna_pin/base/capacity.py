@@ -1,4 +1,4 @@
-"""What fits: counts of things that are made one by one, and what numbers take of this machine's memory.
+"""Capacity: limits of counts, and memory that arrays need on this machine.
 
 Asked before anything is allocated, so that what does not fit is refused by its name, in one line, and not by
 the system after minutes, with no word of what to make less.
@@ -55,7 +55,7 @@ def check_fits(place: str, what: str, size: float, way_out: str) -> None:
 
 
 def free_memory() -> float | None:
-    """Return how much memory this process may still have [bytes]; None where the system does not say."""
+    """Return the memory that this process may still allocate [bytes]; None if unknown."""
     found = []
     with contextlib.suppress(OSError, ValueError, IndexError, StopIteration):
         lines = Path("/proc/meminfo").read_text().splitlines()

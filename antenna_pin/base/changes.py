@@ -1,4 +1,4 @@
-"""What a scenario may change in a URDF: bodies, their shapes, and where the joints sit."""
+"""Changes of a URDF by a scenario: bodies, their shapes, places of the joints."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class ShapeChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkChange:
-    """What differs from the URDF in a link; None where nothing does.
+    """Changes of a link; None leaves the URDF's value.
 
     Each number stands for itself: a new mass does not scale the inertia.
 
@@ -64,7 +64,7 @@ class LinkChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointChange:
-    """What differs from the URDF in a joint: place, axis, bounds, ``<dynamics>``, ``<mimic>``; None: nothing.
+    """Changes of a joint: place, axis, bounds, ``<dynamics>``, ``<mimic>``; None leaves the URDF's value.
 
     Attributes:
         origin_xyz: Of the joint's frame in its parent link's [m].

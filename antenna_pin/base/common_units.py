@@ -84,7 +84,7 @@ class Unit:
     cycles: bool
 
     def fits(self, wanted: Unit) -> bool:
-        """Whether a quantity in this unit is one in the wanted SI unit."""
+        """Return whether a unit converts to the wanted SI unit by a factor."""
         if self.dimension != wanted.dimension:
             return False
         if wanted.radian == 2.0 and self.radian == 2.0:  # a density: Hz is what it is over, no angle

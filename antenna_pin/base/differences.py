@@ -92,7 +92,7 @@ def slope(function: Callable[[float], Array], steps: Sequence[float] = STEPS) ->
 
 
 def few(function: Callable[[int], Array], step: float) -> tuple[Array, Array]:
-    """Return the derivative of a function at zero by as few of its neighbours as tell it, and its doubt.
+    """Return the derivative of a function at zero with its error estimate, by few evaluations.
 
     Where each builds much: by three of values on a straight line, whose second and third differences are
     round-off, with no doubt; by four where fourth order and second differ so little, by h^2 f3 / 6, that what

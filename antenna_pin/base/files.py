@@ -203,7 +203,7 @@ def _locked(descriptor: int) -> bool:
 
 
 def is_there(path: Path, descriptor: int) -> bool:
-    """Whether a file that is open is the one of a name still: nobody has deleted or replaced it."""
+    """Return whether an open file still has its name: neither deleted nor replaced."""
     try:
         return os.path.samestat(os.stat(path), os.fstat(descriptor))
     except FileNotFoundError:
@@ -226,7 +226,7 @@ def _short(path: Path, most: int = 60) -> str:
 
 
 def seal(path: Path) -> None:
-    """Append a digest of a file to it, by which :func:`has_whole_seal` tells whether it is as it was.
+    """Append a digest of a file to it, for :func:`has_whole_seal`.
 
     Readers of formats that know their own length, as HDF5, do not see it.
     """
@@ -261,7 +261,7 @@ def path_of_text(text: str | Path) -> Path:
 
 
 def has_whole_seal(path: Path) -> bool | None:
-    """Whether a file is what was sealed; None if it ends in no seal.
+    """Return whether a file is as sealed; None without a seal.
 
     Raises:
         OSError: It cannot be read.
@@ -367,19 +367,19 @@ class PatientFile(io.RawIOBase):
         return max([os.fstat(self._descriptor).st_size, *ends])
 
     def readable(self) -> bool:
-        """Whether it can be read: always."""
+        """Return True: the stream is readable."""
         return True
 
     def writable(self) -> bool:
-        """Whether it can be written: always."""
+        """Return True: the stream is writable."""
         return True
 
     def seekable(self) -> bool:
-        """Whether it has places to go to: always."""
+        """Return True: the stream is seekable."""
         return True
 
     def close(self) -> None:
-        """Close the file; what it kept in memory is gone."""
+        """Close the file and release its memory."""
         if not self.closed:
             os.close(self._descriptor)
         super().close()

@@ -11,11 +11,14 @@ import os
 import signal
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
-from typing import NoReturn
+from typing import Any, TypeVar
+
+from antenna_pin.errors import AntennaPinError
 
 __all__ = [
     "Ended",
@@ -25,11 +28,19 @@ __all__ = [
     "held_back",
     "interruptible",
     "is_interruption",
+    "sheltered_processes",
+    "uninterrupted",
 ]
 
 _ENDING = tuple(
     number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
 )
+
+_Run = TypeVar("_Run", bound=Any)
+
+_SOON = 0.1  # [s] until a signal is sent again
+_MOST_DEFERRED = 300
+_LATEST = 10.0  # [s] after a signal that an error may be of its making
 
 
 class Ended(KeyboardInterrupt):
@@ -40,8 +51,9 @@ class FunctionInterrupted(KeyboardInterrupt):
     """Ctrl-C has come in a function of a user's, between what must not be left half done."""
 
 
-# The signal that stopped or interrupted work last.
+# The signal that stopped or interrupted work last, and when one was last raised as an exception [s].
 _last: list[int] = []
+_raised: list[float] = []
 
 
 def ended_by() -> int:
@@ -50,13 +62,17 @@ def ended_by() -> int:
 
 
 def is_interruption(error: BaseException) -> bool:
-    """Whether an exception is what a signal, after :func:`ending_by_signals`, has brought about.
+    """Return whether an exception was caused by a signal, after :func:`ending_by_signals`.
 
     Some libraries make another of it while they are imported: one in C an ImportError, one that puts a
-    stand-in for what it could not import whatever comes of using that. Where Python has dropped it, as in
-    what compiled code calls back, anything may come of that until it comes again.
+    stand-in for what it could not import whatever comes of using that. Libraries in C that call Python raise
+    errors of their own. Where Python has dropped it, as in what compiled code calls back, anything may come
+    of that until it comes again.
     """
     if isinstance(error, KeyboardInterrupt) or _dropped:
+        return True
+    foreign = not isinstance(error, AntennaPinError | OSError)
+    if foreign and _raised and time.monotonic() - _raised[0] < _LATEST:
         return True
     above = error.__cause__ or error.__context__
     if not _last:
@@ -69,10 +85,12 @@ def is_interruption(error: BaseException) -> bool:
 
 
 def _while_importing(error: BaseException) -> bool:
-    return any(
-        frame.f_code.co_filename.startswith("<frozen importlib")
-        for frame, _ in traceback.walk_tb(error.__traceback__)
-    )
+    return any(_is_import(frame) for frame, _ in traceback.walk_tb(error.__traceback__))
+
+
+def _is_import(frame: FrameType) -> bool:
+    """Return whether a frame is one of Python's import system."""
+    return frame.f_code.co_filename.startswith("<frozen importlib")
 
 
 def ending_by_signals() -> None:
@@ -100,24 +118,47 @@ def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
         _hook[-1](unraisable)
         return
     _dropped[:] = [ended_by()]
-    _send_again()
+    _send_again(ended_by())
 
 
-def _send_again() -> None:
-    """Have the last signal come once more, soon: here it would be dropped, or what is returned be lost."""
-    again = threading.Timer(0.01, os.kill, (os.getpid(), ended_by()))
+def _send_again(number: int) -> None:
+    """Send a signal once more, soon: raised here it would be dropped, or a returned result be lost."""
+    again = threading.Timer(_SOON, os.kill, (os.getpid(), number))
     again.daemon = True
     again.start()
 
 
-def _end(number: int, frame: FrameType | None) -> NoReturn:
-    _come(number)
-    raise Ended
+def _end(number: int, frame: FrameType | None) -> None:
+    if not _is_deferred(number, frame):
+        _come(number)
+        _raised[:] = [time.monotonic()]
+        raise Ended
 
 
-def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
-    _come(number)
-    raise KeyboardInterrupt
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    if not _is_deferred(number, frame):
+        _come(number)
+        _raised[:] = [time.monotonic()]
+        raise KeyboardInterrupt
+
+
+# Signals deferred one after the other.
+_deferred: list[int] = []
+
+
+def _is_deferred(number: int, frame: FrameType | None) -> bool:
+    """Return whether a signal interrupts an import; it is sent again then, for some seconds.
+
+    Some libraries catch every exception of an import, and the signal would be lost.
+    """
+    while frame is not None and not _is_import(frame):
+        frame = frame.f_back
+    if frame is None or len(_deferred) > _MOST_DEFERRED:
+        _deferred.clear()
+        return False
+    _deferred.append(number)
+    _send_again(number)
+    return True
 
 
 def _come(number: int) -> None:
@@ -149,17 +190,44 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     with _handled_by(note):
         yield is_pressed
     if presses and not heard:
-        _send_again()
+        _send_again(ended_by())
+
+
+def uninterrupted(run: _Run) -> _Run:
+    """Return a run; raise KeyboardInterrupt if a signal has ended it, which it alone knows of."""
+    if run.outcome.name == "INTERRUPTED":
+        raise KeyboardInterrupt
+    return run
 
 
 @contextmanager
-def held_back() -> Iterator[None]:
-    """Let work be done to its end, such as a file written, before Ctrl-C has its effect."""
+def held_back() -> Iterator[list[int]]:
+    """Let work be done to its end, such as a file written, before Ctrl-C has its effect.
+
+    Yields:
+        Signals that have come; none of them has an effect where the work ends with an exception.
+    """
     come: list[int] = []
     with _handled_by(lambda number, frame: come.append(number)):
-        yield
+        yield come
     for number in come[:1]:
         signal.raise_signal(number)
+
+
+@contextmanager
+def sheltered_processes() -> Iterator[None]:
+    """Block signals that end processes in the threads and processes started within the context.
+
+    Terminals and batch queues send them to all processes at once; this process ends the others.
+    """
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # its start unblocks the signals
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, *_ENDING))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 @contextmanager
@@ -185,5 +253,5 @@ _handling: list[Mapping[int, object]] = []
 
 
 def _is_ours(number: int) -> bool:
-    """Whether the command line has asked for a signal, handled within another handler or not."""
+    """Return whether the command line handles a signal, within another handler or not."""
     return signal.getsignal(number) is _end or any(number in before for before in _handling)

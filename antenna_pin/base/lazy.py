@@ -13,7 +13,7 @@ __all__ = ["Classes", "exported", "go_without", "take_back"]
 
 
 class _Package(types.ModuleType):
-    """A package that finds its names where its stub says that they stand."""
+    """Package that finds its names by its stub file."""
 
     homes_of_names: dict[str, str]
 

@@ -80,7 +80,7 @@ _FINITE = {"": "finite", "positive": "positive and finite", "zero or more": "zer
 @takes()
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter of a class.
+    """Parameter of a class.
 
     Attributes:
         unit: Its SI unit, "1" for a pure number; ``N/m**exponent`` depends on another parameter, of the name.
@@ -161,7 +161,7 @@ def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
 
 
 def attribute_docs(cls: type[Any]) -> dict[str, str]:
-    """Return what the docstrings of a class and of its bases say of its attributes, by name."""
+    """Return the descriptions of attributes in the docstrings of a class and its bases, by name."""
     found: dict[str, str] = {}
     for base in reversed(cls.__mro__):
         _, _, section = (base.__doc__ or "").partition("Attributes:\n")

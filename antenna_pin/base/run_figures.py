@@ -15,7 +15,7 @@ __all__ = ["Drawing", "FigureName", "NamedFigures"]
 
 
 class Drawing(Protocol):
-    """One figure of a run, ready to be drawn."""
+    """Figure of a run, ready to be drawn."""
 
     def __call__(
         self,

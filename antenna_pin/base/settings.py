@@ -1,4 +1,4 @@
-"""How a run is integrated and sampled, and what its errors count as large against."""
+"""Settings of integration and sampling, and scales of errors."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def choice_for(accuracy: float) -> tuple[Method, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorScales:
-    """What counts as one unit of each kind of quantity: a step's error is below rtol (scale + ``|value|``).
+    """Error scales, one unit of each kind of quantity: step error below rtol (scale + ``|value|``).
 
     A clearance of a fraction of a millimetre and a satellite of tonnes do not share a scale. At a clearance
     joint positions are measured in clearances. Scales of a free base are multiplied by ``base``; left out,
@@ -81,7 +81,7 @@ class ErrorScales:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSettings:
-    """How a run is integrated and sampled.
+    """Settings of integration and sampling.
 
     Attributes:
         engine: ``pinocchio``, or ``compiled``: all of a step in compiled code, where nothing happens in

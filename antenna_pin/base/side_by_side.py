@@ -1,4 +1,4 @@
-"""Pieces of work that know nothing of one another, in processes of their own where there are cores for them.
+"""Independent pieces of work in processes of their own, where cores are free.
 
 The processes are forked: they have what this one has in memory, without loading or copying it, and what
 they make comes back through a pipe. They write no files. So one that is killed leaves nothing behind, and
@@ -13,6 +13,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Generator, Sequence
 from multiprocessing.connection import Connection, wait
@@ -21,7 +22,7 @@ from typing import Generic, TypeVar
 
 from antenna_pin.base.capacity import free_memory
 
-__all__ = ["cores_for", "side_by_side"]
+__all__ = ["cores_for", "end_with_parent", "side_by_side"]
 
 #: Pieces per process that pay for starting it.
 _WORTH = 2
@@ -58,6 +59,18 @@ def side_by_side(work: Callable[[T], R], pieces: Sequence[T], processes: int = 1
         for number, piece in enumerate(pieces):
             made = pool.made(number)
             yield work(piece) if made is None else made[0]
+
+
+def end_with_parent() -> None:
+    """End this process when its parent has ended, even if that was killed."""
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 class _Pool(Generic[T, R]):

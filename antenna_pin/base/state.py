@@ -75,7 +75,7 @@ class OpenContact(_Value):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class EventMemory(_Value):
-    """What an event remembers.
+    """Discrete state of an event.
 
     Attributes:
         name: Its name.
@@ -94,7 +94,7 @@ class EventMemory(_Value):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class ControllerMemory(_Value):
-    """What a controller remembers.
+    """Discrete state of a controller.
 
     Attributes:
         name: Its name.
@@ -279,7 +279,7 @@ def _of_pairs(pairs: Any, place: str, rule: str) -> Iterator[StateBreach]:
 
 
 def _of_array(values: Any, place: str, shape: tuple[int, ...]) -> Iterator[StateBreach]:
-    """Yield what keeps values from being an array of finite numbers of a shape; -1 is any length."""
+    """Yield reasons why values are no array of finite numbers of a shape; -1 is any length."""
     if not isinstance(values, np.ndarray):
         if not isinstance(values, list | tuple):
             yield StateBreach(place, "a list of numbers", values)

@@ -342,7 +342,7 @@ def _check_length(row: Sequence[str], header: Sequence[str], last: int, line: in
 
 
 def _has_units(row: Sequence[str], at: dict[str, int], of_layout: bool | None) -> bool:
-    """Return whether a row has units: as the layout says, else if there is one of each column."""
+    """Return whether a row contains units: by the layout, else if each column has one."""
     if of_layout is not None:
         return of_layout
     cells = [row[k].strip() for k in at.values()]

@@ -1,4 +1,4 @@
-"""How a result shows itself: its figures, recording, report and numbers, as if they were its own functions.
+"""Views of a result: figures, recording, report and numbers as methods.
 
 Readers stand above what they read, and are made of libraries that take a while to load. So a class of results
 names a reader of the room ``views`` by a :class:`View`, which fetches it when it is used; :data:`VIEWS` is
@@ -173,7 +173,7 @@ class RunNumbers(Protocol):
     """``run.analyse``: all numbers, or those of one analysis by its name."""
 
     def __call__(self, ideal: Any = None, *, longest_gap: float | str = 1e-3) -> dict[str, Any]:
-        """Return all that ``antenna-pin analyse`` says."""
+        """Return all numbers of ``antenna-pin analyse``."""
         ...
 
     def __getattr__(self, name: str) -> Any: ...

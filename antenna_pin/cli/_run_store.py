@@ -220,9 +220,9 @@ class AttractorStore:
         self, over: Diagram, value: str, label: str, quantities: tuple[str, ...], ending: threading.Event
     ) -> Attractor:
         from antenna_pin.nonlinear import load_plan, open_section, poincare, save_table
-        from antenna_pin.nonlinear.branches import watching
+        from antenna_pin.nonlinear.diagrams import interrupting
         from antenna_pin.plot import Attractor
-        from antenna_pin.plot.attractors import SAME
+        from antenna_pin.plot.phase import SAME
 
         scenario, plan = self._at(over, value), load_plan(over.name)
         stem = f"{_stem(over)}-{value.replace(' ', '')}"
@@ -241,7 +241,7 @@ class AttractorStore:
                 count=self.points,
                 transient=plan.transient,
                 tolerance=SAME,
-                progress=watching(ending),
+                progress=interrupting(ending),
             )
             save_table(section, path)
         else:
@@ -252,6 +252,7 @@ class AttractorStore:
         """Return how the motion goes on behind the points."""
         import dataclasses
 
+        from antenna_pin.base.interruption import uninterrupted
         from antenna_pin.base.state import State
         from antenna_pin.simulation import simulate
         from antenna_pin.simulation.inputs import settings_of
@@ -266,7 +267,7 @@ class AttractorStore:
                 return found
         settings = dataclasses.replace(settings_of(scenario), output_rate=_SAMPLES / period)
         run = simulate(scenario, start=state, duration=_PERIODS * period, settings=settings)
-        run.save(path)
+        uninterrupted(run).save(path)
         return Trajectory.load(path)
 
     @staticmethod

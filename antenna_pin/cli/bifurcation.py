@@ -171,7 +171,7 @@ def _planned(
 ) -> tuple[DiagramPlan, Scenario]:
     """Return what is asked for, by a diagram's file or by options alone, and the scenario."""
     from antenna_pin.nonlinear import DiagramPlan, load_plan
-    from antenna_pin.nonlinear.plan import is_plan
+    from antenna_pin.nonlinear.diagram_plan import is_plan
 
     options = {key: value for key, value in given.items() if value is not None}
     if is_plan(name):

@@ -35,11 +35,11 @@ def _begun(
 ) -> tuple[Problem, np.ndarray, float]:
     """Return a fit's problem, values to look at, and the variance of a weighted residual."""
     from antenna_pin.fit import Problem, open_fit
-    from antenna_pin.fit.certainty import values_in
-    from antenna_pin.fit.laboratory import Laboratory
+    from antenna_pin.fit.assessment import values_in
+    from antenna_pin.fit.run_service import RunService
 
     known = None if at is None else open_fit(at)
-    problem = Problem(plan, Laboratory(executor, progress=tell))
+    problem = Problem(plan, RunService(executor, progress=tell))
     if known is None:
         return problem, problem.first, 1.0
     values, factor = values_in(known, problem, str(at))
@@ -69,8 +69,7 @@ def identify_before(
     quiet: bool,
 ) -> None:
     """Say what a fit's records can tell of its parameters, before it is made."""
-    from antenna_pin.fit.certainty import tells
-    from antenna_pin.fit.tell_tables import identifiability_table
+    from antenna_pin.fit.assessment import identifiability_table, tells
 
     problem, values, factor = _begun(plan, at, executor, tell)
     found = tells(problem, values, factor)
@@ -116,12 +115,11 @@ def next_test(
 ) -> None:
     """Say which of some experiments tells most, added to a fit's records."""
     from antenna_pin.errors import UnknownNameError
-    from antenna_pin.fit.certainty import sizes_of, slopes_at
-    from antenna_pin.fit.designs import design, planned
+    from antenna_pin.fit.assessment import experiments_table, sizes_of, slopes_at
+    from antenna_pin.fit.confidence_bands import DOUBT
     from antenna_pin.fit.experiments import Trial, load_experiments
-    from antenna_pin.fit.laboratory import Laboratory
-    from antenna_pin.fit.searched import DOUBT
-    from antenna_pin.fit.tell_tables import experiments_table
+    from antenna_pin.fit.identifiability import design, planned
+    from antenna_pin.fit.run_service import RunService
 
     asked = load_experiments(file)
     if asked.wanted is not None and asked.wanted not in plan.parameters:
@@ -131,7 +129,7 @@ def next_test(
             raise UnknownNameError(f"{file}: experiments.{name}.like", "record", one.like, plan.records)
     problem, values, factor = _begun(plan, at, executor, tell)
     trials = {  # all are checked before the first is run
-        name: Trial(plan, name, one, values, lambda: Laboratory(executor, progress=tell))
+        name: Trial(plan, name, one, values, lambda: RunService(executor, progress=tell))
         for name, one in asked.experiments.items()
     }
     known = slopes_at(problem, values) / math.sqrt(factor)
@@ -258,7 +256,7 @@ def fit(
     on with the same command.
     """
     from antenna_pin.fit import load_fit, run_fit
-    from antenna_pin.fit.certainty import certain
+    from antenna_pin.fit.assessment import certain
     from antenna_pin.sweep import Cluster, Here
     from antenna_pin.trajectory import save_table
 

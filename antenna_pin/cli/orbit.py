@@ -362,7 +362,7 @@ def _followed(
     if quantities:  # what is wrong with a name is said before a long way is gone
         from antenna_pin.analysis import quantity
 
-        glance = flow.glance(start, span)
+        glance = flow.probe(start, span)
         for name in quantities:
             quantity(glance, name)
     if begin is not None:

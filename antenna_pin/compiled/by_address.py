@@ -1,4 +1,4 @@
-"""Which tuples of arrays compiled code hands on by their address, instead of word by word.
+"""Named tuples that compiled code passes by address instead of word by word.
 
 An array is five to nine words to compiled code, and what a step works on is forty arrays: written for each
 call, and read again by who is called, they take as long as the arithmetic. Of a tuple that is handed on by
@@ -22,5 +22,5 @@ def by_address(cls: _Class) -> _Class:
 
 
 def is_by_address(value: Any) -> bool:
-    """Whether a value is of a class that :func:`by_address` has marked."""
+    """Return whether a value is of a class marked by :func:`by_address`."""
     return type(value) in _classes

@@ -1,4 +1,4 @@
-"""How long kernels were compiled: once on a machine, and no part of what a run takes."""
+"""Time of compilation of kernels: spent once on a machine, and no part of a run's time."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class CompileClock(event.Listener):  # type: ignore[misc]
 
     @property
     def is_compiling(self) -> bool:
-        """Whether the thread is compiling at present."""
+        """Return whether the thread is compiling at present."""
         return self._depth > 0
 
     def on_start(self, _: Any) -> None:

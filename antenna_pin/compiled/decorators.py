@@ -76,7 +76,7 @@ def _later(function: _Function, **options: bool) -> _Function:
 
 
 def _plain() -> bool:
-    """Whether nothing is compiled."""
+    """Return whether compilation is disabled."""
     return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 
 
@@ -146,7 +146,7 @@ class _Later:
 
 
 class _Composed(_Later):
-    """One that is itself made only then."""
+    """Function that is composed at its first use."""
 
     def __init__(self, make: Callable[[], _Later]) -> None:
         self._make = make

@@ -17,7 +17,7 @@ __all__ = ["address_of", "callable_of", "is_compiled"]
 
 
 def is_compiled(*functions: object) -> bool:
-    """Whether functions are compiled ones: by ``numba.njit`` or ``numba.cfunc``."""
+    """Return whether functions are compiled, by ``numba.njit`` or ``numba.cfunc``."""
     if "numba" not in sys.modules:  # so that nobody has compiled any
         return not functions
     from numba.core.ccallback import CFunc

@@ -79,7 +79,7 @@ def keep(dispatcher: Any, stamp: str) -> None:
 
 
 class _Nested(threading.local):
-    """How many kernels are being loaded or compiled, one for the other."""
+    """Depth of nested loading or compilation, per thread."""
 
     depth = 0
 
@@ -88,7 +88,7 @@ _nested = _Nested()
 
 
 class _Later:
-    """What is kept of a function, looked for when it is first called: of many a process calls none."""
+    """Cache of a function, opened at the function's first call."""
 
     def __init__(self, function: Any, stamp: str) -> None:
         self._given = function, stamp
@@ -127,7 +127,7 @@ def _to_be_compiled() -> None:
 
 @functools.lru_cache
 def _closed(folder: str, owner: int) -> bool:
-    """Whether only those who are trusted may write to a folder; says so, once, where others may."""
+    """Return whether only trusted users may write to a folder; warn once where others may."""
     found = stranger_of(folder, owner)
     if found:
         _tell(f"{folder} is not safe, for {found}", "keep others from writing there")
@@ -143,7 +143,7 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
 
     @property
     def closed(self) -> bool:
-        """Whether nobody else may write there."""
+        """Return whether no other user may write to the folder."""
         return _closed(self._folder, self._owner)
 
     def save(self, key: Any, data: Any) -> None:
@@ -213,7 +213,7 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
 
 
 class _KernelCache(FunctionCache):  # type: ignore[misc]
-    """What is kept of one function."""
+    """Cache of a function's machine code."""
 
     def __init__(self, function: Any, stamp: str, turn: Turn) -> None:
         super().__init__(function)

@@ -25,7 +25,7 @@ __all__ = ["Code", "Kept", "Part", "called", "kept_of", "link", "named"]
 
 
 class Kept(NamedTuple):
-    """What is kept of a compiled function.
+    """Machine code of a compiled function as stored.
 
     Attributes:
         needs: Kernels that it calls by name, each with the types of its arguments.
@@ -45,7 +45,7 @@ class Kept(NamedTuple):
 
 
 class Part(NamedTuple):
-    """What callers that are loaded need of a kernel that they call by name.
+    """Machine code of a kernel that loaded callers call by name.
 
     Attributes:
         symbol: The name.

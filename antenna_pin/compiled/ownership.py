@@ -1,4 +1,4 @@
-"""Who else may write a file: what runs as code is read only from where nobody can have put it.
+"""Owners of files: code is read only from where no other user can have written it.
 
 The rule is that of ssh for its keys: every folder on the way belongs to one who is trusted, and is not open
 to others for writing; a folder like ``/tmp``, in which nobody may move what is another's, may be on the way.
@@ -55,7 +55,7 @@ def open_to(about: os.stat_result, trusted: int, *, sticky: bool = False) -> str
 
 @lru_cache
 def _alone_in(group: int, user: int) -> bool:
-    """Whether a group is a user's own, as many systems give to each."""
+    """Return whether a group is a user's own, as on many systems."""
     if group == 0:
         return True
     try:

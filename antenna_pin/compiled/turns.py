@@ -1,4 +1,4 @@
-"""Who compiles what: of processes that need the same kernel, one makes it and the others wait for it.
+"""Turns of processes that need the same kernel: one compiles, the others wait.
 
 Each holds a byte of a file beside the kernels while it compiles one. The system lets go of it when a process
 ends, however it does; where files cannot be locked, each compiles for itself.
@@ -19,7 +19,7 @@ _LONGEST, _LOOK = 300.0, 0.02
 
 
 class Turn:
-    """That of one kernel, in this process."""
+    """Turn of a kernel in this process."""
 
     def __init__(self, kernel: str) -> None:
         """Name the kernel."""
@@ -30,7 +30,7 @@ class Turn:
 
     @property
     def taken(self) -> bool:
-        """Whether this process has it."""
+        """Return whether this process has the turn."""
         return self._file is not None
 
     def begin(self, folder: str) -> None:

@@ -1,9 +1,14 @@
 from antenna_pin.constraints.assembly import Mobility as Mobility
+from antenna_pin.constraints.assembly import Unclosed as Unclosed
 from antenna_pin.constraints.assembly import directions as directions
+from antenna_pin.constraints.assembly import find_configuration as find_configuration
 from antenna_pin.constraints.assembly import find_velocity as find_velocity
 from antenna_pin.constraints.assembly import least_row as least_row
 from antenna_pin.constraints.assembly import mobility as mobility
+from antenna_pin.constraints.assembly import motions_that_prescribe as motions_that_prescribe
 from antenna_pin.constraints.assembly import redundancies as redundancies
+from antenna_pin.constraints.assembly import rows_that_share as rows_that_share
+from antenna_pin.constraints.assembly import worst_row as worst_row
 from antenna_pin.constraints.closure import CLOSURES as CLOSURES
 from antenna_pin.constraints.closure import OPPOSITE as OPPOSITE
 from antenna_pin.constraints.closure import Anchor as Anchor
@@ -17,9 +22,4 @@ from antenna_pin.constraints.plan import DrivenJoint as DrivenJoint
 from antenna_pin.constraints.plan import Plan as Plan
 from antenna_pin.constraints.plan import make_plan as make_plan
 from antenna_pin.constraints.plan import on_body as on_body
-from antenna_pin.constraints.restraints import motions_that_prescribe as motions_that_prescribe
-from antenna_pin.constraints.restraints import rows_that_share as rows_that_share
-from antenna_pin.constraints.search import Unclosed as Unclosed
-from antenna_pin.constraints.search import find_configuration as find_configuration
-from antenna_pin.constraints.search import worst_row as worst_row
 from antenna_pin.constraints.solver import Constraints as Constraints

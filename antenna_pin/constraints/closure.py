@@ -28,7 +28,7 @@ OPPOSITE = np.radians(150.0)
 
 @dataclass(frozen=True, slots=True)
 class Holds:
-    """What a kind of closure holds, in axes of the first side's frame.
+    """Directions held by a kind of closure, in axes of the first side's frame.
 
     Attributes:
         along: Axes along which the second side's point is held at the first's.
@@ -44,7 +44,7 @@ class Holds:
 
     @property
     def rows(self) -> int:
-        """How many equations that is."""
+        """Number of equations."""
         return len(self.along) + len(self.about) + self.square
 
 
@@ -65,7 +65,7 @@ CLOSURES: Mapping[str, Holds] = MappingProxyType(
 @takes()
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Anchor:
-    """One side of a closure: a frame on a link.
+    """Side of a closure: a frame on a link.
 
     Attributes:
         link: Name of the URDF link, or ``world``.
@@ -135,5 +135,5 @@ class Closure:
 
     @property
     def holds(self) -> Holds:
-        """What its kind holds."""
+        """Directions held by the closure's kind."""
         return CLOSURES[self.kind]

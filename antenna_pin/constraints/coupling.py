@@ -115,7 +115,7 @@ def check_order(couplings: Mapping[str, Coupling]) -> None:
 
 
 def spread(couplings: Collection[Coupling], known: Collection[str]) -> Iterator[tuple[Coupling, bool]]:
-    """Yield couplings by which what is known of some joints tells of others, in an order in which it does.
+    """Yield couplings in an order in which each determines further joints.
 
     Where nothing is known of joints that hang together, the first leader counts as known. A second leader
     is told of by no coupling of its own: it counts as known where nothing else tells of it.

@@ -53,7 +53,7 @@ class DrivenJoint:
 
 
 class PlanParts(NamedTuple):
-    """Where in a plan's words the records of its parts stand.
+    """Places of the parts' records in a plan's numbers.
 
     Attributes:
         tree: Of bodies, BODY.
@@ -98,7 +98,7 @@ class Plan:
 
     @property
     def parts(self) -> PlanParts:
-        """Where in the words the records of its parts stand."""
+        """Places of the parts' records in the plan's numbers."""
         head, at, found = self.words[: _layout.PLAN_WORDS].view(_layout.PLAN)[0], _layout.PLAN_WORDS, []
         for name, words in (
             ("bodies", _layout.BODY_WORDS),
@@ -113,7 +113,7 @@ class Plan:
 
     @property
     def loaded(self) -> bool:
-        """Whether a joint has friction by its own load."""
+        """Return whether a joint has friction by its own load."""
         return bool(self.words[: _layout.PLAN_WORDS].view(_layout.PLAN)[0]["loaded"])
 
     @property
@@ -123,7 +123,7 @@ class Plan:
 
     @property
     def ties(self) -> Array:
-        """What couplings tie rates by, ties v = 0, (couplings, nv)."""
+        """Matrix T of the couplings' rates, T v = 0, (couplings, nv)."""
         nv = int(self.words[: _layout.PLAN_WORDS].view(_layout.PLAN)[0]["nv"])
         rows = np.zeros((len(self.couplings), nv))
         for row, one in zip(rows, self.words[self.parts.couplings].view(_layout.COUPLED), strict=True):
@@ -275,7 +275,7 @@ def _coupled(
 
 
 def _may_be_singular(mechanism: Mechanism) -> bool:
-    """Whether a body is no more than a frame, a point or a rod, so that joints may move without inertia."""
+    """Return whether a body is a frame, a point or a rod, so that joints may move without inertia."""
     for body in list(mechanism.model.inertias)[1:]:
         moments = np.linalg.eigvalsh(body.inertia)
         if not (body.mass > 0.0 and moments[0] > _THIN * moments[-1]):

@@ -1,4 +1,4 @@
-"""What a run asks of its constraints: accelerations, corrections, forces."""
+"""Solver of a run's constraints: accelerations, corrections, forces."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 class Found(NamedTuple):
-    """What a solution has found.
+    """Numbers of a solution.
 
     Attributes:
         rank: How many rows are independent.
@@ -95,7 +95,7 @@ class Constraints:
 
     @property
     def found(self) -> Found:
-        """What the last solution found."""
+        """Numbers of the last solution."""
         return Found._make(self._found.item())
 
     @property
@@ -149,7 +149,7 @@ class Constraints:
         return self._step
 
     def closed_at(self, t: float, y: Array, program: Array) -> bool:
-        """Whether the residuals of a state are round-off, of positions and of velocities."""
+        """Return whether the residuals of a state are round-off, of positions and of velocities."""
         self.residuals(t, y, program)
         return self._in_place() and self._in_motion()
 

@@ -16,17 +16,17 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.answers import check_takes
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import fits, takes, unknown_type
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.compiled.decorators import record
 from antenna_pin.compiled.given_functions import address_of, is_compiled
 from antenna_pin.contact import kernels
-from antenna_pin.contact._law import Law
 from antenna_pin.contact.called_kernels import CALLED, CALLED_WHOLE
 from antenna_pin.contact.damping_kernels import CONSERVATIVE
 from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE, POWER, coded
@@ -39,10 +39,44 @@ __all__ = [
     "Dissipation",
     "ElasticLaw",
     "Hertz",
+    "Law",
     "NoDissipation",
-    "NormalLaw",
     "normal_questions",
+    "NormalLaw",
 ]
+
+# --- laws of all kinds --------------------------------------------------------------------------------------
+
+
+class Law:
+    """Base of laws and dissipations: their parameters are numbers, in SI units."""
+
+    __slots__ = ()
+
+    def __new__(cls, *given: Any, **parameters: Any) -> Self:
+        """Refuse values that are no numbers, before a law checks more."""
+        declared = parameters_of(cls)
+        for name, value in parameters.items():
+            one = declared.get(name)
+            if one is None or (value is None and not one.required and one.default is None):
+                continue
+            if not fits(value, float):
+                unit = "" if one.unit == "1" else f" [{one.unit}]"
+                raise InvalidParameterError(cls.__name__, name, f"a number{unit}", said=unknown_type(value))
+        return super().__new__(cls)
+
+
+# --- normal laws --------------------------------------------------------------------------------------------
+#
+# A law has two parts that are chosen apart: an elastic force, which derives from a potential, and what
+# dissipates. An :class:`ElasticLaw` alone is a law without dissipation; :class:`DampedContact` joins one
+# with a :class:`Dissipation` of :mod:`antenna_pin.contact.hysteresis` or
+# :mod:`antenna_pin.contact.damping`. The laws that the literature gives as a whole stand in
+# :mod:`antenna_pin.contact.point_laws`.
+#
+# A law is a small frozen dataclass over the compiled kernels. What a law needs to be run at full speed is its
+# ``code()``, a flat array; a user's own law without one (:class:`CustomNormal`, or any object that fulfils
+# :class:`NormalLaw`) runs on a slower path, one Python call per touching contact and evaluation.
 
 # A scenario may leave out what has "from_joint": it follows from the joint's dimensions and materials.
 STIFFNESS = {"unit": "N/m**exponent", "doc": "K, force at unit depth", "from_joint": True}
@@ -52,7 +86,7 @@ RESTITUTION = {"unit": "1", "doc": "coefficient of restitution asked for, in [0,
 
 @runtime_checkable
 class NormalLaw(Protocol):
-    """What a normal law must offer; :class:`CustomNormal` makes one from functions.
+    """Protocol of a normal law; :class:`CustomNormal` makes one from functions.
 
     A law that does not hold at any depth says so by an attribute ``depth_limit`` [m].
     """
@@ -73,7 +107,7 @@ _QUESTION = (("depth", "m"), ("rate", "m/s"), ("approach speed", "m/s"))
 def normal_questions(
     law: NormalLaw,
 ) -> tuple[tuple[str, Callable[..., float], tuple[tuple[str, str], ...]], ...]:
-    """Return what a run asks a normal law: name, function, name and unit of each number it is asked."""
+    """Return a normal law for a run: name, function, name and unit of each argument."""
     return tuple(
         (name, getattr(law, name), _QUESTION[:count])
         for name, count in (("force", 3), ("elastic_force", 1), ("elastic_energy", 1))
@@ -92,7 +126,7 @@ class CompiledNormalLaw(Law):
 
     @property
     def depth_limit(self) -> float:
-        """Depth beyond which the law says nothing [m]; infinite if there is none."""
+        """Depth limit of the law [m]; infinite if there is none."""
         return self.parts.elastic.depth_limit
 
     def code(self) -> NDArray[np.float64]:
@@ -142,7 +176,7 @@ def _code_within(law: CompiledNormalLaw, depth: float) -> NDArray[np.float64]:
 
 
 def check_depth(law: CompiledNormalLaw, depth: float) -> None:
-    """Refuse a depth [m] of which the law says nothing; the kernels hold the force there."""
+    """Refuse a depth [m] beyond the law's range; kernels hold the force there."""
     limit = _code_and_limit(law)[1]
     if depth > limit:
         rule = f"at most depth_limit = {limit:g} m"
@@ -175,12 +209,12 @@ class ElasticLaw(CompiledNormalLaw):
 
     @property
     def depth_limit(self) -> float:
-        """Depth beyond which the law says nothing [m]; infinite if there is none."""
+        """Depth limit of the law [m]; infinite if there is none."""
         return math.inf
 
 
 class Dissipation(Law):
-    """What a normal law dissipates with; it knows nothing of the elastic law that it is used with.
+    """Protocol of the dissipation of a normal law, independent of the elastic law.
 
     Attributes:
         adds_force: Whether it adds a force of its own to the elastic one, rather than a multiple of that.
@@ -318,13 +352,13 @@ class CustomNormal:
     depth_limit: float = math.inf
 
     def __post_init__(self) -> None:
-        """Check that its functions can be asked."""
+        """Check that the functions can be called."""
         for name, _, words in normal_questions(self):
             check_takes(self, name, getattr(self, name), *(word for word, _ in words))
 
     @property
     def is_compiled(self) -> bool:
-        """Whether its functions are."""
+        """Return whether the law's functions are compiled."""
         return is_compiled(self.force, self.elastic_force, self.elastic_energy)
 
     def code(self) -> NDArray[np.float64]:

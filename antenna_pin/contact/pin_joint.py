@@ -37,7 +37,7 @@ class LiuHertz(LineLaw):
 
     @property
     def exponent(self) -> float:
-        """One [-]."""
+        """Exponent 1 [-]."""
         return 1.0
 
     def code(self) -> NDArray[np.float64]:
@@ -67,7 +67,7 @@ class LiuConformal(LineLaw):
 
     @property
     def exponent(self) -> float:
-        """One and a half [-]."""
+        """Exponent 3/2 [-]."""
         return 1.5
 
     def code(self) -> NDArray[np.float64]:

@@ -1,7 +1,7 @@
 r"""The laws of the literature as a whole: an elastic law with the dissipation of its authors, by their name.
 
 Each is short for a :class:`antenna_pin.contact.DampedContact` of the two, which a row of ``ALIASES`` names
-(:mod:`antenna_pin.contact.aliases`); its parameters are theirs. It is made when it is first asked for. The
+(:mod:`antenna_pin.contact.registry`); its parameters are theirs. It is made when it is first asked for. The
 docstring of the dissipation has the formula, where it holds, and the source.
 """
 
@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.lazy import Classes
-from antenna_pin.contact.aliases import ALIASES, Alias
 from antenna_pin.contact.hysteresis import HysteresisDamping
 from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, Dissipation, ElasticLaw, Hertz
+from antenna_pin.contact.registry import ALIASES, Alias
 
 __all__ = ["WholeLaw"]
 
@@ -29,7 +29,7 @@ _PARTS = Classes(
 
 @functools.lru_cache(maxsize=256)
 def _parts_of(law: WholeLaw) -> DampedContact:
-    """Return a law as its two parts, which are asked for at every turn and do not change."""
+    """Return a law as its two parts, cached."""
 
     def part(cls: Any) -> Any:
         return cls(**{item.name: getattr(law, item.name) for item in dataclasses.fields(cls)})

@@ -10,25 +10,93 @@ named beside it, whose parameters then stand with the elastic law's::
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.lazy import Classes
 from antenna_pin.base.parameters import Parameter, parameters_of
-from antenna_pin.contact.aliases import ALIASES
 from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, ElasticLaw
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 __all__ = [
+    "Alias",
+    "ALIASES",
     "DISSIPATIONS",
     "FRICTION_LAWS",
-    "NORMAL_LAWS",
-    "Parameter",
     "is_elastic",
     "law_parameters",
     "make_normal_law",
+    "NORMAL_LAWS",
     "normal_parameters",
+    "Parameter",
 ]
+
+# --- laws of the literature as a whole ----------------------------------------------------------------------
+#
+# A row here is one; its class is made when it is asked for (:mod:`antenna_pin.contact.point_laws`).
+
+
+@dataclass(frozen=True, slots=True)
+class Alias:
+    """A law as a whole, by name.
+
+    Attributes:
+        name: In a scenario.
+        title: Name of its class.
+        elastic: Its elastic law: the file of this room that holds the class, and the class.
+        dissipation: What it dissipates with, likewise.
+        defaults: Of its parameters, where they are not those of the parts.
+    """
+
+    name: str
+    title: str
+    elastic: str
+    dissipation: str
+    defaults: Mapping[str, float] = field(default_factory=dict)
+
+
+_LINEAR = {"exponent": 1.0}
+
+ALIASES = (
+    Alias(
+        "lankarani-nikravesh", "LankaraniNikravesh", "normal.Hertz", "hysteresis.LankaraniNikraveshDamping"
+    ),
+    Alias("exact-restitution", "ExactRestitution", "normal.Hertz", "hysteresis.ExactDamping"),
+    Alias("hunt-crossley", "HuntCrossley", "normal.Hertz", "hysteresis.HuntCrossleyDamping"),
+    Alias("herbert-mcwhannell", "HerbertMcWhannell", "normal.Hertz", "hysteresis.HerbertMcWhannellDamping"),
+    Alias("lee-wang", "LeeWang", "normal.Hertz", "hysteresis.LeeWangDamping"),
+    Alias("marhefka-orin", "MarhefkaOrin", "normal.Hertz", "hysteresis.MarhefkaOrinDamping"),
+    Alias("gonthier", "Gonthier", "normal.Hertz", "hysteresis.GonthierDamping"),
+    Alias("zhiying-qishao", "ZhiyingQishao", "normal.Hertz", "hysteresis.ZhiyingQishaoDamping"),
+    Alias("ye", "Ye", "normal.Hertz", "hysteresis.YeDamping", _LINEAR),
+    Alias("flores", "Flores", "normal.Hertz", "hysteresis.FloresDamping"),
+    Alias("gharib-hurmuzlu", "GharibHurmuzlu", "normal.Hertz", "hysteresis.GharibHurmuzluDamping"),
+    Alias(
+        "pant-wijeyewickrema",
+        "PantWijeyewickrema",
+        "normal.Hertz",
+        "hysteresis.PantWijeyewickremaDamping",
+        _LINEAR,
+    ),
+    Alias("hu-guo", "HuGuo", "normal.Hertz", "hysteresis.HuGuoDamping"),
+    Alias("carvalho-martins", "CarvalhoMartins", "normal.Hertz", "hysteresis.CarvalhoMartinsDamping"),
+    Alias("kelvin-voigt", "KelvinVoigt", "normal.Hertz", "damping.KelvinVoigtDamping", _LINEAR),
+    Alias("kuwabara-kono", "KuwabaraKono", "normal.Hertz", "damping.KuwabaraKonoDamping"),
+    Alias("tsuji", "Tsuji", "normal.Hertz", "damping.TsujiDamping"),
+    Alias("jankowski", "Jankowski", "normal.Hertz", "damping.JankowskiDamping"),
+    Alias("adams-impact", "AdamsImpact", "normal.Hertz", "damping.AdamsDamping"),
+    Alias("bai-zhao", "BaiZhao", "cylinder.BaiZhaoElastic", "hysteresis.ZhiyingQishaoDamping"),
+)
+
+
+# --- laws by name -------------------------------------------------------------------------------------------
+#
+# A scenario file, the command line and the documentation all read the laws from here; a law enters by one
+# line. A normal law is a name and its parameters; where the name is that of an elastic law, a dissipation
+# can be named beside it, whose parameters then stand with the elastic law's::
+#
+#     make_normal_law("johnson", {"length": "0.025", ..., "restitution": 0.9}, dissipation="flores")
 
 _ROOM = "antenna_pin.contact"
 
@@ -44,11 +112,11 @@ NORMAL_LAWS: Classes = Classes(
         "goldsmith": "cylinder.Goldsmith",
         "dubowsky-freudenstein": "cylinder.DubowskyFreudenstein",
         "esdu-78035": "cylinder.ESDU78035",
-        "pereira": "conformal.Pereira",
+        "pereira": "cylinder.Pereira",
         # ... arcs of the bore ...
-        "liu-foundation": "conformal.LiuFoundation",
-        "persson": "conformal.Persson",
-        "bai-zhao-elastic": "conformal.BaiZhaoElastic",
+        "liu-foundation": "cylinder.LiuFoundation",
+        "persson": "cylinder.Persson",
+        "bai-zhao-elastic": "cylinder.BaiZhaoElastic",
         # ... and the pin joint of Liu et al. 2013.
         "liu-2013-hertz": "pin_joint.LiuHertz",
         "liu-2013-conformal": "pin_joint.LiuConformal",
@@ -68,7 +136,7 @@ DISSIPATIONS: Classes = Classes(
         "hunt-crossley": "hysteresis.HuntCrossleyDamping",
         "herbert-mcwhannell": "hysteresis.HerbertMcWhannellDamping",
         "lee-wang": "hysteresis.LeeWangDamping",
-        "marhefka-orin": "proportional.MarhefkaOrinDamping",
+        "marhefka-orin": "hysteresis.MarhefkaOrinDamping",
         "gonthier": "hysteresis.GonthierDamping",
         "zhiying-qishao": "hysteresis.ZhiyingQishaoDamping",
         "ye": "hysteresis.YeDamping",
@@ -90,15 +158,15 @@ FRICTION_LAWS: Classes = Classes(
     {
         # Laws of the slip speed.
         "none": "friction.NoFriction",
-        "velocity-based": "stribeck.VelocityBased",
+        "velocity-based": "friction.VelocityBased",
         "ambrosio": "friction.Ambrosio",
         "tanh": "friction.Tanh",
         "coulomb": "friction.Coulomb",
         "linear": "friction.LinearFriction",
-        "stribeck": "stribeck.Stribeck",
+        "stribeck": "friction.Stribeck",
         "threlfall": "friction.Threlfall",
-        "bengisu-akay": "stribeck.BengisuAkay",
-        "brown-mcphee": "stribeck.BrownMcPhee",
+        "bengisu-akay": "friction.BengisuAkay",
+        "brown-mcphee": "friction.BrownMcPhee",
         # Laws with bristles.
         "dahl": "bristle.Dahl",
         "lugre": "bristle.LuGre",

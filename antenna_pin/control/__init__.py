@@ -1,7 +1,7 @@
-"""Sampled controllers: they measure and command at instants of their own.
+"""Sampled controllers: measurement and command at sampling times.
 
 A controller is no force element (:mod:`antenna_pin.elements`): it sets the one number of drives, motors and
-thrusters that takes commands. Nothing here knows mechanics; a run asks controllers by :class:`Now`.
+thrusters that takes commands. It knows no mechanics; a run passes it :class:`Now`.
 """
 
 from antenna_pin.base.lazy import exported

@@ -14,17 +14,14 @@ from numpy.typing import NDArray
 from antenna_pin.base.answers import check_takes
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now
-from antenna_pin.control.limits import limited
-from antenna_pin.control.measure import Measure
+from antenna_pin.control.controller import Controller, Now, limited
+from antenna_pin.control.measurement import Measure
 from antenna_pin.control.pid import Course
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["AttitudeFeedback"]
 
-
 Array = NDArray[np.float64]
-
 
 # --- quaternions xyzw of attitudes: products, turns from one to another ---
 
@@ -37,19 +34,19 @@ def quaternion_of(turn: Array) -> Array:
 
 
 def product_of(first: Array, second: Array) -> Array:
-    """Return the quaternion of a turn, then another in the axes that the first has turned."""
+    """Return the quaternion of one rotation followed by another in its axes."""
     a, b = first[:3], second[:3]
     return np.append(first[3] * b + second[3] * a + np.cross(a, b), first[3] * second[3] - a @ b)
 
 
 def between_quaternions(first: Array, second: Array) -> Array:
-    """Return the quaternion from one attitude to another in axes of the first, by the shorter turn."""
+    """Return the shorter rotation between two attitudes, in axes of the first."""
     found = product_of(np.append(-first[:3], first[3]), second)
     return found if found[3] >= 0.0 else -found
 
 
 def turned_back(quaternion: Array, vector: Array) -> Array:
-    """Return a vector in axes that have turned by a quaternion."""
+    """Return a vector in axes rotated by a quaternion."""
     a, w = -quaternion[:3], quaternion[3]
     across = 2.0 * np.cross(a, vector)
     return np.asarray(vector + w * across + np.cross(a, across))
@@ -75,9 +72,9 @@ class AttitudeFeedback(Controller):
 
     Attributes:
         acts_on: Drives of the wheels.
-        period: From one instant to the next [s].
-        phase: The first instant [s].
-        delay: From an instant until its commands are written [s].
+        period: From one sampling time to the next [s].
+        phase: The first sampling time [s].
+        delay: From an sampling time until its commands are written [s].
         delay_periods: The same in periods [-].
         kp: K_p, about the base's axes [N*m/rad].
         kd: K_d, likewise [N*m*s/rad].
@@ -124,16 +121,16 @@ class AttitudeFeedback(Controller):
 
     @property
     def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """What it commands."""
+        """Names of commanded actuators."""
         return self.acts_on
 
     @property
     def measured(self) -> tuple[Measure, ...]:
-        """What it measures."""
+        """Measured quantities."""
         return tuple(Measure(kind, axis) for kind in ("base-rotation", "base-rate") for axis in "xyz")
 
     def about(self, axes: Mapping[str, Array | None]) -> AttitudeFeedback:
-        """Return it with the axes of its wheels in base axes, by command, if it was not told them."""
+        """Return the controller with its wheels' axes in base axes, by command."""
         if self.axes is not None:
             return self
         found: list[float] = []
@@ -147,7 +144,7 @@ class AttitudeFeedback(Controller):
 
     @cached_property
     def _slew(self) -> tuple[Array, Array]:
-        """Quaternion of its begin, and rotation vector from there to the target in axes of the base."""
+        """Quaternion at the begin, and rotation vector to the target in base axes."""
         first, last = quaternion_of(np.array(self.begin)), quaternion_of(np.array(self.target))
         between = between_quaternions(first, last)
         sine = float(np.linalg.norm(between[:3]))
@@ -180,5 +177,5 @@ class AttitudeFeedback(Controller):
         return dict(zip(self.acts_on, (share * wished).tolist(), strict=True))
 
     def words(self) -> str:
-        """Return what it is in words."""
+        """Return a description."""
         return f"attitude of the base by {', '.join(self.acts_on)}"

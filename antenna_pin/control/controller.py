@@ -1,8 +1,8 @@
-"""What a sampled controller is: it measures and commands at instants of its own, and never between.
+"""Sampled controllers: measurement and command at sampling times, never between.
 
-It is no force element: what moves the mechanism are drives, motors, thrusters and wheels, whose one number
-that is ``commanded`` it sets. At its instant number k, ``phase + k period``, it is asked once, in ``update``;
-what it answers is written at once, or ``delay`` later, and held until the next.
+A controller is no force element: drives, motors, thrusters and wheels move the mechanism, and their one
+number that is ``commanded`` is set. At its sampling time number k, ``phase + k period``, its ``update`` is
+called once; the commands returned are applied at once, or ``delay`` later, and held until the next.
 
 ::
 
@@ -17,33 +17,147 @@ what it answers is written at once, or ``delay`` later, and held until the next.
 
 from __future__ import annotations
 
+import copy
+import dataclasses
+import json
 import math
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, Protocol
 
+import numpy as np
+
 from antenna_pin.base.answers import check_takes
 from antenna_pin.base.arguments import fits
 from antenna_pin.base.parameters import holds
-from antenna_pin.control.memory import check_kept
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Controller", "Instants", "Now"]
+__all__ = ["Controller", "Instants", "Now", "kept", "limited", "remembered"]
+
+
+# --- controller memory as text ------------------------------------------------------------------------------
+
+# What stands for what JSON has not; a table of the user's with one of these keys is a list of pairs.
+_ARRAY, _TUPLE, _FIELDS, _PAIRS, _GENERATOR = "array", "tuple", "fields", "pairs", "generator"
+
+
+def kept(state: Any) -> str:
+    """Return a state as text, exact to the last bit.
+
+    Raises:
+        TypeError: Something in it cannot be kept.
+    """
+    return json.dumps(_plain(state))
+
+
+def remembered(text: str, like: Any) -> Any:
+    """Return a state from the text of :func:`kept`, restored.
+
+    Args:
+        text: It.
+        like: A state of the same class: what is no dataclass needs none.
+    """
+    return _made(json.loads(text), like)
+
+
+def _check_storable(place: str, state: Any) -> None:
+    """Refuse a state that cannot be stored as text."""
+    try:
+        remembered(kept(state), state)
+    except (TypeError, ValueError, AttributeError) as error:
+        rule = "numbers, texts, arrays, generators of NumPy, dataclasses of these, lists, tuples, tables"
+        raise InvalidParameterError(place, "state", rule, said=" ".join(str(error).split())) from None
+
+
+def _plain(value: Any) -> Any:
+    if value is None or type(value) in (bool, int, float, str):
+        return value
+    if isinstance(value, np.ndarray) and value.dtype.kind in "biufU":
+        return {_ARRAY: value.tolist(), "type": value.dtype.str, "shape": list(value.shape)}
+    if isinstance(value, np.generic) and value.dtype.kind in "biuf":
+        return {_ARRAY: value.item(), "type": value.dtype.str, "shape": []}
+    if isinstance(value, np.random.Generator):
+        state = value.bit_generator.state
+        return {_GENERATOR: type(value.bit_generator).__name__, "state": _plain(dict(state))}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {_FIELDS: {one.name: _plain(getattr(value, one.name)) for one in dataclasses.fields(value)}}
+    if type(value) is list:
+        return [_plain(one) for one in value]
+    if type(value) is tuple:
+        return {_TUPLE: [_plain(one) for one in value]}
+    if type(value) is dict:
+        return {_PAIRS: [[_plain(key), _plain(one)] for key, one in value.items()]}
+    raise TypeError(f"a {type(value).__name__}")
+
+
+def _made(content: Any, like: Any = None) -> Any:
+    if isinstance(content, list):
+        known = like if isinstance(like, list) and len(like) == len(content) else [None] * len(content)
+        return [_made(one, hint) for one, hint in zip(content, known, strict=True)]
+    if not isinstance(content, dict):
+        return content
+    if _ARRAY in content:
+        array = np.array(content[_ARRAY], dtype=content["type"]).reshape(content["shape"])
+        return array if content["shape"] or isinstance(like, np.ndarray) else array[()]
+    hints: Any
+    if _TUPLE in content:
+        hints = like if isinstance(like, tuple) and len(like) == len(content[_TUPLE]) else ()
+        return tuple(_made(content[_TUPLE], list(hints) or None))
+    if _PAIRS in content:
+        hints = like if isinstance(like, dict) else {}
+        pairs = ((_made(key), one) for key, one in content[_PAIRS])
+        return {key: _made(one, hints.get(key)) for key, one in pairs}
+    if _GENERATOR in content:
+        bits = getattr(np.random, content[_GENERATOR])()
+        bits.state = _made(content["state"])
+        return np.random.Generator(bits)
+    made = copy.copy(like)
+    if not dataclasses.is_dataclass(made):
+        raise TypeError("a dataclass that did not stand there at the start")
+    for name, one in content[_FIELDS].items():
+        object.__setattr__(made, name, _made(one, getattr(like, name)))
+    return made
+
+
+# --- limits of a command ------------------------------------------------------------------------------------
+
+
+def limited(
+    wished: float, before: float, step: float | None, bounds: tuple[float | None, float | None]
+) -> float:
+    """Return a command limited in its step from the previous one, and within bounds.
+
+    Args:
+        wished: What would be commanded without limits.
+        before: The command before.
+        step: By how much it may change; None for as much as it likes.
+        bounds: The least and the largest; None for none.
+    """
+    found = wished
+    if step is not None:
+        found = min(max(found, before - step), before + step)
+    lower, upper = bounds
+    if lower is not None:
+        found = max(found, lower)
+    return found if upper is None else min(found, upper)
+
+
+# --- controllers --------------------------------------------------------------------------------------------
 
 
 class Now(Protocol):
-    """What a controller sees at one of its instants; valid in its ``update`` only. All of it is exact.
+    """View of a run at a sampling time, valid within ``update`` only, and exact.
 
     Attributes:
         time: [s].
-        tick: Number of the instant, the controller's own, from 0 [-].
+        tick: Number of the sampling time, the controller's own, from 0 [-].
     """
 
     time: float
     tick: int
 
     def angle(self, joint: str) -> float:
-        """Return the angle of a joint, whole turns included [rad]; of a sliding one its position [m]."""
+        """Return a joint's angle with whole turns [rad], or its position [m]."""
 
     def rate(self, joint: str) -> float:
         """Return its rate [rad/s], [m/s]."""
@@ -70,7 +184,7 @@ class Now(Protocol):
         """Return the normal force at a contact [N]."""
 
     def joint_load(self, joint: str) -> Any:
-        """Return force [N] and moment [N m] that a joint passes to its child, (6,), joint axes."""
+        """Return a joint's force [N] and moment [N m] on its child, (6,), joint axes."""
 
     def direction(self, link: str, axis: Any) -> Any:
         """Return an axis of a link, (3,), in the world."""
@@ -79,20 +193,20 @@ class Now(Protocol):
         """Return the angle between an axis of a link and a direction of the world [rad]."""
 
     def note(self, **signals: float) -> None:
-        """Put numbers, by names of ``signals``, into the result beside the commands of this instant."""
+        """Record numbers, by names of ``signals``, beside the present commands."""
 
 
 class Controller:
-    """Base of sampled controllers.
+    """Base class of sampled controllers.
 
-    What it remembers from one instant to the next stands in ``state``: numbers, texts, arrays, generators of
-    random numbers, a dataclass of such, or lists, tuples and tables of them. A run works on a copy, and keeps
-    it in its own state: so a run in parts is the run in one.
+    What it remembers from one sampling time to the next stands in ``state``: numbers, texts, arrays,
+    generators of random numbers, a dataclass of such, or lists, tuples and tables of them. A run works on a
+    copy, and keeps it in its own state: so a run in parts is the run in one.
 
     Attributes:
-        period: From one instant to the next [s].
+        period: From one sampling time to the next [s].
         phase: The first [s].
-        delay: From an instant until what it commands is written [s]; may exceed the period.
+        delay: From an sampling time until what it commands is written [s]; may exceed the period.
         delay_periods: The same in periods [-]; one of the two.
         commands: What it commands, by name: drives and others that take a command.
         signals: Names of further numbers that it may ``note``.
@@ -112,12 +226,12 @@ class Controller:
         raise NotImplementedError
 
     def words(self) -> str:
-        """Return what it is in words."""
+        """Return a description."""
         return type(self).__name__
 
 
 def check_controller(name: str, controller: Any) -> None:
-    """Refuse a controller whose times, names or state cannot be.
+    """Refuse a controller with invalid times, names or state.
 
     Raises:
         InvalidParameterError: See there.
@@ -146,21 +260,21 @@ def check_controller(name: str, controller: Any) -> None:
     if not controller.commands:
         raise InvalidParameterError(place, "commands", "one name or more of what it commands", ())
     check_takes(place, "update", controller.update, "now")
-    check_kept(place, controller.state)
+    _check_storable(place, controller.state)
 
 
 class Instants:
-    """The instants of a controller: each the number that is nearest to phase + k period, as they are written.
+    """Sampling times of a controller: the numbers nearest to phase + k period, as written.
 
-    Times are taken as the decimals that they are written as, so that the hundredth instant of a period of
-    0.01 s is 1 s, as that of another controller's period of 0.1 s, and neither differs by round-off.
+    Times are taken as the decimals that they are written as, so that the hundredth sampling time of a period
+    of 0.01 s is 1 s, as that of another controller's period of 0.1 s, and neither differs by round-off.
 
     Args:
         controller: Whose.
     """
 
     def __init__(self, controller: Controller) -> None:
-        """Bring all times to one denominator."""
+        """Convert all times to a common denominator."""
         period, phase, delay, periods = (
             Fraction(repr(float(number)))
             for number in (controller.period, controller.phase, controller.delay, controller.delay_periods)
@@ -170,14 +284,14 @@ class Instants:
         self._period, self._phase, self._late = (int(one * self._over) for one in (period, phase, late))
 
     def tick(self, number: int) -> float:
-        """Return when an instant is [s]."""
+        """Return a sampling time [s]."""
         return (self._phase + number * self._period) / self._over
 
     def write(self, number: int) -> float:
-        """Return when what is commanded at an instant is written [s]."""
+        """Return the time at which a command is applied [s]."""
         return (self._phase + number * self._period + self._late) / self._over
 
     def first_from(self, time: float) -> int:
-        """Return the number of the first instant at a time or after it [s]."""
+        """Return the number of the first sampling time from a time on."""
         number = max(0, math.floor((Fraction(time) * self._over - self._phase) / self._period))
         return number if self.tick(number) >= time else number + 1

@@ -1,4 +1,4 @@
-"""A sampled PID controller."""
+"""Sampled PID controller."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ from typing import Literal
 from antenna_pin.base.answers import check_takes
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now
-from antenna_pin.control.limits import limited
-from antenna_pin.control.measure import Measure
-from antenna_pin.control.sensor import Sensor
+from antenna_pin.control.controller import Controller, Now, limited
+from antenna_pin.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Course", "Pid", "PidState"]
+
 
 Course = Callable[[float], tuple[float, float, float]]
 """A reference over time [s]: value, rate and acceleration."""
@@ -29,13 +28,13 @@ _RATES = {"angle": "rate", "base-rotation": "base-rate"}
 
 @dataclass
 class PidState:
-    """What a PID controller remembers.
+    """State of a PID controller.
 
     Attributes:
         begun: Whether it has been asked before.
         integral: Of the integrator, in the unit of its command.
         derivative: Its part of the command, filtered.
-        error: At the instant before.
+        error: At the sampling time before.
         measured: Likewise.
         command: Likewise, within its limits.
     """
@@ -51,16 +50,16 @@ class PidState:
 @takes()
 @dataclass(frozen=True, kw_only=True)
 class Pid(Controller):
-    r"""A sampled PID controller, in parallel form.
+    r"""Sampled PID controller, in parallel form.
 
     .. math:: u_k = K_p e_k + I_k + D_k + f, \quad e_k = r_k - y_k
 
     The gains of the ideal form are :math:`K_i = K_p / T_i` and :math:`K_d = K_p T_d`. With the period h the
     integral grows by :math:`K_i h e_k` before it is used (``backward``), after it (``forward``), or by
-    :math:`K_i h (e_k + e_{k-1}) / 2` before (``trapezoid``; at the first instant by nothing). The derivative,
-    :math:`D_k = (T_f D_{k-1} + K_d \Delta_k) / (T_f + h)`, is of the error
-    (:math:`\Delta_k = e_k - e_{k-1}`), of the measurement (:math:`y_{k-1} - y_k`), or that of the reference
-    less the measured rate; of differences it is zero at the first instant.
+    :math:`K_i h (e_k + e_{k-1}) / 2` before (``trapezoid``; at the first sampling time by nothing). The
+    derivative, :math:`D_k = (T_f D_{k-1} + K_d \Delta_k) / (T_f + h)`, is of the error (:math:`\Delta_k = e_k
+    - e_{k-1}`), of the measurement (:math:`y_{k-1} - y_k`), or that of the reference less the measured rate;
+    of differences it is zero at the first sampling time.
 
     The sum is limited, first in its rate, then in size. While limits hold it, ``clamping`` leaves out what
     would make the integral push further; ``back-calculation`` adds :math:`(h / T_t)` times what the limits
@@ -68,9 +67,9 @@ class Pid(Controller):
 
     Attributes:
         acts_on: What it commands: a drive's name.
-        period: From one instant to the next, h [s].
-        phase: The first instant [s].
-        delay: From an instant until its commands are written [s].
+        period: From one sampling time to the next, h [s].
+        phase: The first sampling time [s].
+        delay: From an sampling time until its commands are written [s].
         delay_periods: The same in periods [-].
         measures: What it measures, as ``angle hinge``; if not given, the angle of the joint that it acts on.
         kp: K_p, command per measured unit, in SI units.
@@ -148,12 +147,12 @@ class Pid(Controller):
 
     @property
     def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """What it commands."""
+        """Names of commanded actuators."""
         return (self.acts_on,)
 
     @cached_property
     def measured(self) -> tuple[Measure, ...]:
-        """What it measures; nothing yet where that is left to the joint that it acts on."""
+        """Measured quantities; none where they default to the actuated joint."""
         if not self.measures:
             return ()
         found = Measure.read(self, "measures", self.measures)
@@ -162,7 +161,7 @@ class Pid(Controller):
         return found, Measure(_RATES[found.kind], found.name)
 
     def at(self, joints: Mapping[str, str | None]) -> Pid:
-        """Return it with what it measures, if it was not told that, by the joints of what it commands."""
+        """Return the controller with its default measurement, by the actuated joints."""
         if self.measures:
             return self
         joint = joints[self.acts_on]
@@ -196,7 +195,7 @@ class Pid(Controller):
         return {self.acts_on: command}
 
     def _integrated(self, error: float, rest: float) -> tuple[float, float]:
-        """Let the integral grow; return the command without limits, and with them."""
+        """Update the integral; return the command without and with limits."""
         state, h = self.state, self.period
         grows = self.ki * h * error
         if self.integrator == "trapezoid":
@@ -218,7 +217,7 @@ class Pid(Controller):
         return limited(wished, self.state.command, step, (self.lower, self.upper))
 
     def words(self) -> str:
-        """Return what it is in words."""
+        """Return a description."""
         gains = ", ".join(
             f"{name} {getattr(self, name):g}" for name in ("kp", "ki", "kd") if getattr(self, name)
         )

@@ -1,10 +1,11 @@
-"""The controllers by the names that a scenario has for them. One enters by a line here."""
+"""Controllers by their names in a scenario; each is registered by a line here."""
 
 from __future__ import annotations
 
 from antenna_pin.base.lazy import Classes
 
 __all__ = ["CONTROLLERS"]
+
 
 CONTROLLERS = Classes(
     "antenna_pin.control",

@@ -1,4 +1,4 @@
-"""A sampled controller that is on, off or on the other way: for thrusters."""
+"""Sampled three-state relay, for thrusters."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from functools import cached_property
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.control.controller import Controller, Now
-from antenna_pin.control.measure import Measure
-from antenna_pin.control.sensor import Sensor
+from antenna_pin.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["BangBang", "BangBangState"]
@@ -19,7 +18,7 @@ __all__ = ["BangBang", "BangBangState"]
 
 @dataclass
 class BangBangState:
-    """What it remembers.
+    """State of a relay.
 
     Attributes:
         way: Which way it is on: 1, -1, or 0 if it is off.
@@ -33,7 +32,7 @@ class BangBangState:
 @takes()
 @dataclass(frozen=True, kw_only=True)
 class BangBang(Controller):
-    r"""A sampled controller that is on, off or on the other way, by a line in the plane of angle and rate.
+    r"""Sampled three-state relay, by a line in the plane of angle and rate.
 
     .. math:: s_k = (r - y_k) - T \dot y_k
 
@@ -45,9 +44,9 @@ class BangBang(Controller):
         acts_on: What is commanded, with ``level`` one way and its opposite the other way; a drive.
         positive: Or what pushes one way, commanded with ``level`` or 0: thrusters.
         negative: And what pushes the other way.
-        period: From one instant to the next [s].
-        phase: The first instant [s].
-        delay: From an instant until its commands are written [s].
+        period: From one sampling time to the next [s].
+        phase: The first sampling time [s].
+        delay: From an sampling time until its commands are written [s].
         delay_periods: The same in periods [-].
         measures: y, as ``base-rotation x``.
         measures_rate: Its rate, as ``base-rate x``; none if not given.
@@ -102,12 +101,12 @@ class BangBang(Controller):
 
     @property
     def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """What it commands."""
+        """Names of commanded actuators."""
         return (self.acts_on,) if self.acts_on else (*self.positive, *self.negative)
 
     @cached_property
     def measured(self) -> tuple[Measure, ...]:
-        """What it measures."""
+        """Measured quantities."""
         rate = [Measure.read(self, "measures_rate", self.measures_rate)] if self.measures_rate else []
         return (Measure.read(self, "measures", self.measures), *rate)
 
@@ -132,7 +131,7 @@ class BangBang(Controller):
         return on | {name: self.level * (way < 0) for name in self.negative}
 
     def _way(self, line: float) -> int:
-        """Return which way it is to be on."""
+        """Return the sign of the command."""
         before = self.state.way
         toward = (line > 0.0) - (line < 0.0)
         if self.dead_band == 0.0:
@@ -142,5 +141,5 @@ class BangBang(Controller):
         return toward if abs(line) > self.dead_band else 0
 
     def words(self) -> str:
-        """Return what it is in words."""
+        """Return a description."""
         return f"on and off by {self.measures}, dead band {self.dead_band:g}, hysteresis {self.hysteresis:g}"

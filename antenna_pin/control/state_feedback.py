@@ -1,4 +1,4 @@
-"""A sampled controller that feeds back what it measures by matrices."""
+"""Sampled linear feedback of measurements by matrices."""
 
 from __future__ import annotations
 
@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now
-from antenna_pin.control.limits import limited
-from antenna_pin.control.measure import Measure
-from antenna_pin.control.sensor import Sensor
+from antenna_pin.control.controller import Controller, Now, limited
+from antenna_pin.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Matrix", "StateFeedback"]
 
 Array = NDArray[np.float64]
+
 Matrix = tuple[tuple[float, ...], ...]
 """Rows of numbers."""
 
@@ -27,7 +26,7 @@ Matrix = tuple[tuple[float, ...], ...]
 @takes()
 @dataclass(frozen=True, kw_only=True)
 class StateFeedback(Controller):
-    r"""A sampled controller that feeds back what it measures by matrices.
+    r"""Sampled linear feedback of measurements by matrices.
 
     .. math:: u_k = f - K (y_k - r) + C z_k, \quad z_{k+1} = A z_k + B (y_k - r) + G u_k
 
@@ -37,16 +36,16 @@ class StateFeedback(Controller):
     Attributes:
         acts_on: What it commands, by name: m of them.
         measures: What it measures, as ``angle hinge`` and ``rate hinge``: p of them.
-        period: From one instant to the next [s].
-        phase: The first instant [s].
-        delay: From an instant until its commands are written [s].
+        period: From one sampling time to the next [s].
+        phase: The first sampling time [s].
+        delay: From an sampling time until its commands are written [s].
         delay_periods: The same in periods [-].
         gain: K, (m, p), in SI units.
         a: A, (n, n).
         b: B, (n, p).
         c: C, (m, n).
         g: G, (n, m); zero if not given.
-        start: z at the first instant, (n,); zero if not given.
+        start: z at the first sampling time, (n,); zero if not given.
         reference: r, (p,), in SI units; zero if not given.
         feedforward: f, (m,), in SI units; zero if not given.
         lower: Least commands, (m,); none if not given.
@@ -96,13 +95,7 @@ class StateFeedback(Controller):
                 raise InvalidParameterError(self, name, rule, given)
             if name in ("b", "c") and (given is None) != (self.a is None):
                 raise InvalidParameterError(self, name, "given beside a, and only there", given)
-        for name, size in (
-            ("start", n),
-            ("reference", p),
-            ("feedforward", m),
-            ("lower", m),
-            ("upper", m),
-        ):
+        for name, size in (("start", n), ("reference", p), ("feedforward", m), ("lower", m), ("upper", m)):
             given = getattr(self, name)
             if given is not None and len(given) != size:
                 raise InvalidParameterError(self, name, f"{size} numbers", given)
@@ -126,17 +119,17 @@ class StateFeedback(Controller):
 
     @property
     def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """What it commands."""
+        """Names of commanded actuators."""
         return self.acts_on
 
     @property
     def signals(self) -> tuple[str, ...]:  # type: ignore[override]
-        """What it notes: what it measures, and whether limits hold a command."""
+        """Recorded signals: measurements, and saturation of commands."""
         return (*self.measures, "saturated")
 
     @cached_property
     def measured(self) -> tuple[Measure, ...]:
-        """What it measures."""
+        """Measured quantities."""
         return tuple(Measure.read(self, "measures", text) for text in self.measures)
 
     def update(self, now: Now) -> Mapping[str, float]:
@@ -167,6 +160,6 @@ class StateFeedback(Controller):
         return dict(zip(self.acts_on, used, strict=True))
 
     def words(self) -> str:
-        """Return what it is in words."""
+        """Return a description."""
         states = f", {len(self.a)} states of its own" if self.a is not None else ""
         return f"state feedback of {', '.join(self.measures)}{states}"

@@ -1,22 +1,128 @@
-"""Numbers of elements that change in the middle of a run."""
+"""Elements of a run: all of a system, those that take commands, numbers that change."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.parameters import parameters_of
+from antenna_pin.control import AttitudeFeedback, Controller, Pid
 from antenna_pin.dynamics import kernels
-from antenna_pin.dynamics.acting import acting_in
 from antenna_pin.dynamics.system import System
-from antenna_pin.elements import Change, Element, ForceElement, Met, Modal, kind_of
+from antenna_pin.elements import FAMILIES, Change, Element, ForceElement, Met, Modal, kind_of
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
-__all__ = ["Adjustments", "first_modes", "joints_held", "modes_in_another", "modes_kept"]
+__all__ = [
+    "Acting",
+    "acting_in",
+    "actuators_of",
+    "Adjustments",
+    "check_begins",
+    "first_modes",
+    "joints_held",
+    "modes_in_another",
+    "modes_kept",
+    "settled",
+]
+
+# --- elements -----------------------------------------------------------------------------------------------
+
+
+class Acting(NamedTuple):
+    """An element of a system.
+
+    Attributes:
+        family: The table that a scenario has for it, such as ``drives``.
+        name: Its own.
+        element: What it is.
+        block: Where its block stands in a program.
+    """
+
+    family: str
+    name: str
+    element: ForceElement
+    block: int
+
+    @property
+    def label(self) -> str:
+        """Name in messages."""
+        return f"{FAMILIES[self.family].word} {self.name!r}"
+
+    @property
+    def place(self) -> str:
+        """Place in a scenario."""
+        return f"{self.family}.{self.name}"
+
+
+def check_begins(system: System, y: NDArray[np.float64]) -> None:
+    """Refuse a start [q, v, x] outside the range of an element that is on."""
+    for one in acting_in(system):
+        if one.element.acts and one.element.acts_at is not None and one.element.ends:
+            angle, _, _, _ = kernels.joint_motion(system.program, one.block, y, system.model.nq)
+            one.element.check_begin(one.label, float(angle))
+
+
+def acting_in(system: System) -> Iterator[Acting]:
+    """Yield the drives, then the springs of a system, then those of further families."""
+    for family, elements in system.families.items():
+        for name, element in elements.items():
+            yield Acting(family, name, element, system.element_blocks[family][name])
+
+
+# --- elements that take commands ----------------------------------------------------------------------------
+
+
+def actuators_of(system: System) -> Mapping[str, str]:
+    """Return the places that take commands, ``drives.motor.value``, by all names that they have.
+
+    These are ``motor``, if no other is called so, ``drives.motor`` and the place itself.
+    """
+    found: dict[str, str] = {}
+    twice = set()
+    for one in acting_in(system):
+        if one.element.commanded:
+            place = f"{one.place}.{one.element.commanded}"
+            if one.name in found:
+                twice.add(one.name)
+            found |= {one.name: place, one.place: place, place: place}
+    return {name: place for name, place in found.items() if name not in twice}
+
+
+def settled(controllers: Mapping[str, Controller], system: System) -> dict[str, Controller]:
+    """Return controllers with what they take from the system that they command: joints, and their axes."""
+    places = actuators_of(system)
+    elements = {one.place: one.element for one in acting_in(system)}
+    found: dict[str, Controller] = {}
+    for name, one in controllers.items():
+        joints = {command: elements[places[command].rpartition(".")[0]].acts_at for command in one.commands}
+        if isinstance(one, Pid):
+            found[name] = one.at(joints)
+        elif isinstance(one, AttitudeFeedback):
+            axes = {command: _axis_in_base(system, joint) for command, joint in joints.items()}
+            found[name] = one.about(axes)
+        else:
+            found[name] = one
+    return found
+
+
+def _axis_in_base(system: System, joint: str | None) -> NDArray[np.float64] | None:
+    """Return the axis of a joint in the axes of a free base that carries it, (3,); None of others."""
+    mechanism = system.mechanism
+    if joint is None or mechanism.base != "free":
+        return None
+    slot = mechanism.joint(joint)
+    if mechanism.model.parents[slot.joint_id] != 1:
+        return None
+    turned = mechanism.model.jointPlacements[slot.joint_id].rotation @ slot.frame_rotation.T
+    return np.asarray(turned @ slot.axis)
+
+
+# --- numbers that change ------------------------------------------------------------------------------------
 
 Array = NDArray[np.float64]
 
@@ -89,7 +195,7 @@ class Adjustments:
         return self._program.copy(), dict(self.values), dict(self.elements)
 
     def go_back(self, kept: tuple[Array, dict[str, float], dict[str, ForceElement]]) -> None:
-        """Have the numbers that there were when this was kept."""
+        """Restore the numbers of a snapshot."""
         self._program[:] = kept[0]
         self.values, self.elements = dict(kept[1]), dict(kept[2])
 
@@ -119,7 +225,7 @@ class Adjustments:
         )
 
     def holds(self, place: str) -> bool:
-        """Whether an element, by its place, holds its joint at present."""
+        """Return whether an element, by its place, holds its joint at present."""
         words = self._blocks[place] + int(kernels.PARAMETERS)
         return bool(of_elements.hold(kind_of(type(self.elements[place])), self._program, words)[0])
 

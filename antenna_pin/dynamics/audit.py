@@ -1,4 +1,4 @@
-"""What a free-floating mechanism must keep: energy and momentum, measured from a state."""
+"""Audit of a state: energy and momentum, which a free-floating mechanism conserves."""
 
 from __future__ import annotations
 

@@ -2,36 +2,184 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any, NamedTuple
+import dataclasses
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.answers import AskedFunction
+from antenna_pin.base.records import CIRCLE, FIXED_AXIS, SLIDE
+from antenna_pin.base.roots import root_between
+from antenna_pin.constraints import Anchor, Closure
 from antenna_pin.dynamics import kernels
-from antenna_pin.dynamics.held import held_slot
-from antenna_pin.elements import GROSS_WORK, LOSS, WORK, Element, ForceElement, Integral, Modal, Motion
+from antenna_pin.elements import (
+    GROSS_WORK,
+    LOSS,
+    WORK,
+    AxialPreload,
+    Bearing,
+    BetweenJoints,
+    Element,
+    ForceElement,
+    Integral,
+    Modal,
+    Motion,
+    kind_of,
+)
 from antenna_pin.errors import InvalidParameterError, MechanismError
+from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
 __all__ = [
+    "bearings_in",
     "Blocks",
-    "InPython",
     "check_booked",
     "check_holds",
     "check_motion",
     "clearance_block",
+    "closures_by_name",
+    "element_block",
+    "element_head",
     "held_block",
+    "held_slot",
+    "HeldKind",
+    "InPython",
+    "kinds_about_axis",
+    "on_bearings",
     "places_in_x",
     "slides",
     "states_in_x",
     "turning",
+    "WITH_AXIS",
+    "with_preloads_placed",
 ]
 
+# --- joints held by constraint ------------------------------------------------------------------------------
+
+HeldKind = Literal["revolute", "prismatic", "spherical"]
+
+
+def held_slot(mechanism: Mechanism, name: str) -> JointSlot:
+    """Return the slot of a joint that is held, checked to be free."""
+    slot = mechanism.joint(name)
+    if slot.kind != "floating":
+        raise MechanismError(
+            f"joint {name!r}: must be floating in the model to be held by constraint, got {slot.kind}"
+        )
+    return slot
+
+
+def closures_by_name(
+    mechanism: Mechanism,
+    held: Mapping[str, HeldKind],
+    closures: Mapping[str, Closure],
+) -> dict[str, Closure]:
+    """Return all closures by name, those of joints held by constraint first.
+
+    Args:
+        mechanism: The mechanism.
+        held: What each joint that is held is held to, by name.
+        closures: Those that close loops, by name.
+    """
+    found = {name: _held_closure(mechanism, name, kind) for name, kind in held.items()}
+    for name, closure in closures.items():
+        # Of a load, a closure and a joint of one name could not be told apart.
+        if name in mechanism.joints:
+            raise InvalidParameterError(
+                "System", f"closures[{name!r}]", "of another name than a joint's", name
+            )
+        found[name] = closure
+    return found
+
+
+def _held_closure(mechanism: Mechanism, name: str, kind: HeldKind) -> Closure:
+    """Return the closure that holds a floating joint to a kind of joint at its own place."""
+    if kind not in ("revolute", "prismatic", "spherical"):
+        raise InvalidParameterError("System", f"held[{name!r}]", "revolute, prismatic or spherical", kind)
+    slot = held_slot(mechanism, name)
+    joint = mechanism.urdf.joint(name)
+    own = np.eye(4)
+    own[:3, :3] = frame_aligning_z(slot.axis)
+    on_parent = mechanism.urdf.placement(name) @ own
+    return Closure(
+        kind=kind,
+        first=Anchor(link=joint.parent, rotation=on_parent[:3, :3], origin=on_parent[:3, 3]),
+        second=Anchor(link=joint.child, rotation=own[:3, :3], origin=own[:3, 3]),
+    )
+
+
+# --- elements at joints -------------------------------------------------------------------------------------
+
 Array = NDArray[np.float64]
+
+#: Joints without play that elements can act at, by their kind.
+WITH_AXIS = {"revolute": FIXED_AXIS, "continuous": CIRCLE, "prismatic": SLIDE}
+
+
+def element_block(system: Any, place: str, element: ForceElement, x: int) -> Array:
+    """Return the block of an element, or refuse a joint at which it cannot act.
+
+    That of an element between two joints, or that measures another joint than its own, ends with a head for
+    the second.
+
+    Args:
+        system: The system, its joints with play laid out.
+        place: What it is, for the refusal.
+        element: The element.
+        x: Where in x what it integrates starts.
+    """
+    if isinstance(element, BetweenJoints):
+        joints = [element.input, element.output]
+        found = [element_head(system, place, name) for name in joints]
+        element.check_joints(place, (system.slides(element.input), system.slides(element.output)))
+    else:
+        assert isinstance(element, Element)
+        found = [element_head(system, place, element.joint)]
+        element.check_joint(place, system.slides(element.joint))
+        if element.measured != element.joint:
+            found.append(element_head(system, place, element.measured))
+            element.check_measured(place, system.slides(element.joint), system.slides(element.measured))
+    words = element.words_of_kernel()
+    behind = [one.view(np.float64) for one in found[1:]]
+    block = np.concatenate([found[0].view(np.float64), words, *behind])
+    head = block[: kernels.PARAMETERS].view(kernels.ELEMENT)
+    head["kind"], head["length"], head["x"] = kind_of(type(element)), len(block), x
+    second = "partner" if isinstance(element, BetweenJoints) else "sensed"
+    if behind:
+        head[second] = kernels.PARAMETERS + len(words)
+    head["senses"] = not isinstance(element, Element) or element.senses
+    head["on"] = element.acts
+    for part in range(len(found)):
+        at = part * int(head[second][0])
+        own = block[at : at + kernels.PARAMETERS].view(kernels.ELEMENT)
+        own["about"] = kernels.ABOUTS.index(element.about)
+    return block
+
+
+def element_head(system: Any, place: str, joint: str) -> NDArray[Any]:
+    """Return the head of an element with its joint's numbers, ``ELEMENT``, (1,)."""
+    slot = system.mechanism.joint(joint)
+    clearance = system.clearance_blocks.get(joint, -1)
+    without_axis = any(j.geometry.motion is None for j in system.clearances if j.name == joint)
+    if without_axis or (clearance < 0 and slot.kind not in WITH_AXIS):
+        kind_seen = "spherical" if without_axis else slot.kind
+        raise MechanismError(
+            f"{place}: joint {joint!r} is {kind_seen} and has no axis to act about; "
+            "use a revolute, continuous, prismatic or clearance joint"
+        )
+    head = np.zeros(1, kernels.ELEMENT)
+    head["joint"], head["play"] = WITH_AXIS.get(slot.kind, -1), clearance
+    head["turn"] = system.turn_x.get(joint, -1)
+    head["q"], head["v"] = slot.q.start, slot.v.start
+    return head
+
+
+# --- blocks of a program ------------------------------------------------------------------------------------
 
 
 class InPython(NamedTuple):
@@ -51,7 +199,7 @@ class InPython(NamedTuple):
 
     @property
     def said(self) -> str:
-        """What refusals call it."""
+        """Name in refusals."""
         return f"what acts at joint {self.element.joint!r}"
 
     def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
@@ -60,7 +208,7 @@ class InPython(NamedTuple):
 
 
 def slides(mechanism: Mechanism, clearances: Sequence[ClearanceJoint], joint: str) -> bool:
-    """Whether a joint slides along its axis rather than turning about it."""
+    """Return whether a joint slides along its axis rather than turning about it."""
     return mechanism.joint(joint).kind == "prismatic" or any(
         one.name == joint and one.geometry.motion == "slide" for one in clearances
     )
@@ -132,7 +280,7 @@ def places_in_x(
 
 
 def turning(system: Any) -> dict[str, int]:
-    """Return the joints whose configuration knows their angle only but for whole turns, numbered."""
+    """Return the joints whose configuration determines their angle up to whole turns, numbered."""
     about_axis = {name for name, kind in system.free_with_axis.items() if kind == "revolute"}
     about_axis |= {j.name for j in system.clearances if j.geometry.motion == "turn"}
     slots = system.mechanism.joints.values()
@@ -167,7 +315,7 @@ def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: in
 
 
 def held_block(mechanism: Mechanism, name: str, slides: bool, row: int, x: int, turn: int) -> Array:
-    """Return the block of a joint held by constraint: without contacts, for what elements ask of its axis.
+    """Return the block of a joint held by constraint: without contacts, for elements about its axis.
 
     Args:
         mechanism: The joint must be floating there.
@@ -235,7 +383,7 @@ def check_motion(
 
 
 def check_holds(place: str, mechanism: Mechanism, element: Element) -> None:
-    """Refuse an element that is to hold a joint that no one row holds, or whose load no row tells.
+    """Refuse an element that holds a joint without a row of its own, or whose load no row gives.
 
     Args:
         place: What it is, for the refusal.
@@ -255,3 +403,98 @@ def _rule(element: Element) -> str:
     if isinstance(element, Modal):
         return "can be held; take play off it, or an element that does not hold"
     return "tells its own load; take play off it, or friction that no load makes"
+
+
+# --- joints on bearings -------------------------------------------------------------------------------------
+
+Families = Mapping[str, Mapping[str, ForceElement]]
+
+
+def bearings_in(families: Families) -> Iterator[tuple[str, str, Bearing]]:
+    """Yield family, name and bearing of all elements that act on a journal's whole pose."""
+    for table, elements in families.items():
+        for name, element in elements.items():
+            if isinstance(element, Bearing):
+                yield table, name, element
+
+
+def on_bearings(
+    mechanism: Mechanism, families: Families, with_play: Collection[str], held: Collection[str]
+) -> tuple[str, ...]:
+    """Return the names of the joints without play that bearings carry.
+
+    Raises:
+        MechanismError: One that is not free in the tree, is held by constraint, or moves in a plane only.
+        InvalidParameterError: A preload at a joint without play.
+    """
+    found: dict[str, None] = {}
+    for _, name, bearing in bearings_in(families):
+        place, joint = f"bearing {name!r}", bearing.joint
+        kind = mechanism.joint(joint).kind
+        if joint in held:
+            raise MechanismError(
+                f"{place}: joint {joint!r} is held by constraint, and a bearing would carry nothing; take "
+                "the constraint or the bearing away"
+            )
+        if joint not in with_play and not bearing.frees:
+            rule = "one with play: a preload acts between a journal and its bearing"
+            raise InvalidParameterError(place, "joint", rule, joint)
+        if kind != "floating":
+            raise MechanismError(
+                f"{place}: joint {joint!r} must be free in the model, got {kind}; build the mechanism from "
+                f"urdf.variant(joints={{{joint!r}: 'free'}})"
+            )
+        if joint not in with_play:
+            found[joint] = None
+    return tuple(found)
+
+
+def kinds_about_axis(held: Mapping[str, HeldKind], carried: Collection[str]) -> dict[str, HeldKind]:
+    """Return what joints are that are free in the tree and have an axis, but no play, by name.
+
+    Args:
+        held: What those are held to that are held by constraint, by name.
+        carried: Those on bearings.
+    """
+    found: dict[str, HeldKind] = {**held}
+    for name in carried:
+        found[name] = "revolute"
+    return {name: kind for name, kind in found.items() if kind != "spherical"}
+
+
+def with_preloads_placed(
+    families: dict[str, dict[str, ForceElement]], clearances: Sequence[ClearanceJoint]
+) -> dict[str, dict[str, ForceElement]]:
+    """Return elements with preloads placed where their force acts in the play of their joint."""
+    with_play = {joint.name: joint for joint in clearances}
+    placed = {table: dict(elements) for table, elements in families.items()}
+    for table, name, one in bearings_in(families):
+        if isinstance(one, AxialPreload) and one.position is None and one.joint in with_play:
+            position = _position(f"bearing {name!r}", one, with_play[one.joint])
+            placed[table][name] = dataclasses.replace(one, position=position)
+    return placed
+
+
+def _position(place: str, preload: AxialPreload, joint: ClearanceJoint) -> float:
+    """Return where along the bearing's axis a preload's force is given [m]."""
+    if preload.given_at == "centred":
+        return 0.0
+    if not isinstance(joint.geometry, RevoluteClearance) or joint.axial is None:
+        rule = f"centred, for joint {joint.name!r} has no flanges; or give position"
+        raise InvalidParameterError(place, "given_at", rule, preload.given_at)
+    way = joint.geometry.axial_clearance
+    if preload.given_at == "rest":
+        way += _depth(place, preload, joint)
+    return math.copysign(way, preload.force)
+
+
+def _depth(place: str, preload: AxialPreload, joint: ClearanceJoint) -> float:
+    """Return how deep a flange is pressed on by a preload [m]."""
+    law, force = joint.axial, abs(preload.force)
+    assert law is not None
+    places = zip(joint.depth_limits, joint.geometry.contact_places, strict=True)
+    most = min(limit for limit, of in places if of.kind == "axial")
+    if not law.elastic_force(most) > force:
+        rule = f"below {law.elastic_force(most):g} N, at which the flange is pressed in by {most:g} m"
+        raise InvalidParameterError(place, "force", rule, preload.force)
+    return root_between(lambda depth: law.elastic_force(depth) - force, 0.0, most, absolute=1e-20)

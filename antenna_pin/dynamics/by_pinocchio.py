@@ -1,4 +1,4 @@
-"""The dynamics of a tree by Pinocchio, as functions that compiled code asks (:mod:`outside_kernels`)."""
+"""Dynamics of a tree by Pinocchio, as callbacks of compiled code (:mod:`outside_kernels`)."""
 
 from __future__ import annotations
 

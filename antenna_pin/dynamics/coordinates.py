@@ -1,4 +1,4 @@
-"""What the numbers of a configuration and of a velocity are called, and what they count."""
+"""Names of coordinates of configuration and velocity, and their counts."""
 
 from __future__ import annotations
 

@@ -35,12 +35,54 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.constraints import motions_that_prescribe
 from antenna_pin.constraints.factor_kernels import NOTHING
 from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics.adjust import Adjustments, acting_in
+from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
+from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
 
-__all__ = ["Push", "Pushed", "apart", "impulse", "push_apart", "reduced_inertia"]
+__all__ = [
+    "apart",
+    "check_restraint",
+    "check_restraints",
+    "impulse",
+    "is_rigid",
+    "NotFollowedError",
+    "prescribing",
+    "Push",
+    "push_apart",
+    "Pushed",
+    "reduced_inertia",
+]
+
+# --- impulses -----------------------------------------------------------------------------------------------
+#
+# Of rows J that hold, with their wanted rates s after the jump, the velocity after it is
+#
+# .. math:: v^+ = v^- + M^{-1} J^T \Lambda, \qquad J v^+ = s
+#
+# the nearest to that before in kinetic energy. The impulses are inner ones of the mechanism, so all
+# momentum stays.
+#
+# Stops that are struck at one instant, or that joints rest on, push only. With u their rates off the stops
+# and p their impulses they obey Newton's law in Moreau's form,
+#
+# .. math:: 0 \le p_i \quad \perp \quad u_i^+ - b_i \ge 0, \qquad b_i = e_i\, |u_i^-|, \quad u_i^- \le 0
+#
+# a complementarity problem whose velocity is the nearest one that the inequalities admit: it is unique, and
+# hangs on no order. Its impulses are found by the finite method of Lawson and Hanson for least distances. As
+# no row that pushes was leaving its stop, stops take
+#
+# .. math:: -\tfrac12 \sum_i p_i (u_i^+ + u_i^-) = \tfrac12 \sum_i p_i (1 - e_i) |u_i^-| \ge 0
+#
+# whatever restitution each of them has: no combination gains energy.
+#
+# References:
+#     Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics, CISM 302.
+#     Lawson and Hanson (1974), Solving Least Squares Problems, chapter 23.
 
 Array = NDArray[np.float64]
 
@@ -310,3 +352,88 @@ def _lengths(workspace: Workspace, held: int) -> Array:
     slots = [workspace.system.mechanism.joint(one.joint) for one in workspace.system.holds]
     assert plan is not None or not held
     return np.array([1.0 if slot.kind == "prismatic" or plan is None else plan.length for slot in slots])
+
+
+# --- joints held where motions move them --------------------------------------------------------------------
+
+
+class NotFollowedError(MechanismError):
+    """Motion that cannot be followed: impossible rates, or its joint is held."""
+
+
+def prescribing(
+    workspace: Workspace, adjustments: Adjustments, t: float, y: Array, at: int, holds: Collection[str] = ()
+) -> tuple[str, ...]:
+    """Return the motions that prescribe the rate of a joint; none if it is free, or fixed without them.
+
+    Args:
+        workspace: The system.
+        adjustments: Its elements as they are.
+        t: Time [s].
+        y: State [q, v, x].
+        at: Place of the joint in v.
+        holds: Places of elements that count too, where they hold their joints.
+    """
+    constraints = workspace.constraints
+    if constraints is None or not constraints.plan.motions:
+        return ()
+    workspace.prepare_motions(t, y)
+    constraints.residuals(t, y, workspace.program)
+    held = [k for k, name in enumerate(constraints.plan.holds) if name in holds and adjustments.holds(name)]
+    return motions_that_prescribe(constraints, at, held)
+
+
+def check_restraint(
+    workspace: Workspace,
+    adjustments: Adjustments,
+    t: float,
+    y: Array,
+    place: str,
+    holds: Collection[str] = (),
+) -> None:
+    """Refuse an element that is to hold its joint, against any load, where motions move it.
+
+    Args:
+        workspace: The system.
+        adjustments: Its elements as they are.
+        t: Time [s].
+        y: State [q, v, x].
+        place: Of the element.
+        holds: Places of other elements that count too, where they hold their joints.
+
+    Raises:
+        NotFollowedError: Motions move its joint.
+    """
+    system = workspace.system
+    one = next((one for one in acting_in(system) if one.place == place), None)
+    if one is None or not system.motions or not is_rigid(one.element):
+        return
+    joint = str(one.element.acts_at)
+    at = system.mechanism.joint(joint).v.start
+    motions = prescribing(workspace, adjustments, t, y, at, [name for name in holds if name != place])
+    if motions:
+        drives = f"drive{'s' if len(motions) > 1 else ''} {', '.join(map(repr, motions))}"
+        raise NotFollowedError(
+            f"{one.label}: its joint {joint!r} is held to a motion by {drives}; take one of them away, have "
+            "a pd drive follow the reference, or take an element that gives way"
+        )
+
+
+def check_restraints(system: System, y: Array, t: float = 0.0) -> None:
+    """Refuse stops and latches without give at joints that motions move, in a first state [q, v, x].
+
+    Raises:
+        NotFollowedError: There is one.
+    """
+    rigid = [one for one in acting_in(system) if is_rigid(one.element) and one.element.acts]
+    if not rigid or not system.motions:
+        return
+    workspace = Workspace(system)
+    adjustments = Adjustments(system, workspace.program)
+    for one in rigid:
+        check_restraint(workspace, adjustments, t, y, one.place)
+
+
+def is_rigid(element: object) -> bool:
+    """Return whether an element may hold its joint against any load."""
+    return isinstance(element, Modal) and element.holds and not element.together

@@ -12,8 +12,7 @@ from antenna_pin.base.records import place_of
 from antenna_pin.constraints import Anchor, on_body
 from antenna_pin.dynamics import kernels, link_kernels
 from antenna_pin.dynamics import point_kernels as _points
-from antenna_pin.dynamics.blocks import Blocks, check_booked
-from antenna_pin.dynamics.element_block import element_head
+from antenna_pin.dynamics.blocks import Blocks, check_booked, element_head
 from antenna_pin.elements import FAMILIES, BetweenPoints, OnLinks, kind_of
 from antenna_pin.elements import desk_kernels as _desk
 from antenna_pin.errors import InvalidParameterError, MechanismError
@@ -91,7 +90,7 @@ class ForcePlace(NamedTuple):
 
 
 class OnLinksInPython(NamedTuple):
-    """An element on links that Python asks before each evaluation.
+    """Element on links whose Python function is called before each evaluation.
 
     Attributes:
         block: Where in a program its block stands.
@@ -107,7 +106,7 @@ class OnLinksInPython(NamedTuple):
 
     @property
     def said(self) -> str:
-        """What refusals call it."""
+        """Name in refusals."""
         return self.place
 
     def write(
@@ -249,7 +248,7 @@ def _places_of(system: Any, name: str, force: OnLinks) -> list[ForcePlace]:
 
 
 def _number(labels: list[str], k: int) -> str:
-    """Return what tells a link from the same one before: nothing for the first, or its number."""
+    """Return the suffix of a repeated link's name: nothing for the first, else its number."""
     before = labels[:k].count(labels[k])
     return f" {before + 1}" if before else ""
 

@@ -1,4 +1,4 @@
-"""What the equations of motion give at the samples of a run: forces, contacts, energies, accelerations."""
+"""Evaluation of the equations of motion at samples: forces, contacts, energies, accelerations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from antenna_pin.dynamics import (
     sample_kernels,
 )
 from antenna_pin.dynamics.audit import energy_of_python_laws
-from antenna_pin.dynamics.program_parts import program_parts, records_at
+from antenna_pin.dynamics.readings import program_parts, records_at
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.errors import FunctionError
@@ -217,7 +217,7 @@ def observed(
 
 
 def _whole(system: System, workspace: Workspace) -> sample_kernels.Whole:
-    """Return a system as it is looked at."""
+    """Return a system's arrays for evaluation."""
     tree = body_tree(system.mechanism)
     blocks = [system.clearance_blocks[joint.name] for joint in system.clearances]
     return sample_kernels.Whole(
@@ -235,7 +235,7 @@ def _whole(system: System, workspace: Workspace) -> sample_kernels.Whole:
 
 
 def _unseen(workspace: Workspace, n: int) -> sample_kernels.Sights:
-    """Return room for what is seen at n samples."""
+    """Return arrays for the results at n samples."""
     system, constraints = workspace.system, workspace.constraints
     joints = len(system.clearances)
     return sample_kernels.Sights(

@@ -17,23 +17,26 @@ from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_p
 from antenna_pin.dynamics import kernels, turn_kernels
 from antenna_pin.dynamics.blocks import (
     Blocks,
+    HeldKind,
     InPython,
     check_booked,
     check_holds,
     check_motion,
     clearance_block,
+    closures_by_name,
+    element_block,
     held_block,
+    kinds_about_axis,
+    on_bearings,
     places_in_x,
     slides,
     states_in_x,
     turning,
+    with_preloads_placed,
 )
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
-from antenna_pin.dynamics.element_block import element_block
-from antenna_pin.dynamics.held import HeldKind, closures_by_name
 from antenna_pin.dynamics.links import ForcePlace, OnLinksInPython, books_in_x, place_on_links
-from antenna_pin.dynamics.mounted import kinds_about_axis, on_bearings, with_preloads_placed
 from antenna_pin.elements import (
     FAMILIES,
     GROSS_WORK,
@@ -143,7 +146,7 @@ def spaces(model: Any) -> tuple[str, ...]:
 
 
 def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
-    """Return a copy of the numbers of a state, or refuse what is not finite or further than a double tells.
+    """Return a copy of a state's numbers, or refuse numbers that are not finite or too large.
 
     Args:
         given: What is given.
@@ -451,22 +454,22 @@ class System:
         self.mechanism.check_pose(q, where, ties)
 
     def slides(self, joint: str) -> bool:
-        """Whether a joint slides along its axis rather than turning about it."""
+        """Return whether a joint slides along its axis rather than turning about it."""
         return slides(self.mechanism, self.clearances, joint)
 
     @property
     def closed_to_world(self) -> bool:
-        """Whether a closure holds it to the world."""
+        """Return whether a closure holds the mechanism to the world."""
         return WORLD in {side.link for one in self.closures.values() for side in (one.first, one.second)}
 
     @property
     def sprung_to_world(self) -> bool:
-        """Whether a spring between points is fixed to the world."""
+        """Return whether a spring between points is fixed to the world."""
         return WORLD in {link for one in self.point_springs.values() for link, _ in (one.first, one.second)}
 
     @property
     def keeps_momentum(self) -> bool:
-        """Whether momenta, less impulses of forces, stay: a free base, no gravity, not held by the world."""
+        """Return whether momenta less impulses of forces are conserved: free base, no gravity, no hold."""
         return (
             self.mechanism.base == "free"
             and not self.closed_to_world

@@ -1,4 +1,4 @@
-"""What a run works on: buffers, the contact memory of the moment, Pinocchio's data and coal's objects."""
+"""Workspace of a run: buffers, contact memory, Pinocchio's data and coal's objects."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Workspace:
 
     @functools.cached_property
     def data(self) -> Any:
-        """Pinocchio's buffers, made when they are asked for: they grow with the cube of the freedoms."""
+        """Pinocchio's buffers, allocated at first use: they grow with the cube of the freedoms."""
         return self.model.createData()
 
     def __init__(self, system: System, memory: ArrayLike | None = None) -> None:
@@ -153,7 +153,7 @@ class Workspace:
             self.program[one.words] = one.given(t, angle, rate)
 
     def tell_energies(self, y: Array) -> None:
-        """Have elements on links in Python say what they store in a state, by the time last asked of."""
+        """Evaluate the stored energy of Python elements on links, at the time of their last call."""
         for on, one in zip(self._on, self.system.callables, strict=True):
             if on[0] != 0.0 and isinstance(one, OnLinksInPython) and one.element.passive:
                 assert self._bodies is not None

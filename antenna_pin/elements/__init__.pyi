@@ -7,8 +7,6 @@ from antenna_pin.elements.bearing import StiffnessBearing as StiffnessBearing
 from antenna_pin.elements.bearing import moved as moved
 from antenna_pin.elements.belt import Belt as Belt
 from antenna_pin.elements.belt import Cable as Cable
-from antenna_pin.elements.between_joints import BetweenJoints as BetweenJoints
-from antenna_pin.elements.between_points import BetweenPoints as BetweenPoints
 from antenna_pin.elements.bouc_wen import BoucWen as BoucWen
 from antenna_pin.elements.bristle_friction import BristleFriction as BristleFriction
 from antenna_pin.elements.bristle_friction import DahlFriction as DahlFriction
@@ -25,6 +23,8 @@ from antenna_pin.elements.courses import Polynomial as Polynomial
 from antenna_pin.elements.courses import Ramp as Ramp
 from antenna_pin.elements.courses import Sine as Sine
 from antenna_pin.elements.courses import Sines as Sines
+from antenna_pin.elements.curve import SweptPiece as SweptPiece
+from antenna_pin.elements.curve import sines_of as sines_of
 from antenna_pin.elements.element import GROSS_WORK as GROSS_WORK
 from antenna_pin.elements.element import LOSS as LOSS
 from antenna_pin.elements.element import WORK as WORK
@@ -33,6 +33,7 @@ from antenna_pin.elements.element import Drive as Drive
 from antenna_pin.elements.element import Element as Element
 from antenna_pin.elements.element import ForceElement as ForceElement
 from antenna_pin.elements.element import Integral as Integral
+from antenna_pin.elements.flanks import BetweenJoints as BetweenJoints
 from antenna_pin.elements.given import CallableDrive as CallableDrive
 from antenna_pin.elements.given_links import Acts as Acts
 from antenna_pin.elements.given_links import CallableElement as CallableElement
@@ -55,8 +56,9 @@ from antenna_pin.elements.on_links import AtPoint as AtPoint
 from antenna_pin.elements.on_links import OnLinks as OnLinks
 from antenna_pin.elements.outside_force import OutsideForce as OutsideForce
 from antenna_pin.elements.pd import PDController as PDController
-from antenna_pin.elements.point import Point as Point
 from antenna_pin.elements.point_spring import PointSpring as PointSpring
+from antenna_pin.elements.points import BetweenPoints as BetweenPoints
+from antenna_pin.elements.points import Point as Point
 from antenna_pin.elements.prescribed import CallableMotion as CallableMotion
 from antenna_pin.elements.prescribed import DistanceMotion as DistanceMotion
 from antenna_pin.elements.prescribed import Motion as Motion
@@ -64,8 +66,8 @@ from antenna_pin.elements.prescribed import PrescribedMotion as PrescribedMotion
 from antenna_pin.elements.random_shake import RandomShake as RandomShake
 from antenna_pin.elements.random_shake import band_power as band_power
 from antenna_pin.elements.random_shake import density_at as density_at
+from antenna_pin.elements.reference import REFERENCES as REFERENCES
 from antenna_pin.elements.reference import Reference as Reference
-from antenna_pin.elements.reference_registry import REFERENCES as REFERENCES
 from antenna_pin.elements.registry import DRIVES as DRIVES
 from antenna_pin.elements.registry import ELEMENTS as ELEMENTS
 from antenna_pin.elements.registry import FAMILIES as FAMILIES
@@ -88,8 +90,6 @@ from antenna_pin.elements.slews import Trapezoid as Trapezoid
 from antenna_pin.elements.spring import JointSpring as JointSpring
 from antenna_pin.elements.sticking_friction import StickingFriction as StickingFriction
 from antenna_pin.elements.stop import EndStop as EndStop
-from antenna_pin.elements.swept_pieces import SweptPiece as SweptPiece
-from antenna_pin.elements.swept_pieces import sines_of as sines_of
 from antenna_pin.elements.tabulated import TableDrive as TableDrive
 from antenna_pin.elements.thruster import Thruster as Thruster
 from antenna_pin.elements.together import check_together as check_together

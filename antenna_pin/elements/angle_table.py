@@ -64,7 +64,7 @@ class TableSpring(Element):
 
     @property
     def has_kinks(self) -> bool:
-        """Where the table ends, if the run does not."""
+        """Return the ends of the table, unless it continues."""
         return self.outside != "refuse"
 
     def check_begin(self, place: str, angle: float) -> None:

@@ -56,7 +56,7 @@ class Bearing(Element):
 
     @property
     def about(self) -> About:
-        """What it acts about at a joint with play."""
+        """Axis of the effort at a joint with play."""
         return "pose"
 
     @property

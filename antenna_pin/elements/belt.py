@@ -52,7 +52,7 @@ class Strands(Flanks):
 
     @property
     def has_kinks(self) -> bool:
-        """Whether a taut strand has a damper, which comes to its limit."""
+        """Return whether a taut strand has a damper, with a limit."""
         return self.damping > 0.0
 
     @property

@@ -81,12 +81,12 @@ class BoucWen(Element):
 
     @property
     def limit(self) -> float:
-        """Where z ends [-]."""
+        """Bound of z [-]."""
         return float((self.slope / (self.beta + self.gamma)) ** (1.0 / self.exponent))
 
     @property
     def kinks(self) -> int:
-        """Where it turns back; and where z passes zero, for size and sign of z are in its rate."""
+        """Return the number of kinks: reversals, and zeros of z, whose size and sign are in its rate."""
         odd = self.exponent % 2.0 == 1.0 and self.gamma == 0.0
         return 1 if odd else 2
 

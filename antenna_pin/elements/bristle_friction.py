@@ -74,17 +74,17 @@ class BristleFriction(Element):
 
     @property
     def under_load(self) -> bool:
-        """Whether its friction is that of a load too."""
+        """Return whether the friction is of a load."""
         return self.coefficient > 0.0
 
     @property
     def limit(self) -> float:
-        """Where bristles slip, over T_c / sigma_0 [-]."""
+        """Bristle deflection at slip, over T_c / sigma_0 [-]."""
         return 1.0 if self._static is None else self._static / self.coulomb
 
     @property
     def _static(self) -> float | None:
-        """What breaks it away, of laws that tell that from slipping."""
+        """Break-away torque, of laws that distinguish it from slip."""
         return getattr(self, "static", None)
 
     @property
@@ -99,7 +99,7 @@ class BristleFriction(Element):
 
     @property
     def has_kinks(self) -> bool:
-        """Where it turns back."""
+        """Return the joints whose reversals are kinks."""
         return True
 
     def values(self) -> dict[str, Any]:
@@ -260,7 +260,7 @@ class GonthierFriction(BristleFriction):
 
     @property
     def kinks(self) -> int:
-        """Where its dwell begins to grow or to fade, and where its friction is cut; turning back is none."""
+        """Return the number of kinks: begin and end of dwell, cut of the friction; reversals are none."""
         return 2
 
     @property

@@ -1,4 +1,4 @@
-"""What latches of all kinds share: when they capture a joint, and when they let go."""
+"""Base of latches: capture of a joint, and release."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class Capture(ModalElement):
 
     @property
     def window(self) -> tuple[float, float]:
-        """Where it captures [rad] ([m])."""
+        """Position of capture [rad] ([m])."""
         return self.angle - self.width, self.angle + self.width
 
     def facts(self) -> dict[str, float]:
@@ -72,11 +72,11 @@ class Capture(ModalElement):
 
     @property
     def weighed(self) -> tuple[int, ...]:
-        """Which of its functions ask for its joint's reduced inertia."""
+        """Return the functions that need the joint's reduced inertia."""
         return () if self.greatest_energy is None else (1,)
 
     def captures(self, met: Met) -> bool:
-        """Whether a joint in the window is captured as it goes."""
+        """Return whether a joint in the window is captured as it moves."""
         way = _WAYS[self.direction] * met.rate if self.direction != "both" else abs(met.rate)
         slow = self.greatest_rate is None or way <= self.greatest_rate
         return 0.0 <= way and slow and (self.greatest_energy is None or met.energy <= self.greatest_energy)

@@ -78,7 +78,7 @@ class Table(Reference):
 
     @property
     def longest_step(self) -> float:
-        """Of one that comes again, the least distance of its points [s]."""
+        """Least distance of points of a periodic course [s]."""
         return float(np.diff(self.time).min()) if self.periodic else math.inf
 
     def terms(self) -> tuple[float, ...]:
@@ -110,7 +110,7 @@ class Sum(Reference):
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Those of its parts [s]."""
+        """Kinks of the parts [s]."""
         return tuple(sorted({t for part in self.parts for t in part.instants}))
 
     @property
@@ -120,7 +120,7 @@ class Sum(Reference):
 
     @property
     def known(self) -> tuple[float, float]:
-        """When all of its parts are known [s]."""
+        """Time from which all parts are known [s]."""
         return max(part.known[0] for part in self.parts), min(part.known[1] for part in self.parts)
 
     def terms(self) -> tuple[float, ...]:

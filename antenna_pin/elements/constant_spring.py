@@ -49,7 +49,7 @@ class ConstantSpring(Element):
 
     @property
     def has_kinks(self) -> bool:
-        """Where a ramp begins or ends, if there is one."""
+        """Return the number of kinks: ends of a ramp."""
         return self.lower is not None or self.upper is not None
 
     def values(self) -> dict[str, Any]:

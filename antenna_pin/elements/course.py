@@ -1,4 +1,4 @@
-"""What follows a course over time: a part that swings, and its sum with others, of which one is a table."""
+"""Courses over time: a sine, and its sum with others, of which one is a table."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Swing(ForceElement):
 
     @property
     def angular_frequency(self) -> float:
-        """Of what swings, 0 where nothing does [rad/s]."""
+        """Angular frequency of the sine, 0 without [rad/s]."""
         return 2.0 * math.pi * (self.frequency or 0.0)
 
     def check_frequency(self, swings: bool) -> None:

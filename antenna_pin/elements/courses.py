@@ -9,8 +9,8 @@ from typing import Literal
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.base.readable import GIVEN, number
 from antenna_pin.elements import term_kernels as kernels
+from antenna_pin.elements.curve import SweptPiece
 from antenna_pin.elements.reference import Reference, pieces, swept, term
-from antenna_pin.elements.swept_pieces import SweptPiece
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Chirp", "Constant", "Polynomial", "Ramp", "Sine", "Sines"]
@@ -57,7 +57,7 @@ class Ramp(Reference):
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Where it begins and ends [s]."""
+        """Begin and end of the ramp [s]."""
         return (self.start,) if self.duration is None else (self.start, self.start + self.duration)
 
     def terms(self) -> tuple[float, ...]:
@@ -96,7 +96,7 @@ class Polynomial(Reference):
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Where it begins [s]."""
+        """Begin of the course [s]."""
         return (self.start,)
 
     def terms(self) -> tuple[float, ...]:
@@ -173,12 +173,12 @@ class Chirp(Reference):
 
     @property
     def octaves_a_minute(self) -> float:
-        """How fast the frequency grows, on the average [1/min]."""
+        """Mean rate of growth of the frequency [1/min]."""
         return 60.0 * math.log2(self.last / self.first) / self.duration
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Where it begins and ends [s]."""
+        """Begin and end of the sweep [s]."""
         return self.start, self.start + self.duration
 
     @property

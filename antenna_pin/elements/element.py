@@ -1,4 +1,4 @@
-"""What a force element is: all that a system, a run, a scenario, a result and a report ask of one.
+"""Base of force elements: interface for system, run, scenario, result and report.
 
 An element acts at one joint: it sees time, the joint's angle and rate, and gives the torque about its axis.
 (A :class:`ForceElement` may act elsewhere; what is said below of joints does not hold for it then.)
@@ -100,22 +100,22 @@ class ForceElement:
 
     @property
     def about(self) -> About:
-        """What it acts about at a joint with play."""
+        """Axis of the effort at a joint with play."""
         return "motion"
 
     @property
     def acts(self) -> bool:
-        """Whether it acts from the start on: its field ``on``, which those have that can be switched."""
+        """Return whether the element acts from the start on: field ``on`` of those that can be switched."""
         return bool(getattr(self, "on", True))
 
     @property
     def under_load(self) -> bool:
-        """Whether it has friction that is that of its joint's own load."""
+        """Return whether the element has friction by its joint's own load."""
         return False
 
     @property
     def has_row(self) -> bool:
-        """Whether it has a row among constraints: it may hold its joint, or has friction of its load."""
+        """Return whether the element has a row among constraints, for a hold or friction by load."""
         return self.under_load
 
     @property
@@ -135,12 +135,12 @@ class ForceElement:
 
     @property
     def has_kinks(self) -> bool:
-        """Whether its effort has kinks, where its kernel ``kink`` is zero: steps end there."""
+        """Return whether the effort has kinks, zeros of kernel ``kink``, at which steps end."""
         return False
 
     @property
     def kinks(self) -> int:
-        """How many functions its kernels have for that; more than one by ``kink_of``, which is told which."""
+        """Number of functions whose zeros are kinks; several by ``kink_of``, with a number."""
         return int(self.has_kinks)
 
     @property
@@ -177,7 +177,7 @@ class ForceElement:
 
     @property
     def ends(self) -> tuple[float, ...]:
-        """Angles of its joint at which a run ends, for it knows nothing of what is beyond [rad] ([m])."""
+        """Angles of the joint at which a run ends, the ends of the element's range [rad] ([m])."""
         return ()
 
     def check_begin(self, place: str, angle: float) -> None:
@@ -189,7 +189,7 @@ class ForceElement:
         """
 
     def check_span(self, place: str, begin: float, end: float) -> None:
-        """Refuse a run that goes beyond the times that it knows of.
+        """Refuse a run beyond the times of the element's data.
 
         Args:
             place: Its name, for the message.
@@ -245,22 +245,22 @@ class Element(ForceElement):
 
     @property
     def measured(self) -> str:
-        """The joint whose motion it sees: its own, if it does not say otherwise."""
+        """Joint whose motion the element follows: its own unless given."""
         return self.joint
 
     @property
     def functions(self) -> tuple[tuple[str, Callable[..., float], int], ...]:
-        """Functions of a user's that it asks: name, function, how many of time, angle and rate it takes."""
+        """User's functions of the element: name, function, number of arguments of time, angle and rate."""
         return ()
 
     def __post_init__(self) -> None:
-        """Check the parameters, and that its functions can be asked."""
+        """Check the parameters, and that the functions can be called."""
         ForceElement.__post_init__(self)
         for name, function, count in self.functions:
             check_takes(self, name, function, *(word for word, _ in _motion_words(False)[:count]))
 
     def asked(self, place: str, slides: bool) -> tuple[AskedFunction, ...]:
-        """Return its functions as a run asks them.
+        """Return the functions for a run.
 
         Args:
             place: Its name, for what is said of them.
@@ -306,7 +306,7 @@ class Element(ForceElement):
 
 
 def _motion_words(slides: bool) -> tuple[tuple[str, str], ...]:
-    """Return name and unit of what functions of a joint's motion are asked."""
+    """Return name and unit of the arguments of functions of a joint's motion."""
     unit = "m" if slides else "rad"
     return ("t", "s"), ("position" if slides else "angle", unit), ("rate", f"{unit}/s")
 
@@ -327,5 +327,5 @@ class Drive(Element):
 
     @property
     def about(self) -> About:
-        """What it acts about at a joint with play."""
+        """Axis of the effort at a joint with play."""
         return self.axis

@@ -1,4 +1,4 @@
-"""What meshes or pulls between two joints: which sides are in contact, and when they come off."""
+"""Base of gears and belts: sides in contact between two joints, and their releases."""
 
 from __future__ import annotations
 
@@ -6,12 +6,76 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from antenna_pin.elements.between_joints import BetweenJoints
-from antenna_pin.elements.element import IMPULSE, LOSS, Integral
+from antenna_pin.elements.element import IMPULSE, LOSS, ForceElement, Integral
 from antenna_pin.elements.mesh_kernels import APART, BOTH, BOTH_WAYS, MINUS, PLUS, TURNS, TWO
 from antenna_pin.elements.modal import Change, Met, Modal
+from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Flanks"]
+__all__ = [
+    "BetweenJoints",
+    "Flanks",
+]
+
+# --- elements between two joints ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BetweenJoints(ForceElement):
+    """Base of the elements that act at two joints: on a deflection that is a function of their positions.
+
+    Such an element is one at a joint whose angle is its deflection, ``x(input, output)``: its kernels
+    ``effort``, ``stored`` and ``kink`` are given x and its rate. The effort is along x: at each joint it acts
+    times the derivative of x over that joint's position, with the reaction on the joint's own parent.
+    Besides there are
+
+    - ``between(words, at, angle, rate, other, other_rate)``: x, its rate, and its derivatives over the
+      positions of the input and of the output;
+    - ``dissipation(words, at, x, rate)``: the power that it takes by its deflection [W];
+    - if there is friction beside it ``drag(words, at, torque, rate)``: the torque on the input, against its
+      rate, where the element gives it a torque.
+
+    Attributes:
+        input: Name of the joint on the driving side.
+        output: Name of the joint on the driven side.
+    """
+
+    integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
+    # Whether its deflection is a way [m] and its effort a force [N]; else they are an angle and a torque.
+    along: ClassVar[bool] = False
+    # Whether its input and its output are to slide; what else to take where they do not as they are to.
+    slide: ClassVar[tuple[bool, bool]] = (False, False)
+    instead: ClassVar[str] = 'kind "rack" from a pinion to what it moves, or a coupling'
+
+    input: str
+    output: str
+
+    def __post_init__(self) -> None:
+        """Check the parameters, and that there are two joints."""
+        ForceElement.__post_init__(self)
+        if self.input == self.output:
+            raise InvalidParameterError(self, "output", "another joint than the input", self.output)
+
+    def between_said(self) -> str:
+        """Return between which joints it is, in words."""
+        return f"from {self.input} to {self.output}"
+
+    def check_joints(self, place: str, slides: tuple[bool, bool]) -> None:
+        """Refuse joints between which it cannot act.
+
+        Args:
+            place: Its name, for the message.
+            slides: Whether input and output slide along their axes rather than turning about them.
+        """
+        for key, name, seen, wanted in zip(
+            ("input", "output"), (self.input, self.output), slides, self.slide, strict=True
+        ):
+            if seen != wanted:
+                does, is_to = ("slides", "turns") if seen else ("turns", "slides")
+                rule = f"a joint that {is_to}, and {name!r} {does}; take {self.instead}"
+                raise InvalidParameterError(place, key, rule, name)
+
+
+# --- flanks and strands -------------------------------------------------------------------------------------
 
 _SIDES = {PLUS: "plus", MINUS: "minus"}
 
@@ -52,12 +116,12 @@ class Flanks(Modal, BetweenJoints):
 
     @property
     def side_numbers(self) -> tuple[float, int]:
-        """How far beyond no deflection a side begins to act (its room), and which springs there are."""
+        """Deflection at which a side begins to act, and the number of springs."""
         raise NotImplementedError
 
     @property
     def ever_changes(self) -> bool:
-        """Whether it has sides: without play it is one spring both ways."""
+        """Return whether the element has sides: without play it is one spring both ways."""
         return self.side_numbers[1] != BOTH_WAYS
 
     def first(self, met: Met) -> Change | None:

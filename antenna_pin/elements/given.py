@@ -32,19 +32,19 @@ class CallableDrive(Drive):
 
     @property
     def called(self) -> bool:
-        """Whether kernels call its function."""
+        """Return whether kernels call the function."""
         from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.torque)
 
     @property
     def in_python(self) -> bool:  # type: ignore[override]
-        """Whether Python calls its function, before each evaluation."""
+        """Return whether Python calls the function, before each evaluation."""
         return not self.called
 
     @property
     def senses(self) -> bool:  # type: ignore[override]
-        """Whether its kernel is to know the joint's motion."""
+        """Return whether the kernel needs the joint's motion."""
         return self.called
 
     def values(self) -> dict[str, Any]:

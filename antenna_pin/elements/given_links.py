@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, ClassVar, Protocol
 
 from antenna_pin.base.answers import asked, check_takes
@@ -12,10 +13,115 @@ from antenna_pin.base.arguments import unknown_type
 from antenna_pin.elements.desk_kernels import clear
 from antenna_pin.elements.element import ForceElement, Integral
 from antenna_pin.elements.on_links import BOOKED, AtPoint, OnLinks
-from antenna_pin.elements.point import Point, checked_point
+from antenna_pin.elements.points import Point, checked_point
 from antenna_pin.errors import FunctionError, InvalidParameterError
 
-__all__ = ["Acts", "CallableElement", "CallableForce", "InPythonOnLinks"]
+__all__ = [
+    "Acts",
+    "address_on_links",
+    "CallableElement",
+    "CallableForce",
+    "InPythonOnLinks",
+    "wrench_on_links",
+]
+
+# --- functions that Numba has compiled ----------------------------------------------------------------------
+#
+# Kernels call a function by its address with a time and the place of a stretch of numbers
+# (:mod:`antenna_pin.elements.desk_kernels`); what stands there, records, is made here of how many there are.
+
+#: Compiled functions, kept for as long as their addresses are in use anywhere.
+_KEPT: list[Any] = []
+
+
+def address_on_links(place: str, name: str, function: Any, sizes: tuple[int, int, int, int]) -> float:
+    """Return where a compiled function stands that kernels call.
+
+    Args:
+        place: Whose it is, for the refusal.
+        name: Which one, for the refusal.
+        function: Compiled by ``numba.njit``.
+        sizes: How many parameters, links, joints and states it is asked of.
+
+    Raises:
+        InvalidParameterError: Numba cannot compile it for these.
+    """
+    from numba.core.errors import NumbaError
+
+    try:
+        return float(_compiled(function, sizes).address)
+    except NumbaError as error:
+        first = next(line for line in str(error).splitlines() if line.strip())
+        rule = "a compiled function of what an element on links sees"
+        raise InvalidParameterError(
+            place, name, rule, said=f"one of which Numba says: {first.strip()}"
+        ) from None
+
+
+@cache
+def wrench_on_links(function: Any) -> Any:
+    """Return a function that acts on one link by a compiled one of time, pose and twist."""
+    import numpy as np
+    from numba import njit
+
+    @njit
+    def act(t: float, p: Any, links: Any, joints: Any, states: Any, whole: Any) -> None:
+        link = links[0]
+        pose, twist = np.zeros((4, 4)), np.zeros(6)
+        pose[3, 3] = 1.0
+        for i in range(3):
+            pose[i, 3] = link.place[i]
+            twist[i], twist[3 + i] = link.velocity[i], link.spin[i]
+            for k in range(3):
+                pose[i, k] = link.rotation[i, k]
+        six = function(t, pose, twist)
+        for k in range(3):
+            link.force[k], link.torque[k] = six[k], six[3 + k]
+
+    return act
+
+
+@cache
+def _compiled(function: Any, sizes: tuple[int, int, int, int]) -> Any:
+    """Return a function as kernels call it: of a time and a place, which gives 1 where it raises."""
+    from numba import carray, cfunc, float64, njit
+
+    from antenna_pin.base.records import words_of
+    from antenna_pin.compiled.pointer import pointer
+    from antenna_pin.elements.desk_kernels import JOINT, LINK, STATE, WHOLE
+
+    numbers, links, joints, states = sizes
+    first = numbers
+    second = first + words_of(WHOLE)
+    third = second + links * words_of(LINK)
+    fourth = third + joints * words_of(JOINT)
+    end = fourth + states * words_of(STATE)
+
+    @njit
+    def asked(t: float, all_: Any) -> None:
+        function(
+            t,
+            all_[:first],
+            all_[second:third].view(LINK),
+            all_[third:fourth].view(JOINT),
+            all_[fourth:end].view(STATE),
+            all_[first:second].view(WHOLE)[0],
+        )
+
+    def wrapped(t: float, place: float, _: float) -> float:
+        try:
+            asked(t, carray(pointer(place), (end,)))
+        except Exception:
+            return 1.0
+        return 0.0
+
+    own: Callable[..., float] = wrapped
+    compiled: Any = cfunc(float64(float64, float64, float64), error_model="numpy")(own)
+    _KEPT.append(compiled)
+    return compiled
+
+
+# --- elements of a user's -----------------------------------------------------------------------------------
 
 _ASKED = ("t", "p", "links", "joints", "states", "whole")
 # What is looked at before it is taken apart.
@@ -29,7 +135,7 @@ _GIVES = "forces and rates that are finite numbers"
 
 
 class Acts(Protocol):
-    """What an element of a user's does: it looks at records, and writes beside what it sees."""
+    """Compiled function of a user's element: reads records of links and joints, writes efforts."""
 
     def __call__(self, t: float, p: Any, links: Any, joints: Any, states: Any, whole: Any) -> None:
         """Act.
@@ -48,11 +154,11 @@ class Acts(Protocol):
 
 
 class InPythonOnLinks(Protocol):
-    """What of an element on links is a function of a user's."""
+    """Functions of a user's element on links."""
 
     @property
     def called(self) -> bool:
-        """Whether kernels call it."""
+        """Return whether kernels call the function."""
 
     def ask(self, place: str, t: float, desk: Any) -> None:
         """Ask it in Python."""
@@ -60,7 +166,7 @@ class InPythonOnLinks(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CallableElement(OnLinks):
-    """What a function does that sees links and joints: a tether, a magnetic damper.
+    """Function of links and joints in Python: a tether, a magnetic damper.
 
     The function is plain Python, or compiled by ``numba.njit``, the same text either way (:class:`Acts`). All
     that it may write is zero (``kink`` 1) when it is asked. It must answer equal questions equally.
@@ -91,7 +197,7 @@ class CallableElement(OnLinks):
     longest: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the parameters, and that its function can be asked."""
+        """Check the parameters, and that the function can be called."""
         for name, kind, rule in _GIVEN_AS:
             given: Any = getattr(self, name)
             if not isinstance(given, kind):
@@ -120,17 +226,17 @@ class CallableElement(OnLinks):
 
     @property
     def states(self) -> tuple[Integral, ...]:  # type: ignore[override]
-        """What it integrates itself."""
+        """Names of the integrated values."""
         return tuple(Integral(name, "1") for name in self.integrates)
 
     @property
     def integrals(self) -> tuple[Integral, ...]:  # type: ignore[override]
-        """What is booked of it, and what it integrates itself."""
+        """Names of the booked and of the integrated values."""
         return (*BOOKED, *self.states)
 
     @property
     def has_kinks(self) -> bool:
-        """Whether its forces have kinks that it tells of."""
+        """Return whether the forces have kinks, given by a function."""
         return self.has_kink
 
     @property
@@ -140,7 +246,7 @@ class CallableElement(OnLinks):
 
     @property
     def called(self) -> bool:
-        """Whether kernels call its function."""
+        """Return whether kernels call the function."""
         from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.act)
@@ -150,9 +256,9 @@ class CallableElement(OnLinks):
         return len(self.parameters), len(self.links), len(self.joints), len(self.integrates)
 
     def values(self) -> dict[str, Any]:
-        """Return its numbers: where its function stands, zero where Python asks it."""
+        """Return the packed parameters: address of the function, zero for one in Python."""
         from antenna_pin.compiled.given_functions import is_compiled
-        from antenna_pin.elements.compiled_on_links import address_on_links
+        from antenna_pin.elements.given_links import address_on_links
 
         if not is_compiled(self.act):
             return {"address": 0.0}
@@ -163,7 +269,7 @@ class CallableElement(OnLinks):
         return tuple(map(float, self.parameters.values()))
 
     def ask(self, place: str, t: float, desk: Any) -> None:
-        """Ask its function in Python, and look at what it writes.
+        """Call the Python function, and check its results.
 
         Args:
             place: Its name, for what is said of it.
@@ -209,20 +315,20 @@ class CallableForce(AtPoint):
     wrench: Callable[[float, Any, Any], Any]
 
     def __post_init__(self) -> None:
-        """Check the point, and that its function can be asked."""
+        """Check the point, and that the function can be called."""
         AtPoint.__post_init__(self)
         check_takes(self, "wrench", self.wrench, "t", "pose", "twist")
 
     @property
     def called(self) -> bool:
-        """Whether kernels call its function."""
+        """Return whether kernels call the function."""
         from antenna_pin.compiled.given_functions import is_compiled
 
         return is_compiled(self.wrench)
 
     def values(self) -> dict[str, Any]:
-        """Return its numbers: where its function stands, zero where Python asks it."""
-        from antenna_pin.elements.compiled_on_links import address_on_links, wrench_on_links
+        """Return the packed parameters: address of the function, zero for one in Python."""
+        from antenna_pin.elements.given_links import address_on_links, wrench_on_links
 
         if not self.called:
             return {"address": 0.0}
@@ -230,7 +336,7 @@ class CallableForce(AtPoint):
         return {"address": address_on_links(type(self).__name__, "wrench", own, (0, 1, 0, 0))}
 
     def ask(self, place: str, t: float, desk: Any) -> None:
-        """Ask its function in Python, and look at its answer, as :meth:`CallableElement.ask` does."""
+        """Call the Python function and check its result, as :meth:`CallableElement.ask` does."""
         import numpy as np
 
         link = desk[1][0]

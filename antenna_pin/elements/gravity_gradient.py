@@ -21,7 +21,7 @@ _SQUARE = 1e-9  # cosine of what counts as a right angle
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GravityGradient(OnLinks):
-    r"""What a central field does on a circular orbit beside the fall of all: its gradient, to first order.
+    r"""Gravity gradient of a central field on a circular orbit, to first order.
 
     The world's axes do not turn, and their origin, the reference point, falls along the orbit. With e the
     direction to the centre, n the orbital rate, c a body's mass centre and I its inertia about that,
@@ -55,7 +55,7 @@ class GravityGradient(OnLinks):
     nadir: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 0.0, -1.0))
 
     def __post_init__(self) -> None:
-        """Check the parameters, and that they tell one orbit."""
+        """Check the parameters, and that they define one orbit."""
         ForceElement.__post_init__(self)
         if (self.mu is None) != (self.radius is None):
             missing, there = ("mu", "radius") if self.mu is None else ("radius", "mu")

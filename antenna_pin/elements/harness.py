@@ -59,7 +59,7 @@ class HarnessSpring(TableSpring):
 
     @property
     def has_kinks(self) -> bool:
-        """Where it turns back, and where the tables end."""
+        """Return the number of kinks: reversals and ends of the tables."""
         return True
 
     def values(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Friction of a joint itself, of no matter which contact: what a URDF's ``<dynamics>`` says."""
+"""Friction of a joint itself, apart from contacts: a URDF's ``<dynamics>``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What end stops of all kinds share: two sides, or one."""
+"""Base of end stops: two sides, or one."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Limits(ModalElement):
         return math.inf if self.upper is None else self.upper
 
     def said_by(self, name: str, side: int) -> str:
-        """Return the parameter that says what a side has: ``upper_`` one where the upper side has its own."""
+        """Return the name of a side's parameter: with ``upper_`` where the upper side has its own."""
         upper = f"upper_{name}"
         return upper if side == UPPER and getattr(self, upper, None) is not None else name
 
@@ -62,7 +62,7 @@ class Limits(ModalElement):
         return getattr(self, self.said_by(name, side))
 
     def differs(self, names: Iterable[str]) -> bool:
-        """Whether the upper side has any of these parameters of its own."""
+        """Return whether the upper side has a parameter of its own."""
         return any(self.said_by(name, UPPER) != name for name in names)
 
     def check_upper(self, names: Iterable[str]) -> None:

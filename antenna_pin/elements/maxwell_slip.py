@@ -78,7 +78,7 @@ class MaxwellSlip(ModalElement):
 
     @property
     def has_kinks(self) -> bool:
-        """Where one begins to slip."""
+        """Return the number of kinks: begins of slip."""
         return True
 
     @property
@@ -88,7 +88,7 @@ class MaxwellSlip(ModalElement):
 
     @property
     def anchors(self) -> tuple[float, ...]:
-        """Where each is not bent at present [rad] ([m])."""
+        """Positions at which the springs are relaxed at present [rad] ([m])."""
         return tuple(getattr(self, name) for name in _ANCHORS[: len(self.stiffness)])
 
     def values(self) -> dict[str, Any]:

@@ -44,7 +44,7 @@ class Teeth(Flanks):
 
     @property
     def has_kinks(self) -> bool:
-        """Whether it has flanks with a damper, which comes to its limit."""
+        """Return whether the flanks have a damper, with a limit."""
         return self.play > 0.0 and self.damping > 0.0
 
     @property

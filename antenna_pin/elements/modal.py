@@ -33,7 +33,7 @@ _NOTHING_KEPT: Mapping[str, Remembered] = MappingProxyType({})
 
 
 class Met(NamedTuple):
-    """What an element meets where one of its functions passes zero.
+    """State of an element's joint at a zero of one of its functions.
 
     Attributes:
         t: Time [s].
@@ -54,7 +54,7 @@ class Met(NamedTuple):
 
     @property
     def energy(self) -> float:
-        """Of the joint's own motion [J]: what a lock would take."""
+        """Kinetic energy of the joint's own motion [J], lost in a lock."""
         return 0.5 * self.inertia * self.rate * self.rate
 
 
@@ -120,17 +120,17 @@ class Modal(ForceElement):
 
     @property
     def ever_changes(self) -> bool:
-        """Whether it has more than one mode, as it is."""
+        """Return whether the element has more than one mode."""
         return True
 
     @property
     def weighed(self) -> tuple[int, ...]:
-        """Which of its functions ask for its joint's reduced inertia."""
+        """Return the functions that need the joint's reduced inertia."""
         return ()
 
     @property
     def has_row(self) -> bool:
-        """Whether it has a row among constraints: it may hold its joint."""
+        """Return whether the element has a row among constraints, to hold its joint."""
         return self.holds
 
     def first(self, met: Met) -> Change | None:

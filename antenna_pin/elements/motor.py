@@ -84,7 +84,7 @@ class Motor(Drive):
 
     @property
     def has_kinks(self) -> bool:
-        """Whether a limit may begin to hold."""
+        """Return whether a limit may act."""
         return (self.voltage_limit if self.mode == "current" else self.current_limit) is not None
 
     def values(self) -> dict[str, Any]:

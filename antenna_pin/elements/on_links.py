@@ -1,4 +1,4 @@
-"""What every element that acts on links is: forces from outside, thrusters, what a user writes."""
+"""Base of elements on links: forces from outside, thrusters, users' elements."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, ForceElement, Integral
-from antenna_pin.elements.point import Point, checked_point
+from antenna_pin.elements.points import Point, checked_point
 
 __all__ = ["BOOKED", "AtPoint", "OnLinks"]
 

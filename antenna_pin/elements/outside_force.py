@@ -91,7 +91,7 @@ class OutsideForce(AtPoint):
 
     @property
     def longest_step(self) -> float:
-        """What resolves its course [s]."""
+        """Longest step that resolves the course [s]."""
         return math.inf if self.course is None else self.course.longest_step
 
     @property

@@ -86,7 +86,7 @@ class PDController(Course, Drive):
 
     @property
     def has_kinks(self) -> bool:
-        """Whether the torque has a limit."""
+        """Return whether the torque has a limit."""
         return self.limit is not None
 
     def values(self) -> dict[str, Any]:

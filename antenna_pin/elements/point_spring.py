@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.elements.between_points import BetweenPoints
+from antenna_pin.elements.points import BetweenPoints
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["PointSpring"]

@@ -11,17 +11,25 @@ from typing import Any
 
 import numpy as np
 
+from antenna_pin.base.lazy import Classes
 from antenna_pin.base.parameters import check, parameters_of
 from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.elements import term_kernels as kernels
-from antenna_pin.elements.swept_pieces import SweptPiece
+from antenna_pin.elements.curve import SweptPiece
 
-__all__ = ["OverTime", "Reference", "pieces", "swept", "term"]
+__all__ = [
+    "OverTime",
+    "pieces",
+    "Reference",
+    "REFERENCES",
+    "swept",
+    "term",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reference:
-    """Base of the references: a sum of terms that kernels know.
+    """Base of the references: a sum of terms for kernels.
 
     Angles of a joint that turns [rad], or ways of one that slides [m]; or what else who follows it takes.
     """
@@ -119,3 +127,24 @@ def swept(parts: Sequence[SweptPiece]) -> tuple[float, ...]:
     for k, part in enumerate(parts):
         found[k] = tuple(part)
     return term(kernels.SWEPT, found.view(np.float64).tolist(), count=len(parts))
+
+
+# --- references by their kinds ------------------------------------------------------------------------------
+
+REFERENCES = Classes(
+    "antenna_pin.elements",
+    {
+        "constant": "courses.Constant",
+        "ramp": "courses.Ramp",
+        "polynomial": "courses.Polynomial",
+        "sine": "courses.Sine",
+        "chirp": "courses.Chirp",
+        "sines": "courses.Sines",
+        "table": "composed_courses.Table",
+        "trapezoid": "slews.Trapezoid",
+        "s-curve": "slews.SCurve",
+        "rest-to-rest": "slews.RestToRest",
+        "sum": "composed_courses.Sum",
+    },
+)
+"""References by their ``kind`` in ``[references.NAME]``."""

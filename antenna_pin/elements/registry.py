@@ -43,7 +43,7 @@ class Family(NamedTuple):
     in_python: Classes = Classes(_ROOM, {})
 
     def has(self, element: object) -> bool:
-        """Whether an element is one of the family; its other classes are not loaded for that."""
+        """Return whether an element is of the family, without loading the family's other classes."""
         return _name_of(type(element)) in (*self.kinds.places.values(), *self.in_python.places.values())
 
 
@@ -166,7 +166,7 @@ _NUMBERS = {name: 10 + k for k, name in enumerate(name for one in _ALL for name 
 
 
 def __getattr__(name: str) -> Any:
-    """Return ``ELEMENTS``, all that there are, which nobody needs but what tells of all or compiles them."""
+    """Return ``ELEMENTS``, all classes of elements, for listings and compilation."""
     if name == "ELEMENTS":
         return tuple(cls for one in _ALL for cls in one.values())
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.directions import A_DIRECTION
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.base.readable import GIVEN, number, readable
+from antenna_pin.elements.curve import SweptPiece, sines_of
 from antenna_pin.elements.prescribed import Motion
 from antenna_pin.elements.reference import swept
-from antenna_pin.elements.swept_pieces import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Shake", "SineShake", "SweepShake"]
@@ -58,7 +58,7 @@ class Shake(Motion):
 
     @property
     def slides(self) -> bool:
-        """Whether the base moves along a direction rather than turning."""
+        """Return whether the base moves along a direction rather than turning."""
         return self.direction is not None
 
     def check_joint(self, place: str, slides: bool) -> None:
@@ -81,7 +81,7 @@ class Shake(Motion):
 
     @property
     def faded(self) -> tuple[float, ...]:
-        """When it has faded in, if it does [s]."""
+        """End of the fade-in, if any [s]."""
         return (self.fade_in,) if self.fade_in else ()
 
     def said_fade(self) -> str:
@@ -89,7 +89,7 @@ class Shake(Motion):
         return f", fades in within {readable(self.fade_in, 's', GIVEN)}" if self.fade_in else ""
 
     def carried(self) -> dict[str, Any]:
-        """Return what a result carries of it, for those who look at what answers to it."""
+        """Return the facts about the shaken base that a result carries."""
         return {"along": list(self.direction)} if self.direction else {"about": list(self.axis or ())}
 
     def way(self) -> str:

@@ -21,7 +21,7 @@ __all__ = ["TableShake"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableShake(Shake):
-    """The base moves as a table says: its displacement, velocity or acceleration; the others follow exactly.
+    """Base motion by a table of displacement, velocity or acceleration; the others follow exactly.
 
     A displacement is joined by cubics whose second derivative is continuous; a velocity, or an acceleration,
     by straight lines. The integrals of the last two start at ``start_displacement`` and, of an acceleration,

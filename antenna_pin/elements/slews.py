@@ -34,12 +34,12 @@ class Slew(Reference):
 
     @property
     def duration(self) -> float:
-        """How long it takes [s]."""
+        """Duration [s]."""
         return sum(span for span, _ in self.phases())
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Where a derivative jumps [s]."""
+        """Times at which a derivative jumps [s]."""
         found, t = [self.start], self.start
         for span, _ in self.phases():
             t += span

@@ -109,7 +109,7 @@ class StickingFriction(ModalElement):
 
     @property
     def under_load(self) -> bool:
-        """Whether its friction is that of a load."""
+        """Return whether the friction is of a load."""
         return self.coefficient > 0.0 or bool(self.static_coefficient)
 
     def values(self) -> dict[str, Any]:
@@ -148,7 +148,7 @@ class StickingFriction(ModalElement):
         return Change(_FORWARD if direction > 0.0 else _BACKWARD)
 
     def follows(self, met: Met) -> Change:
-        """Return the change at a joint whose rate is prescribed: one that stands keeps its last way."""
+        """Return the change at a joint of prescribed rate; at rest the last direction persists."""
         if abs(met.rate) > 0.5 * STANDSTILL_RATE:  # its functions pass at STANDSTILL_RATE, by round-off less
             mode = self.slips(met.rate).mode
         else:

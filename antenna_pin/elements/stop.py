@@ -125,7 +125,7 @@ class EndStop(Limits):
             self._check_law(side)
 
     def _check_law(self, side: int) -> None:
-        """Check that the law of a side has what it asks for, and nothing else."""
+        """Check that the parameters of a side are those of its law."""
         law, takes = self.of_side("law", side), self._taken(side)
         for own in _OF_LAWS:
             name = self.said_by(own, side)

@@ -132,7 +132,7 @@ class Thruster(AtPoint):
 
     @property
     def follows(self) -> bool:
-        """Whether the force follows what it is to be with a time constant."""
+        """Return whether the force follows its command with a time constant."""
         return self.rise_time > 0.0
 
     @property
@@ -142,7 +142,7 @@ class Thruster(AtPoint):
 
     @property
     def integrals(self) -> tuple[Integral, ...]:  # type: ignore[override]
-        """What is booked of it, and its force."""
+        """Names of the booked values and of the force."""
         return (*BOOKED, *self.states)
 
     @property

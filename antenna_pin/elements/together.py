@@ -1,4 +1,4 @@
-"""What stops and latches at one joint must be to one another."""
+"""Rules of stops and latches at one joint."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["check_together"]
 
 
 def check_together(families: Mapping[str, Mapping[str, ForceElement]]) -> None:
-    """Refuse latches that a stop keeps the joint from, and two of which one could not tell which captures.
+    """Refuse latches out of a stop's reach, and two latches with one window.
 
     Args:
         families: All elements of a system, by family and then by name.

@@ -1,4 +1,4 @@
-"""How the steps of a run are made: their pace, and the compiled loop of them."""
+"""Steps of a run: their pace, and the compiled loop."""
 
 from antenna_pin.base.lazy import exported
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 class Along(NamedTuple):
-    """What a step makes of displacements.
+    """Map of tangents over a step.
 
     Attributes:
         ways: At its end, (displacement, k), with what they are off by behind them.
@@ -72,7 +72,7 @@ class Carrying:
 
     @staticmethod
     def takes(stepper: CompiledStepper) -> bool:
-        """Whether a stepper's method is one of which displacements go by the stages."""
+        """Return whether tangents of a stepper's method are propagated stage by stage."""
         return stepper.newton is None and stepper.method.adaptive
 
     def along(

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 class Answers:
-    """Who answers what compiled code asks outside, in one run.
+    """Callbacks of compiled code in one run.
 
     Nothing that is raised passes through machine code: it is kept, and raised where the compiled code was
     called from (:meth:`check`). The functions hold what they look at; nothing that they hold knows of them,
@@ -42,7 +42,7 @@ class Answers:
     """
 
     def __init__(self, size: int, nv: int) -> None:
-        """Begin with nobody to be asked, about states of a size and so many velocities."""
+        """Begin without callbacks, for states of a size and a number of velocities."""
         self.outside = kernels.Outside(
             asked=np.zeros(1, kernels.ASKED),
             state=np.zeros(size),
@@ -76,12 +76,12 @@ class Answers:
         self.outside.asked[question] = ctypes.cast(called, ctypes.c_void_p).value
 
     def asks(self, question: str) -> bool:
-        """Whether anybody is asked a question."""
+        """Return whether a callback is given."""
         return question in self._kept
 
     @property
     def refusal(self) -> FunctionError | None:
-        """What a function of the user's has refused to answer last."""
+        """Return the last refusal of a user's function."""
         for error in self._raised:
             if isinstance(error, FunctionError):
                 return error
@@ -96,7 +96,7 @@ class Answers:
 
 
 def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> None:
-    """Let what of a system's elements happens in Python be asked.
+    """Register the callbacks of a system's elements in Python.
 
     Args:
         answers: Who answers.
@@ -137,7 +137,7 @@ def give_pinocchio(answers: Answers, workspace: Workspace, mass: Array, bias: Ar
 
 
 def check_compiled(system: System) -> None:
-    """Refuse a system that the compiled engine cannot take; say why, and the way out.
+    """Refuse a system that the compiled engine cannot take, with reason and way out.
 
     Raises:
         MechanismError: Of what happens in Python.
@@ -250,7 +250,7 @@ class CompiledStepper(Stepper):
         return error
 
     def tried(self, h: float) -> float:
-        """Try a step as :meth:`attempt`, but raise nothing: what could not be answered is left to be seen."""
+        """Try a step as :meth:`attempt`, without raising the errors of callbacks."""
         self.h, self.has_dense = h, False
         layout, work, numbers = self.manifold.layout, self.work, self.numbers
         if self.newton is None:

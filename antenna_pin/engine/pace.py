@@ -16,7 +16,7 @@ _ROOM = 16  # patterns, to begin with
 
 
 class Pace:
-    """What decides how long the next step is.
+    """Numbers of the step size control.
 
     Args:
         adaptive: Whether sizes follow errors.

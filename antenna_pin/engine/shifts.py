@@ -1,4 +1,4 @@
-"""How the numbers of a system go with parameters, laid out for the derivatives of its rates."""
+"""Derivatives of a system's numbers with respect to parameters, laid out for the rates' derivatives."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class SystemSlopes(NamedTuple):
 
 
 def takes_slopes(system: System, slopes: SystemSlopes) -> bool:
-    """Whether changes of bodies' and constraints' numbers have a derivative that is known: not of axes."""
+    """Return whether changes of bodies' and constraints' numbers have a known derivative: not of axes."""
     if system.plan is not None:
         driven = slopes.plan[:, system.plan.parts.motions]
         axes = place_of(layout_of_rows.DRIVEN, "axes")

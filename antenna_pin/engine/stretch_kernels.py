@@ -15,6 +15,7 @@ from antenna_pin.engine.episode_kernels import keep_peaks
 from antenna_pin.engine.gross_kernels import settle
 from antenna_pin.engine.hold_kernels import close
 from antenna_pin.engine.step_kernels import attempt, prepare_dense
+from antenna_pin.engine.touch_kernels import keep_efforts
 from antenna_pin.integrate.kernels import START, STATE, STATE_ROW, begin, dense_state
 
 # Where a step is: it has not begun; longer ones did not pass; its trial stands, and is to be searched; a
@@ -147,6 +148,7 @@ class Loop(NamedTuple):
         sizes: Of steps, by pattern of contacts.
         watched: What is looked at from afar.
         works: Where works and their gross works stand in x, (n, 2).
+        touches: Largest efforts of elements in touch, TOUCH, (n,).
     """
 
     stretch: Any
@@ -167,6 +169,7 @@ class Loop(NamedTuple):
     sizes: Any
     watched: Any
     works: Any
+    touches: Any
 
 
 @inlined
@@ -297,6 +300,9 @@ def accept(loop: Loop) -> None:
     if has_failed(loop.numbers.outside):
         s.samples = before
         return
+    if loop.touches.shape[0] > 0:
+        step = loop.space, loop.dense, work, stages + START, buffers.out
+        keep_efforts(s.t, tried, loop.touches, step, loop.numbers)
     s.t += tried
     begin(stages, loop.space, work)
     loop.numbers.outside.asked[0].new = 1

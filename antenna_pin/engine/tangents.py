@@ -136,12 +136,12 @@ class Tangents:
 
     @staticmethod
     def takes(system: System) -> bool:
-        """Whether a system is one whose rates are differentiated part by part."""
+        """Return whether a system's rates are differentiated part by part."""
         return Tangents.knows_contacts(system) and all(j.load == "point" for j in system.clearances)
 
     @staticmethod
     def knows_contacts(system: System) -> bool:
-        """Whether what is met at onsets (:meth:`impact`, :meth:`opening`) is known, if rates are not."""
+        """Return whether derivatives at onsets are known (:meth:`impact`, :meth:`opening`)."""
         compiled = all(j.compiled and j.backend == "closed-form" for j in system.clearances)
         loaded = system.plan is not None and system.plan.loaded
         return compiled and not loaded and not system.callables
@@ -271,7 +271,7 @@ def _head(system: System, block: int) -> np.void:
 
 
 def _freedoms(system: System, head: np.void) -> tuple[int, int]:
-    """Return the first of the freedoms of the joint of an element's head that it may know, and how many.
+    """Return first and number of the freedoms that affect the joint of an element's head.
 
     What sees a joint's angle, and acts along it, knows none of where the journal is in its bearing.
     """

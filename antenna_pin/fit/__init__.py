@@ -1,4 +1,4 @@
-"""From measured records to numbers of a scenario: what play, stiffness, friction a joint has."""
+"""Parameter estimation: numbers of a scenario from measured records."""
 
 from antenna_pin.base.lazy import exported
 

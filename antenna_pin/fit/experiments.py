@@ -1,8 +1,8 @@
-"""Experiments that could be made: what each would tell of a fit's parameters, at values known by now.
+"""Candidate experiments of a fit, and the derivatives of their residuals at known values.
 
-An experiment is like one of the fit's records, with keys of the scenario set anew, and other columns or times
-if it has them. What it would tell hangs on its residuals' derivatives only, and these on no measured number:
-so it is run as a record of what the model itself reads.
+An experiment resembles one of the fit's records, with keys of the scenario set anew, and other columns or
+times if given. Its information depends on the derivatives of its residuals only, and these on no measured
+number: so it is run as a record of the model's own readings.
 """
 
 from __future__ import annotations
@@ -22,30 +22,27 @@ from antenna_pin.base.files import absence
 from antenna_pin.base.tables import write_csv
 from antenna_pin.base.units import shown
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
-from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.designs import Criterion
-from antenna_pin.fit.expressions import names_in
-from antenna_pin.fit.laboratory import Laboratory
-from antenna_pin.fit.layout import LayoutSpec
-from antenna_pin.fit.parameter_specs import FitParameterSpec
-from antenna_pin.fit.plan import FitPlan, RecordSpec, place_in_record
+from antenna_pin.fit.identifiability import Criterion
+from antenna_pin.fit.plan import FitPlan, RecordSpec, record_place
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.record_file import read_columns
+from antenna_pin.fit.run_service import RunService
+from antenna_pin.fit.specs import ColumnSpec, FitParameterSpec, LayoutSpec, names_in
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import nested
 from antenna_pin.scenario.shipped import read_toml
 from antenna_pin.scenario.spec import Count, Place, Quantity, Spec, dotted, explained, refuse
 
-__all__ = ["ExperimentSpec", "Experiments", "TimesSpec", "Trial", "load_experiments", "without"]
+__all__ = ["Experiments", "Trial", "load_experiments", "eliminate"]
 
 Array = NDArray[np.float64]
 
-# Samples of a made record at most: more tell no more, and take long.
+# Most samples of a synthetic record.
 _MOST = 1_000_000
 
 
-class TimesSpec(Spec):
-    """When an experiment is sampled, from its run's start on, or from where its clock surely is beyond it.
+class _TimesSpec(Spec):
+    """Sample times of an experiment, from its run's start, or later by its clock.
 
     Attributes:
         until: Time of the last sample, at most [s].
@@ -67,8 +64,8 @@ class TimesSpec(Spec):
         return np.asarray(np.arange(int(self.until * self.rate * (1.0 + 1e-12)) + 1) / self.rate)
 
 
-class ExperimentSpec(Spec):
-    """One experiment.
+class _ExperimentSpec(Spec):
+    """Experiment of a fit.
 
     Attributes:
         like: The record of the fit that it is like; the first if left out.
@@ -84,7 +81,7 @@ class ExperimentSpec(Spec):
     what: str = ""
     case: str | None = None
     set: dict[str, Any] = Field(default_factory=dict)
-    times: TimesSpec | None = None
+    times: _TimesSpec | None = None
     columns: dict[str, ColumnSpec] | None = None
     repeat: Annotated[int, BeforeValidator(Count(1, 1_000_000).read)] = 1
 
@@ -96,7 +93,7 @@ class ExperimentSpec(Spec):
 
     @property
     def words(self) -> str:
-        """What it is, or what is set for it."""
+        """Description, or the keys set."""
         parts = [f"{key} = {shown(value)}" for key, value in _dotted(self.set)]
         parts += [] if self.times is None else [f"{self.times.until:g} s at {self.times.rate:g} Hz"]
         parts += [] if self.columns is None else [f"columns {', '.join(self.columns)}"]
@@ -105,7 +102,7 @@ class ExperimentSpec(Spec):
 
 
 def _dotted(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the keys of tables in each other with dots, and their values."""
+    """Yield the keys of nested tables with dots, and their values."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _dotted(value, f"{above}{key}.")
@@ -131,7 +128,7 @@ class Experiments(Spec):
     criterion: Criterion = "D"
     wanted: str | None = None
     total: Annotated[int, BeforeValidator(Count(0, 10_000).read)] = 0
-    experiments: dict[str, ExperimentSpec]
+    experiments: dict[str, _ExperimentSpec]
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
@@ -161,7 +158,7 @@ def load_experiments(path: str | os.PathLike[str]) -> Experiments:
 
 
 class Trial:
-    """An experiment that is ready to be run as the model would make it.
+    """Experiment ready to be run as the model would make it.
 
     What is unknown anew in it, the shift of its clock and the starts of its pieces, is eliminated: residuals
     that it could explain tell nothing.
@@ -171,7 +168,7 @@ class Trial:
         name: Of the experiment, for messages.
         experiment: What it is.
         values: Of the fit's parameters, (p,) [SI].
-        laboratory: Makes who makes the runs.
+        service: Makes who makes the runs.
 
     Raises:
         AntennaPinError: Record, scenario, columns or parameters are not valid.
@@ -181,9 +178,9 @@ class Trial:
         self,
         plan: FitPlan,
         name: str,
-        experiment: ExperimentSpec,
+        experiment: _ExperimentSpec,
         values: Array,
-        laboratory: Callable[[], Laboratory] = Laboratory,
+        service: Callable[[], RunService] = RunService,
     ) -> None:
         """Check all of it."""
         like = next(iter(plan.records)) if experiment.like is None else experiment.like
@@ -194,7 +191,7 @@ class Trial:
         self._repeat = experiment.repeat
         try:
             with tempfile.TemporaryDirectory() as folder:
-                self._problem = _problem(plan, like, experiment, self._kept, values, Path(folder), laboratory)
+                self._problem = _problem(plan, like, experiment, self._kept, values, Path(folder), service)
         except AntennaPinError as error:
             raise ScenarioError(f"experiments.{name}: {error}") from None
 
@@ -207,17 +204,17 @@ class Trial:
         problem, order = self._problem, list(self._every)
         whole = np.concatenate([[self._every[one] for one in problem.names], problem.states])
         slopes = problem.jacobian(whole)
-        anew = [k for k, one in enumerate(problem.names) if _is_anew(self._kept[one])]
+        anew = [k for k, one in enumerate(problem.names) if _is_clock(self._kept[one])]
         anew += range(len(problem.names), len(whole))
-        slopes = without(slopes, np.array(anew, dtype=int))
+        slopes = eliminate(slopes, np.array(anew, dtype=int))
         found = np.zeros((len(slopes), len(order)))
         for k, one in enumerate(problem.names):
             found[:, order.index(one)] = slopes[:, k]
         return np.asarray(np.sqrt(float(self._repeat)) * found)
 
 
-def without(slopes: Array, anew: NDArray[np.intp]) -> Array:
-    """Return derivatives of residuals of which some unknowns explain what they can, theirs zero."""
+def eliminate(slopes: Array, anew: NDArray[np.intp]) -> Array:
+    """Return derivatives of residuals with some unknowns eliminated, their columns zero."""
     found = slopes.copy()
     if len(anew):
         theirs = slopes[:, anew]
@@ -229,21 +226,21 @@ def without(slopes: Array, anew: NDArray[np.intp]) -> Array:
     return np.asarray(found)
 
 
-def _is_anew(parameter: FitParameterSpec) -> bool:
-    """Whether a parameter is another one in the next experiment: a clock is set anew each time."""
-    places = [place_in_record(key) for key in parameter.keys_set]
+def _is_clock(parameter: FitParameterSpec) -> bool:
+    """Return whether a parameter is a clock, set anew in each experiment."""
+    places = [record_place(key) for key in parameter.keys_set]
     return bool(places) and all(place is not None and place[2] == "clock_shift" for place in places)
 
 
-def _parameters(plan: FitPlan, like: str, experiment: ExperimentSpec) -> dict[str, FitParameterSpec]:
-    """Return the parameters that an experiment knows, with those of their keys that are its own."""
+def _parameters(plan: FitPlan, like: str, experiment: _ExperimentSpec) -> dict[str, FitParameterSpec]:
+    """Return the parameters of an experiment, with its own keys."""
     found = {}
     for name, one in plan.parameters.items():
         if one.records is not None and like not in one.records:
             continue
         keys = []
         for key in one.keys_set:
-            place = place_in_record(key)
+            place = record_place(key)
             of_columns = experiment.columns is not None and place is not None and bool(place[1])
             if place is None or (place[0] == like and not of_columns):
                 keys.append(key)
@@ -257,11 +254,11 @@ def _parameters(plan: FitPlan, like: str, experiment: ExperimentSpec) -> dict[st
 def _problem(
     plan: FitPlan,
     like: str,
-    experiment: ExperimentSpec,
+    experiment: _ExperimentSpec,
     parameters: dict[str, FitParameterSpec],
     values: Array,
     folder: Path,
-    laboratory: Callable[[], Laboratory],
+    service: Callable[[], RunService],
 ) -> Problem:
     """Return the experiment as a fit of one record."""
     spec = plan.records[like]
@@ -275,7 +272,7 @@ def _problem(
 
     def problem(record: RecordSpec) -> Problem:
         changed = {"parameters": parameters, "records": {like: record}, "starts": None}
-        return Problem(plan.model_copy(update=changed), laboratory())
+        return Problem(plan.model_copy(update=changed), service())
 
     if experiment.times is None and experiment.columns is None:
         return problem(spec.model_copy(update=update))
@@ -284,8 +281,8 @@ def _problem(
         names = [one.column or name for name, one in spec.columns.items()]
         time = read_columns(file, names, spec, f"records.{like}").time
     else:
-        clocks = [one.numbers() for one in parameters.values() if _is_anew(one)]
-        # By a clock ahead of the run's the first sample is late enough for any shift that it may have.
+        clocks = [one.numbers() for one in parameters.values() if _is_clock(one)]
+        # With an early clock the first sample suits any shift.
         early = max(0.0, -min([spec.clock_shift, *(low for _, low, _, _ in clocks)]))
         time = experiment.times.instants() + early
         last = float(time[-1]) + max([spec.clock_shift, *(high for _, _, high, _ in clocks)])
@@ -297,7 +294,7 @@ def _problem(
     readings = {key: np.zeros(len(time)) for key in made}
     _write(folder / "made.csv", time, readings)
     if any(one.compare in ("spectrum", "blows") for one in made.values()):
-        # Of bands and blows even the noise is known from a record only: that of the model itself.
+        # The noise of bands and impacts depends on a record: the model's own.
         curves = {"compare": "curve", "spectrum": None, "blows": None, "sd": 1.0}
         plain = {key: one.model_copy(update=curves) for key, one in made.items()}
         first = problem(spec.model_copy(update=update | {"columns": plain, "gaps": "skip", "pieces": None}))

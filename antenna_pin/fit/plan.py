@@ -1,53 +1,55 @@
-"""The file of a fit: which scenario, which records, which numbers are unknown, how they are found."""
+"""The file of a fit: scenario, records, unknown numbers, search settings."""
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.units import shown
 from antenna_pin.errors import OutputError
-from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.expressions import evaluate, names_in
-from antenna_pin.fit.layout import LayoutSpec
-from antenna_pin.fit.losses import Loss
-from antenna_pin.fit.parameter_specs import DerivedSpec, FitParameterSpec
-from antenna_pin.fit.sureness import Noise
+from antenna_pin.fit.specs import ColumnSpec, DerivedSpec, FitParameterSpec, LayoutSpec, evaluate, names_in
+from antenna_pin.fit.uncertainty import Loss, Noise
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.runs_file import RunsFile, laid_over, nested
 from antenna_pin.scenario.spec import Count, Folder, Quantity, Spec, refuse, refuse_name
 
 __all__ = [
     "FitPlan",
-    "PiecesSpec",
     "RecordSpec",
-    "StartsSpec",
     "SurfaceSpec",
+    "Unknowns",
     "load_fit",
-    "place_in_record",
+    "record_place",
+    "parameter_size",
 ]
 
-#: Of a record's own numbers: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
+Array = NDArray[np.float64]
+
+#: Numbers of a record: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")
 
-Jacobian = Literal["differences", "equation"]
+_Jacobian = Literal["differences", "equation"]
 
 _LEAST_TOLERANCE = 1e-15  # [-]
 
 
-def place_in_record(key: str) -> tuple[str, str, str] | None:
-    """Return record, column ("" of the record itself) and name of the number that a key is, or None."""
+def record_place(key: str) -> tuple[str, str, str] | None:
+    """Return record, column or "" and number named by a key, or None."""
     found = _OF_RECORD.fullmatch(key)
     return None if found is None else (found[1], found[3] or "", found[2] or found[4])
 
 
-class PiecesSpec(Spec):
+class _PiecesSpec(Spec):
     """A record cut into pieces that start from states of their own (multiple shooting).
 
     Attributes:
@@ -61,7 +63,7 @@ class PiecesSpec(Spec):
 
 
 class RecordSpec(LayoutSpec):
-    """One measured run: how its file is laid out, and what was measured.
+    """Measured run: layout of its file, and measured quantities.
 
     Attributes:
         file: A text (CSV and its kin), NetCDF, MAT or universal file, from the fit file's folder.
@@ -81,13 +83,13 @@ class RecordSpec(LayoutSpec):
     gaps: Literal["refuse", "skip"] = "refuse"
     case: str | None = None
     set: dict[str, Any] = Field(default_factory=dict)
-    pieces: PiecesSpec | None = None
+    pieces: _PiecesSpec | None = None
     columns: dict[str, ColumnSpec]
 
     @model_validator(mode="before")
     @classmethod
     def _nest(cls, data: Any) -> Any:
-        """Let keys of the scenario stand with dots."""
+        """Accept keys of the scenario with dots."""
         if isinstance(data, Mapping) and isinstance(data.get("set"), Mapping):
             return {**data, "set": nested(data["set"])}
         return data
@@ -106,7 +108,7 @@ class RecordSpec(LayoutSpec):
         return self
 
 
-class StartsSpec(Spec):
+class _StartsSpec(Spec):
     """Many starts, for a sum of squares with several valleys: Sobol' points between the bounds.
 
     Attributes:
@@ -127,7 +129,7 @@ class StartsSpec(Spec):
 
 
 class SurfaceSpec(Spec):
-    """Of statistics of chaotic motions: surfaces through what many runs come to, in place of derivatives.
+    """Response surfaces through many runs, for statistics of chaotic motions.
 
     Attributes:
         runs: At points of a box, each time, a power of two [-].
@@ -149,7 +151,7 @@ class SurfaceSpec(Spec):
 
 
 class FitPlan(RunsFile):
-    """A fit that can be asked for by a file.
+    """Fit defined by a file.
 
     Attributes:
         parameters: What is unknown, by name.
@@ -157,7 +159,7 @@ class FitPlan(RunsFile):
         records: What was measured, by name.
         validation: Records that are not fitted: the fit is judged by them.
         noise: ``given``, the columns' ``sd`` are what they say; ``estimated``, only their ratios are, and
-            what the residuals come to says how large the noise is; or ``correlated``, and they hang together
+            what the residuals come to says how large the noise is; or ``correlated``, and they are correlated
             in time.
         loss: How a residual counts, as SciPy's ``least_squares`` has it: ``linear`` by its square, the others
             less where it is large.
@@ -183,11 +185,11 @@ class FitPlan(RunsFile):
     noise: Noise = "given"
     loss: Loss = "linear"
     loss_scale: Annotated[float, Quantity("1", "positive")] = 1.0
-    jacobian: Jacobian = "differences"
+    jacobian: _Jacobian = "differences"
     difference_step: Annotated[float, Quantity("1", "between 0 and 1")] = 1e-4
     tolerance: Annotated[float, Quantity("1", "between 0 and 1")] = 1e-8
     most: Annotated[int, BeforeValidator(Count(1, 100_000).read)] = 100
-    starts: StartsSpec | None = None
+    starts: _StartsSpec | None = None
     surface: SurfaceSpec | None = None
     name: str = "fit"
     folder: Folder = Path()
@@ -265,7 +267,7 @@ class FitPlan(RunsFile):
         return self
 
     def _check_derived(self, name: str, derived: DerivedSpec, owners: dict[tuple[str, str], str]) -> None:
-        """Refuse a derived number of what is not there, or of what somebody else sets."""
+        """Refuse a derived number of unknown names, or of a key set elsewhere."""
         for used in names_in(derived.value):
             if used not in self.parameters:
                 refuse_name("parameter", used, self.parameters, "derived", name, "value")
@@ -285,13 +287,13 @@ class FitPlan(RunsFile):
             refuse(str(error), "derived", name, "value")
 
     def own_parameters(self, record: str) -> list[int]:
-        """Return the places of the parameters that a record's scenario depends on."""
+        """Return the indices of the parameters in a record's scenario."""
         derived = [one for one in self.derived.values() if one.records is None or record in one.records]
         used = {name for one in derived for name in names_in(one.value)}
         places = []
         for i, (name, one) in enumerate(self.parameters.items()):
             mine = one.records is None or record in one.records
-            if name in used or (mine and one.keys_set and place_in_record(one.keys_set[0]) is None):
+            if name in used or (mine and one.keys_set and record_place(one.keys_set[0]) is None):
                 places.append(i)
         return places
 
@@ -308,17 +310,17 @@ class FitPlan(RunsFile):
         kept = {
             name: one.model_copy(update={"records": None, "prior": None})
             for name, one in self.parameters.items()
-            if not one.keys_set or place_in_record(one.keys_set[0]) is None
+            if not one.keys_set or record_place(one.keys_set[0]) is None
         }
         derived = {name: one.model_copy(update={"records": None}) for name, one in self.derived.items()}
         changed = {"parameters": kept, "derived": derived, "records": self.validation, "validation": {}}
         return self.model_copy(update=changed | {"starts": None})
 
     def _check_of_record(self, name: str, key: str) -> None:
-        """Refuse a parameter of a record, column or number that is not there."""
+        """Refuse a parameter of an unknown record, column or number."""
         if not key.startswith("records."):
             return
-        place = place_in_record(key)
+        place = record_place(key)
         at = ("parameters", name, "key")
         if place is None:
             rule = "must be records.NAME.clock_shift, or records.NAME.columns.COLUMN.gain or .offset"
@@ -332,7 +334,7 @@ class FitPlan(RunsFile):
             refuse("must be left out for a number of a record, whose it is", "parameters", name, "records")
 
     def check_output(self, path: Path) -> None:
-        """Refuse to write over what the fit reads: its scenario's file, a record.
+        """Refuse an output path that the fit reads from.
 
         Raises:
             OutputError: The path is that of one of them.
@@ -365,3 +367,120 @@ def load_fit(path: str | os.PathLike[str], settings: Mapping[str, Any] | Sequenc
         UnknownNameError: There is no such fit.
     """
     return FitPlan.loaded("load_fit", path, settings)
+
+
+# --- unknowns of a fit --------------------------------------------------------------------------------------
+
+# Size of a coordinate of a piece's start in error scales: a search's first step.
+_REACH = 0.1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unknowns:
+    """Unknowns of a fit: p parameters, then h coordinates of pieces' starts.
+
+    A search has each over its size, of some the logarithm.
+
+    Attributes:
+        names: Of the parameters.
+        titles: What they are called in figures.
+        units: Theirs, SI; "" of a pure number or one whose unit nobody gave.
+        start: Where the search begins, (p,) [SI].
+        lower: Bounds, (p,) [SI]; infinite if there is none.
+        upper: Likewise.
+        scale: Size of each, (p,) [SI]: of its start, or of the way between its bounds.
+        prior_mean: Means of priors, (p,) [SI].
+        prior_sd: Their standard deviations, (p,) [SI]; infinite if there is none.
+        logarithmic: Of which the logarithm is searched for, (p,).
+        states: How many coordinates there are, h.
+    """
+
+    names: tuple[str, ...]
+    titles: tuple[str, ...]
+    units: tuple[str, ...]
+    start: Array
+    lower: Array
+    upper: Array
+    scale: Array
+    prior_mean: Array
+    prior_sd: Array
+    logarithmic: NDArray[np.bool_]
+    states: int
+
+    @classmethod
+    def of(cls, plan: FitPlan, states: int) -> Unknowns:
+        """Return the unknowns of a fit's file, with a number of start coordinates."""
+        specs = plan.parameters
+        numbers = [one.numbers() for one in specs.values()]
+        start, lower, upper = (np.array([n[k] for n in numbers], dtype=float) for k in range(3))
+        return cls(
+            names=tuple(specs),
+            titles=tuple(one.title or name for name, one in specs.items()),
+            units=tuple(n[3] for n in numbers),
+            start=start,
+            lower=lower,
+            upper=upper,
+            scale=np.array([parameter_size(*n[:3]) for n in numbers]),
+            prior_mean=np.array([one.prior_numbers()[0] for one in specs.values()]),
+            prior_sd=np.array([one.prior_numbers()[1] for one in specs.values()]),
+            logarithmic=np.array([one.scale == "log" for one in specs.values()]),
+            states=states,
+        )
+
+    @property
+    def count(self) -> int:
+        """Number of parameters."""
+        return len(self.names)
+
+    def sizes(self) -> Array:
+        """Return the size of each, (p + h,): of a logarithm 1."""
+        return np.concatenate([np.where(self.logarithmic, 1.0, self.scale), np.full(self.states, _REACH)])
+
+    def to_search(self, whole: Array) -> Array:
+        """Return search coordinates of values with states, (p + h,)."""
+        found, p = np.array(whole, dtype=float), self.count
+        logarithms = np.log(np.where(self.logarithmic, found[:p], 1.0))
+        found[:p] = np.where(self.logarithmic, logarithms, found[:p])
+        return found / self.sizes()
+
+    def from_search(self, searched: Array) -> Array:
+        """Return values with states from search coordinates, (p + h,)."""
+        found, p = np.asarray(searched, dtype=float) * self.sizes(), self.count
+        values = np.where(self.logarithmic, np.exp(np.where(self.logarithmic, found[:p], 0.0)), found[:p])
+        # Round-off of exp and log must not leave the bounds.
+        found[:p] = np.clip(values, self.lower, self.upper)
+        return found
+
+    def search_slopes(self, whole: Array) -> Array:
+        """Return the derivative of each search coordinate by its value, (p + h,)."""
+        rates, p = 1.0 / self.sizes(), self.count
+        rates[:p] = np.where(self.logarithmic, 1.0 / np.where(self.logarithmic, whole[:p], 1.0), rates[:p])
+        return rates
+
+    def prior_residuals(self, whole: Array) -> Array:
+        """Return values less the means of their priors, over the standard deviations, (priors,)."""
+        known = np.isfinite(self.prior_sd)
+        return np.asarray(((whole[: self.count] - self.prior_mean) / self.prior_sd)[known])
+
+    def prior_slopes(self, whole: Array) -> Array:
+        """Return the derivatives of prior residuals by search coordinates, (priors, p + h)."""
+        known = np.isfinite(self.prior_sd)
+        slopes = np.zeros((self.count, len(whole)))
+        slopes[:, : self.count] = np.diag(1.0 / self.prior_sd / self.search_slopes(whole)[: self.count])
+        return slopes[known]
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Return the bounds of search coordinates, (p + h,) each."""
+        free = np.full(self.states, math.inf)
+        lower = np.where(self.logarithmic & ~np.isfinite(self.lower), 0.0, self.lower)
+        with np.errstate(divide="ignore"):
+            return self.to_search(np.concatenate([lower, -free])), self.to_search(
+                np.concatenate([self.upper, free])
+            )
+
+
+def parameter_size(start: float, low: float, high: float) -> float:
+    """Return the size of a parameter: of its start, or its bounds' distance [SI]."""
+    if start != 0.0:
+        return abs(start)
+    return high - low if math.isfinite(high - low) else 1.0

@@ -1,4 +1,4 @@
-"""A fit as a problem of least squares: residuals of all records as functions of what is unknown."""
+"""A fit as a problem of least squares: residuals of all records as functions of the unknowns."""
 
 from __future__ import annotations
 
@@ -14,33 +14,30 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.laboratory import Laboratory
-from antenna_pin.fit.plan import FitPlan
-from antenna_pin.fit.prepared import Prepared, prepared
-from antenna_pin.fit.rows import Rows
-from antenna_pin.fit.runs import Asked, NoRunError, Readings, scenario_with
-from antenna_pin.fit.unknowns import Unknowns
+from antenna_pin.fit.plan import FitPlan, Unknowns
+from antenna_pin.fit.preparation import Prepared, prepare_records
+from antenna_pin.fit.residuals import ResidualRows
+from antenna_pin.fit.run_service import RunService
+from antenna_pin.fit.runs import NoRunError, Readings, RunRequest, scenario_with
 from antenna_pin.scenario import Scenario
 
-__all__ = ["NoRunError", "Problem"]
-
+__all__ = ["Problem"]
 
 Array = NDArray[np.float64]
 
+# --- derivatives of residuals by unknowns -------------------------------------------------------------------
 
-# --- derivatives of a fit's residuals by its unknowns: by central differences of runs, or by what else ---
-
-#: By how much the equation may contradict differences of runs, over the size of derivatives by one unknown.
-APART = 1e-2
+#: Largest deviation of the equation from differences, over the size of derivatives by one unknown.
+_APART = 1e-2
 
 
-class Derived(NamedTuple):
-    """By what the derivatives of a fit were found.
+class DerivativeLog(NamedTuple):
+    """Methods by which the derivatives of a fit were found.
 
     Attributes:
         equation: How often by the variational equation.
         differences: How often by differences of runs.
-        why: Why the first time not by the equation, where that was asked for; "" if that was not.
+        why: Why the first time not by the equation, where that was requested; "" if that was not.
         apart: By how much the two differed where they were held against one another, over the size of the
             derivatives by one unknown; NaN if they were not.
     """
@@ -50,22 +47,22 @@ class Derived(NamedTuple):
     why: str = ""
     apart: float = float("nan")
 
-    def once_more(self, equation: bool, why: str = "") -> Derived:
-        """Return the same after one time more."""
+    def once_more(self, equation: bool, why: str = "") -> DerivativeLog:
+        """Return the log with one more evaluation."""
         if equation:
             return self._replace(equation=self.equation + 1)
         return self._replace(differences=self.differences + 1, why=self.why or why)
 
-    def held(self, equation: Array, runs: Array) -> Derived:
-        """Return the same once the equation's derivatives were held against those of runs."""
+    def held(self, equation: Array, runs: Array) -> DerivativeLog:
+        """Return the log with a comparison of the equation with runs."""
         sizes = np.linalg.norm(runs, axis=0)
         off = np.linalg.norm(equation - runs, axis=0) / np.where(sizes > 0.0, sizes, 1.0)
         apart = float(off.max(initial=0.0))
-        why = f"they contradict runs, by {apart:.2g} of their size" if apart > APART else self.why
+        why = f"they contradict runs, by {apart:.2g} of their size" if apart > _APART else self.why
         return self._replace(apart=apart, why=why)
 
     def words(self) -> str:
-        """Return it in words."""
+        """Return the log as text."""
         if not self.equation:
             return "differences of runs" + (f", not the equation: {self.why}" if self.why else "")
         said = f"the variational equation, within {self.apart:.1g} of differences of runs where it began"
@@ -75,14 +72,14 @@ class Derived(NamedTuple):
         return f"{said}; {self.differences} of {every} times by these: {self.why}"
 
 
-def by_differences(
+def central_differences(
     evaluate: Callable[[Sequence[Array]], list[Array]], here: Array, lower: Array, upper: Array, step: float
 ) -> Array:
     """Return the derivatives of residuals, (m, n), at unknowns.
 
-    The error of central differences is of the square of the step. Next to a bound, and where a neighbour has
-    no run, they go to one side, with an error of the step itself; where neither has one, a tenth of the step
-    or ten times as far.
+    The error of central differences is of the square of the step. Next to a bound, and where a perturbed run
+    has no run, they go to one side, with an error of the step itself; where neither has one, a tenth of the
+    step or ten times as far.
 
     Args:
         evaluate: The residuals at several unknowns, (m,) each.
@@ -110,13 +107,13 @@ def by_differences(
             sides.append((float(end[i]), residuals))
         (left, below), (right, above) = sides
         if not right > left:
-            columns.append(_nearby(evaluate, here, i, lower, upper, step))
+            columns.append(_one_sided(evaluate, here, i, lower, upper, step))
             continue
         columns.append((above - below) / (right - left))
     return np.column_stack(columns)
 
 
-def _nearby(
+def _one_sided(
     evaluate: Callable[[Sequence[Array]], list[Array]],
     here: Array,
     i: int,
@@ -124,7 +121,7 @@ def _nearby(
     upper: Array,
     step: float,
 ) -> Array:
-    """Return the derivatives by one unknown, to one side, where a step away from here there is no run."""
+    """Return the derivatives by one unknown, one-sided where a run is missing."""
     for farther in (0.1, -0.1, 10.0, -10.0):
         end = here.copy()
         end[i] = np.clip(here[i] + farther * step, lower[i], upper[i])
@@ -141,13 +138,13 @@ def _or_none(evaluate: Callable[[Sequence[Array]], list[Array]], there: Array) -
         return None
 
 
-#: Runs of pieces that are made together at most: their sensors are read at once, and what that rounds is
-#: not to hang on how many hands there are.
+#: Most runs of pieces made together: their sensors are read at once, and round-off must not depend on the
+#: number of workers.
 _TOGETHER = 16
 
 
 class _Run(NamedTuple):
-    """A run of the fit: of which record, of which piece of it, and where its start stands among unknowns."""
+    """Run of the fit: record, piece, and place of its start among unknowns."""
 
     record: int
     piece: int
@@ -156,14 +153,14 @@ class _Run(NamedTuple):
 
 
 class Problem:
-    """Records, scenarios and unknown numbers of a fit, checked; runs are made when residuals are asked for.
+    """Least-squares problem of a fit, checked; runs are made on demand.
 
     With records in pieces the pieces' starts are unknown too: coordinates beside the parameters, ``states``,
     which are kept here and which :meth:`residuals` takes as they are if it is given parameters only.
 
     Args:
         plan: What the fit file says.
-        laboratory: Who makes runs, and remembers them; this process if left out.
+        service: Who makes runs, and remembers them; this process if left out.
 
     Attributes:
         plan: The fit's file.
@@ -177,25 +174,25 @@ class Problem:
     """
 
     @takes()
-    def __init__(self, plan: FitPlan, laboratory: Laboratory | None = None) -> None:
+    def __init__(self, plan: FitPlan, service: RunService | None = None) -> None:
         """Read and check all."""
         self.plan = plan
-        self._prepared: Prepared = prepared(plan)
-        self.laboratory = laboratory or Laboratory()
-        self.unknowns = Unknowns.of(plan, sum(self._prepared.sizes_of_states()))
+        self._prepared: Prepared = prepare_records(plan)
+        self.service = service or RunService()
+        self.unknowns = Unknowns.of(plan, sum(map(sum, self._prepared.ways)))
         self.states = np.zeros(self.unknowns.states)
-        self._of_rig = [plan.own_parameters(name) for name in plan.records]
-        self.rows = Rows(plan, self._prepared)
-        self.derived = Derived()
+        self._own_parameters = [plan.own_parameters(name) for name in plan.records]
+        self.rows = ResidualRows(plan, self._prepared)
+        self.derived = DerivativeLog()
         self._runs: list[_Run] = []
         first = self.unknowns.count
         for r, ways in enumerate(self._prepared.ways):
-            rig = self._prepared.rigs[r]
+            test = self._prepared.record_tests[r]
             for k, size in enumerate((0, *ways)):
-                self._runs.append(_Run(r, k if rig.pieces else -1, first, size))
+                self._runs.append(_Run(r, k if test.pieces else -1, first, size))
                 first += size
         self._check_times()
-        self.laboratory.take(plan, self._prepared.rigs)  # which begins a notebook: not for what is refused
+        self.service.take(plan, self._prepared.record_tests)  # which begins a store: not for what is refused
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -209,7 +206,7 @@ class Problem:
 
     @property
     def first(self) -> Array:
-        """Where the search begins, (p,) [SI]: at these, or where following pieces has come to from them."""
+        """Start of the search, (p,) [SI]: given, or estimated along pieces."""
         return self._prepared.first
 
     @property
@@ -229,33 +226,33 @@ class Problem:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is odd about the records, a line each."""
+        """Notes on suspicious records, a line each."""
         return tuple(f"note: {one}" for one in self._prepared.notes)
 
     @property
     def runs(self) -> int:
-        """How many runs have been made, of all records and pieces."""
-        return self.laboratory.made
+        """Number of runs made, of all records and pieces."""
+        return self.service.made
 
     def failed(self) -> list[str]:
-        """Return a line if runs could not be made, so that the search went around them."""
-        found = self.laboratory.failed
+        """Return a note on failed runs, if any."""
+        found = self.service.failed
         first = f"the first: {found[0]}" if found else ""
         return [f"note: {len(found)} of {self.runs} runs could not be made, {first}"] if found else []
 
     def unbalanced(self, whole: Array) -> list[str]:
-        """Return a line where energy or momentum of runs does not balance, at these values or others."""
-        return self.laboratory.said_of_unbalanced(self._readings([whole])[0])
+        """Return a note on runs whose energy or momentum does not balance, if any."""
+        return self.service.said_of_unbalanced(self._readings([whole])[0])
 
     @property
     def count(self) -> int:
-        """How many residuals there are."""
+        """Number of residuals."""
         rows = sum(len(target.data) for target in self._prepared.targets.values())
-        return rows + sum(self._prepared.sizes_of_joints()) + len(self.unknowns.prior_residuals(self.start))
+        return rows + sum(self._prepared.joints) + len(self.unknowns.prior_residuals(self.start))
 
     @takes()
     def residuals(self, values: ArrayLike) -> Array:
-        """Return (model - data) / sd of all columns of all records, and what pieces are apart, (m,) [-].
+        """Return weighted residuals of all records, and gaps between pieces, (m,) [-].
 
         Args:
             values: Of the parameters, (p,) [SI], or of them and of the states, (p + h,).
@@ -267,19 +264,19 @@ class Problem:
 
     @takes()
     def jacobian(self, values: ArrayLike) -> Array:
-        """Return the derivatives of the residuals, (m, p), or (m, p + h) of values of that length.
+        """Return the derivatives of the residuals, (m, p), or (m, p + h) with states.
 
         Raises:
             NoRunError: A record has no run for values near these.
         """
         given = np.asarray(values, dtype=float)
         whole = self._whole(given)
-        slopes = self.slopes(self.unknowns.searched(whole))
-        return np.asarray(slopes * self.unknowns.rates(whole))[:, : len(given)]
+        slopes = self.slopes(self.unknowns.to_search(whole))
+        return np.asarray(slopes * self.unknowns.search_slopes(whole))[:, : len(given)]
 
     @takes()
     def predictions(self, values: ArrayLike) -> xr.Dataset:
-        """Return what each record's columns would read, beside what they read, all along ``row``.
+        """Return each record's columns beside the model's, all along ``row``.
 
         Returns:
             ``model``, ``data``, ``sd`` and ``residual`` (row), with the coordinates ``record``, ``column``,
@@ -289,10 +286,10 @@ class Problem:
         whole = self._whole(values)
         return self.rows.table(whole, self._readings([whole])[0])
 
-    # --- what searches and derivatives ask for
+    # --- residuals and derivatives for searches -------------------------------------------------------------
 
     def residuals_at(self, wholes: Sequence[Array]) -> list[Array]:
-        """Return the residuals at several values with states, (p + h,) each; runs are made side by side.
+        """Return the residuals at several values with states, (p + h,) each, in parallel.
 
         Raises:
             NoRunError: One of them has none.
@@ -301,7 +298,7 @@ class Problem:
         return [self._with_priors(whole, one) for whole, one in zip(wholes, found, strict=True)]
 
     def tried(self, wholes: Sequence[Array]) -> list[Array | None]:
-        """Return what :meth:`residuals_at` does, and None where there is no run."""
+        """Return the residuals at several values, None where there is no run."""
         answers: list[Array | None] = []
         for whole, found in zip(wholes, self._readings(wholes), strict=True):
             try:
@@ -311,7 +308,7 @@ class Problem:
         return answers
 
     def curves(self, whole: Array) -> dict[str, tuple[Array, Array]]:
-        """Return times, (rows,), and curves over their noise, (columns, rows), of records that are one run.
+        """Return times and curves over their noise, of records of one run.
 
         Raises:
             NoRunError: One has none.
@@ -321,41 +318,43 @@ class Problem:
     def scenario(self, record: str, values: Array) -> Scenario:
         """Return the scenario of a record with values of the parameters, (p,) [SI]."""
         r = list(self.plan.records).index(record)
-        return scenario_with(self._prepared.rigs[r], tuple(float(values[i]) for i in self._of_rig[r]))
+        return scenario_with(
+            self._prepared.record_tests[r], tuple(float(values[i]) for i in self._own_parameters[r])
+        )
 
     def slopes(self, searched: Array) -> Array:
-        """Return the derivatives of the residuals by what is searched for, (m, p + h).
+        """Return the derivatives of the residuals by search coordinates, (m, p + h).
 
         By what they were found is told by :attr:`derived`.
         """
         found, why = None, ""
         if self.plan.jacobian == "equation":
-            found, why = self._by_equation(self.unknowns.natural(searched))
-        runs = None if found is not None and self.derived.apart <= APART else self._by_runs(searched)
+            found, why = self._by_equation(self.unknowns.from_search(searched))
+        runs = None if found is not None and self.derived.apart <= _APART else self._by_runs(searched)
         if found is not None and runs is not None:  # for the first time
             self.derived = self.derived.held(found, runs)
-            found = found if self.derived.apart <= APART else None
+            found = found if self.derived.apart <= _APART else None
         self.derived = self.derived.once_more(found is not None, why)
         answer = runs if found is None else found
         assert answer is not None
-        return np.vstack([answer, self.unknowns.prior_slopes(self.unknowns.natural(searched))])
+        return np.vstack([answer, self.unknowns.prior_slopes(self.unknowns.from_search(searched))])
 
     def _by_equation(self, whole: Array) -> tuple[Array | None, str]:
-        """Return the derivatives by the variational equation, or None and why there are none."""
-        if self.derived.apart > APART:
+        """Return the derivatives by the variational equation, or None and the reason."""
+        if self.derived.apart > _APART:
             return None, self.derived.why
-        asked = [
-            one._replace(slopes=True, clock=self.rows.has_clock(one.record)) for one in self._asked(whole)
+        request = [
+            one._replace(slopes=True, clock=self.rows.has_clock(one.record)) for one in self._requests(whole)
         ]
-        found = self._flat(self.laboratory.readings(asked))
+        found = self._flat(self.service.readings(request))
         failed = next((one.failed for one in found if one.failed), "")
         if failed:
             return None, failed
         fitted = [
-            np.array([*self._of_rig[one.record], *range(one.first, one.first + one.size)], dtype=int)
+            np.array([*self._own_parameters[one.record], *range(one.first, one.first + one.size)], dtype=int)
             for one in self._runs
         ]
-        return self.rows.slopes(whole, found, fitted) / self.unknowns.rates(whole), ""
+        return self.rows.slopes(whole, found, fitted) / self.unknowns.search_slopes(whole), ""
 
     def _by_runs(self, searched: Array) -> Array:
         """Return the derivatives by differences of runs."""
@@ -364,17 +363,17 @@ class Problem:
 
         def of_parameters(ends: Sequence[Array]) -> list[Array]:
             whole = [np.concatenate([one, searched[p:]]) for one in ends]
-            return self._without_priors([self.unknowns.natural(one) for one in whole])
+            return self._without_priors([self.unknowns.from_search(one) for one in whole])
 
-        found = by_differences(of_parameters, searched[:p], lower, upper, step)
+        found = central_differences(of_parameters, searched[:p], lower, upper, step)
         return np.hstack([found, self._by_starts(searched, step)]) if len(searched) > p else found
 
     def _by_starts(self, searched: Array, step: float) -> Array:
-        """Return the derivatives by the starts of pieces, (m, h); to one side where the other has no run.
+        """Return the derivatives by the pieces' starts, (m, h), one-sided where necessary.
 
-        A start acts on its own piece only: one run of all pieces is a neighbour in a coordinate of each.
+        A start acts on its own piece only: one run of all pieces is a perturbed run in a coordinate of each.
         """
-        whole, p = self.unknowns.natural(searched), self.unknowns.count
+        whole, p = self.unknowns.from_search(searched), self.unknowns.count
         (here,) = self._readings([whole])
         middle = self.rows.residuals(whole, here)
         slopes = np.zeros((len(middle), len(searched) - p))
@@ -384,11 +383,11 @@ class Problem:
             for sign in (-1.0, 1.0):
                 end = searched.copy()
                 end[[self._runs[n].first + i for n in own]] += sign * step
-                ends.append((i, own, end, self._asked(self.unknowns.natural(end), own)))
-        self.laboratory.readings([one for *_, asked in ends for one in asked])
+                ends.append((i, own, end, self._requests(self.unknowns.from_search(end), own)))
+        self.service.readings([one for *_, request in ends for one in request])
         for below, above in zip(ends[::2], ends[1::2], strict=True):
             i, own = below[:2]
-            made = [self._flat(self.laboratory.readings(side[3])) for side in (below, above)]
+            made = [self._flat(self.service.readings(side[3])) for side in (below, above)]
             for k, n in enumerate(own):
                 at, sides = self._runs[n].first + i, []
                 for side, found in zip((below, above), made, strict=True):
@@ -403,7 +402,7 @@ class Problem:
                 slopes[:, at - p] = (upper - lower) / (right - left)
         return slopes
 
-    # --- one evaluation
+    # --- one evaluation -------------------------------------------------------------------------------------
 
     def _without_priors(self, wholes: Sequence[Array]) -> list[Array]:
         found = self._readings(wholes)
@@ -422,32 +421,32 @@ class Problem:
             raise InvalidParameterError("Problem", "values", rule, said=str(given.shape))
         return given
 
-    def _asked(self, whole: Array, only: Sequence[int] | None = None) -> list[Asked]:
-        """Return the runs, all or some by their numbers, of each record so many together."""
+    def _requests(self, whole: Array, only: Sequence[int] | None = None) -> list[RunRequest]:
+        """Return the runs, all or some, in batches of one record."""
         numbers = range(len(self._runs)) if only is None else only
-        asked = []
+        request = []
         for r, own in itertools.groupby(numbers, lambda n: self._runs[n].record):
-            values = tuple(float(whole[i]) for i in self._of_rig[r])
+            values = tuple(float(whole[i]) for i in self._own_parameters[r])
             shift, starts = self.rows.shift(whole, r), []
             for n in own:
                 one = self._runs[n]
                 starts.append((one.piece, tuple(whole[one.first : one.first + one.size].tolist())))
             for k in range(0, len(starts), _TOGETHER):
-                asked.append(Asked(r, values, shift, tuple(starts[k : k + _TOGETHER])))
-        return asked
+                request.append(RunRequest(r, values, shift, tuple(starts[k : k + _TOGETHER])))
+        return request
 
     def _flat(self, answers: Sequence[Sequence[Readings]]) -> list[Readings]:
         return [one for several in answers for one in several]
 
     def _readings(self, wholes: Sequence[Array]) -> list[list[Readings]]:
-        """Return what comes of all runs, at each of several values with states."""
-        asked = [self._asked(whole) for whole in wholes]
-        answers = iter(self.laboratory.readings([one for several in asked for one in several]))
-        return [self._flat([next(answers) for _ in several]) for several in asked]
+        """Return the readings of all runs, at each of several values with states."""
+        request = [self._requests(whole) for whole in wholes]
+        answers = iter(self.service.readings([one for several in request for one in several]))
+        return [self._flat([next(answers) for _ in several]) for several in request]
 
     def _check_times(self) -> None:
-        """Refuse a record that goes beyond its run, at whatever shift of its clock that may be fitted."""
-        for r, (name, rig) in enumerate(zip(self.plan.records, self._prepared.rigs, strict=True)):
+        """Refuse a record beyond its run, at any shift of its clock."""
+        for r, (name, test) in enumerate(zip(self.plan.records, self._prepared.record_tests, strict=True)):
             shifts = [self.rows.shift(self.start, r)]
             for number in self.rows.numbers:
                 i = number.parameter
@@ -458,6 +457,6 @@ class Problem:
                             f"fit {self.plan.name}", f"parameters.{self.names[i]}.between", rule, None
                         )
                     shifts += [float(self.lower[i]), float(self.upper[i])]
-            span = json.loads(rig.scenario)["duration"]
+            span = json.loads(test.scenario)["duration"]
             windowed = self.plan.records[name].window is not None
             self._prepared.check_span(name, min(shifts), max(shifts), span, windowed)

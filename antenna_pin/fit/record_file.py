@@ -1,12 +1,15 @@
-"""Columns of a measured record from its file, of any of some formats. What is no number in it is NaN here."""
+"""Columns of a measured record from its file, of any of several formats; NaN for missing numbers."""
 
 from __future__ import annotations
 
 import contextlib
+import datetime
 import faulthandler
 import importlib
+import json
 import multiprocessing
 import os
+import re
 import resource
 import signal
 import sys
@@ -20,22 +23,133 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.capacity import free_memory
-from antenna_pin.base.files import absence
-from antenna_pin.base.units import unit_factor
+from antenna_pin.base.files import absence, marked_encoding
+from antenna_pin.base.numerals import decimal_in
+from antenna_pin.base.tables import BadTableError, TextLayout, UnknownColumnError, hint, read_cells
+from antenna_pin.base.units import shown, unit_factor
 from antenna_pin.errors import MissingToolError, ScenarioError, UnknownNameError
-from antenna_pin.fit.layout import LayoutSpec
-from antenna_pin.fit.text_record import from_text
+from antenna_pin.fit.specs import LayoutSpec
 from antenna_pin.trajectory.file import load_dataset, open_hdf5
 
-__all__ = ["SUFFIXES", "Columns", "read_columns"]
-
+__all__ = ["read_columns"]
 
 Array = NDArray[np.float64]
 
-_SHOWN = 12
+# --- text files ---------------------------------------------------------------------------------------------
+
+# Cells without a number, as spreadsheets and recorders write them.
+_NO_NUMBER = frozenset({"", "nan", "na", "n/a", "null", "none", "inf", "-inf", "+inf", "-", "#n/a"})
+_OF_TEXT = ("delimiter", "decimal", "comment", "skip", "names", "units_row")
+_SHOWN = 12  # names that a message offers
+_LOOKED_AT = 200  # lines in which column names are looked for, to say where they are
+# Seconds of a stamp and their decimals: Python's own parser stops at microseconds.
+_STAMP_SECONDS = re.compile(r"(:[0-9]{2})[.,]([0-9]+)")
 
 
-# --- columns of a universal file, by which programs for vibration tests exchange measurements ---
+def _from_text(
+    path: Path, names: Sequence[str], layout: LayoutSpec, place: str
+) -> tuple[dict[str, Array], dict[str, str]]:
+    """Return columns of a text by name, (rows,) each, and their units."""
+    text, where = _text(path, layout, place), f"{place}: {path.name}"
+    known = {name: getattr(layout, name) for name in _OF_TEXT}
+    try:
+        cells = read_cells(text, names, TextLayout(holes=True, **known), headless=False)
+    except UnknownColumnError as error:
+        if not error.known:
+            raise ScenarioError(f"{where} must have a header with {', '.join(names)}, got nothing") from None
+        if layout.names is None:
+            _refuse_misplaced_header(names, error.line, text.splitlines(), layout, where)
+        shown_names = [one for one in error.known if one][:_SHOWN]
+        raise UnknownNameError(where, "column", error.name, shown_names) from None
+    except BadTableError as error:
+        raise ScenarioError(f"{where}: {error}") from None
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    first: tuple[datetime.datetime, float] | None = None
+    for name, column in columns.items():
+        for line, cell in zip(cells.lines, cells.text[name], strict=True):
+            at = f"{where}: line {line}"
+            if layout.time_format is not None and name == layout.time:
+                stamp = _stamp(cell, name, layout.time_format, at)
+                first = first or stamp
+                column.append(_seconds_after(stamp, first, at))
+            else:
+                column.append(_number(cell, name, not column, at))
+    return {name: np.array(values, dtype=float) for name, values in columns.items()}, cells.units
+
+
+def _text(path: Path, layout: LayoutSpec, place: str) -> str:
+    is_utf_8 = layout.encoding.lower().replace("_", "-") in ("utf-8", "utf8")
+    try:
+        data = path.read_bytes()
+        return data.decode((marked_encoding(data) if is_utf_8 else None) or layout.encoding)
+    except UnicodeError as error:
+        said = "UTF-8" if is_utf_8 else layout.encoding
+        byte = f" (byte {error.start})" if isinstance(error, UnicodeDecodeError) else ""
+        way = 'give encoding = "latin-1", "utf-16" or what it is in'
+        raise ScenarioError(f"{place}: {path.name} is not {said} text{byte}; {way}") from None
+    except OSError as error:
+        raise ScenarioError(f"{place}: {path.name} cannot be read: {error.strerror}") from None
+
+
+def _refuse_misplaced_header(
+    names: Sequence[str], head: int, lines: list[str], layout: LayoutSpec, where: str
+) -> None:
+    """Refuse a text whose column names are in another line, with its number."""
+    for k, line in enumerate(lines[:_LOOKED_AT], 1):
+        bare = line.strip().removeprefix(layout.comment)
+        for delimiter in dict.fromkeys((*([layout.delimiter] if layout.delimiter else []), ";", "\t", ",")):
+            cells = [cell.strip().strip('"') for cell in bare.split(delimiter)]
+            if not set(cells).issuperset(names):
+                continue
+            ways = [] if delimiter == layout.delimiter else [f"delimiter = {json.dumps(delimiter)}"]
+            if bare != line.strip():
+                ways.append(f"names = {json.dumps(cells, ensure_ascii=False)}")
+            elif k != head:
+                ways.append(f"skip = {k - 1}")
+            rule = "the names of columns must be in the first line that counts"
+            raise ScenarioError(
+                f"{where}: {rule}, got {', '.join(names)} in line {k}; give {' and '.join(ways)}"
+            )
+
+
+def _number(cell: str, name: str, first: bool, line: str) -> float:
+    number = decimal_in(cell)
+    if number is not None:
+        return number
+    if cell.strip().lower() in _NO_NUMBER:
+        return float("nan")
+    way = hint(cell) or ("; if it is a unit, give units_row = true" if first else "")
+    raise ScenarioError(f"{line}: {name} must be a number, got {shown(cell)}{way}")
+
+
+def _stamp(cell: str, name: str, pattern: str, line: str) -> tuple[datetime.datetime, float]:
+    """Return a stamp to the second, and the rest [s]."""
+    word, rest = cell.strip(), 0.0
+    found = _STAMP_SECONDS.search(word)
+    if found is not None:
+        rest = float(f"0.{found[2]}")
+        word = word[: found.end(1)] + word[found.end() :]
+    plain = re.sub(r"[.,]%f", "", pattern)
+    try:
+        if pattern == "iso":
+            return datetime.datetime.fromisoformat(word), rest
+        return datetime.datetime.strptime(word, plain), rest
+    except ValueError:
+        rule = "ISO 8601" if pattern == "iso" else pattern
+        said = f"{name} must be a time stamp of the time_format {rule}"
+        raise ScenarioError(f"{line}: {said}, got {shown(cell.strip())}") from None
+
+
+def _seconds_after(
+    stamp: tuple[datetime.datetime, float], first: tuple[datetime.datetime, float], line: str
+) -> float:
+    """Return the time from the first stamp to another [s]."""
+    if (stamp[0].tzinfo is None) != (first[0].tzinfo is None):
+        raise ScenarioError(f"{line}: time stamps must all have a time zone, or none, got both")
+    return (stamp[0] - first[0]).total_seconds() + (stamp[1] - first[1])
+
+
+# --- universal files, an exchange format of vibration tests -------------------------------------------------
 #
 # Its sets of number 58 are functions at degrees of freedom of nodes. Those of time are columns, each called
 # by its node and direction, as ``12X+`` and ``12RZ-``; 0 is a scalar, ``12``.
@@ -43,25 +157,12 @@ _SHOWN = 12
 _AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
 _FUNCTION, _UNITS, _OF_TIME = 58, 164, 1  # kinds of sets; of functions the kind that goes over time
 _OF_SI = 1  # code of units, of sets of these
-_SHOWN = 12  # names that a message offers
 
 
-def from_universal(
+def _from_universal(
     path: Path, names: Sequence[str], time: str, place: str
 ) -> tuple[dict[str, Array], dict[str, str]]:
-    """Return columns by name, (rows,) each, and the units that the file gives of them.
-
-    Args:
-        path: The file.
-        names: Of the columns that are wanted; those of one file must have the same times.
-        time: How that of their times is called among these.
-        place: Where the file is named, for messages.
-
-    Raises:
-        ScenarioError: It cannot be read, has a column twice, or columns of other times.
-        UnknownNameError: It has no such column.
-        MissingToolError: pyuff is not installed.
-    """
+    """Return columns of a universal file by name, (rows,) each, and their units."""
     sets, foreign = _sets(path, place)
     where = f"{place}: {path.name}"
     found: dict[str, Array] = {}
@@ -99,7 +200,7 @@ def from_universal(
 
 
 def _sets(path: Path, place: str) -> tuple[dict[int, Any], str]:
-    """Return the functions of time by their numbers in the file, and what units are in that give none."""
+    """Return the functions of time by their numbers, and the file's default unit."""
     try:
         pyuff = importlib.import_module("pyuff")
     except ImportError:
@@ -133,19 +234,19 @@ def _sets(path: Path, place: str) -> tuple[dict[int, Any], str]:
 
 
 def _name(function: Any) -> str:
-    """Return what a function is called by."""
+    """Return the name of a function."""
     node, way = int(function["rsp_node"]), int(function["rsp_dir"])
     sign = "" if way == 0 else "+" if way > 0 else "-"
     return f"{node}{_AXES[abs(way)]}{sign}"
 
 
 def _unit(function: Any, axis: str) -> str:
-    """Return the unit that a function's label gives of an axis, or nothing."""
+    """Return the unit of an axis by a function's label, or ""."""
     label = str(function.get(f"{axis}_axis_units_lab", "")).strip()
     return "" if label.upper() in ("NONE", "") else label
 
 
-# --- MAT files up to version 7, read in a process of their own: a damaged one can crash SciPy's reader ---
+# --- MAT files up to version 7, read in their own process: SciPy's reader may crash -------------------------
 
 _SHARE = 0.4  # of the free memory: what is read is there twice while it is sent
 _SECONDS = 600  # of processor time that a damaged file is read for at most
@@ -193,7 +294,7 @@ def read_mat(path: Path) -> dict[str, Any]:
 
 
 def _serve(path: Path, pipe: Connection) -> None:
-    """Send the variables of a file, or what keeps it from being read."""
+    """Send the variables of a file, or the error of its reader."""
     faulthandler.disable()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that waits acts on it
     for number in (signal.SIGTERM, signal.SIGHUP):
@@ -229,16 +330,15 @@ def _loaded(path: Path) -> dict[str, Any]:
         raise BadMatFileError(" ".join(str(error).split())) from None
 
 
-#: What the names of records may end in: of texts, of others.
+#: Suffixes of record files: of texts, of others.
 _TEXTS, _UNIVERSAL = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm"), (".uff", ".unv", ".uf", ".bunv")
-SUFFIXES = (*_TEXTS, ".nc", ".mat", *_UNIVERSAL)
+_SUFFIXES = (*_TEXTS, ".nc", ".mat", *_UNIVERSAL)
 _OF_TEXTS = ("delimiter", "decimal", "encoding", "comment", "skip", "names", "units_row", "time_format")
-_SHOWN = 12  # names that a message offers
 _NO_NUMBERS = (b"char", b"cell", b"string", b"function_handle")  # what MATLAB's arrays are of
 
 
-class Columns(NamedTuple):
-    """What of a record stands in its file.
+class _Columns(NamedTuple):
+    """Columns of a record's file.
 
     Attributes:
         time: Of the rows, by the file's clock, (rows,) [s].
@@ -251,7 +351,7 @@ class Columns(NamedTuple):
     units: dict[str, str]
 
 
-def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: str) -> Columns:
+def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: str) -> _Columns:
     """Return times and columns of a record's file, all of one length.
 
     Args:
@@ -264,8 +364,8 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
         ScenarioError: It is not there, or cannot be read, or a column holds what is no number.
         UnknownNameError: It has no such column.
     """
-    if path.suffix.lower() not in SUFFIXES:
-        raise ScenarioError(f"{place}.file must end in {', '.join(SUFFIXES)}, got {path.name!r}")
+    if path.suffix.lower() not in _SUFFIXES:
+        raise ScenarioError(f"{place}.file must end in {', '.join(_SUFFIXES)}, got {path.name!r}")
     if not path.is_file():
         raise ScenarioError(f"{place}.file: {path}: {absence(path)}; paths start at the fit file's folder")
     clock = [] if layout.rate is not None else [layout.time]
@@ -280,9 +380,9 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
     elif kind == ".mat":
         found, units = _from_mat(path, wanted, place), {}
     elif kind in _UNIVERSAL:
-        found, units = from_universal(path, wanted, layout.time, place)
+        found, units = _from_universal(path, wanted, layout.time, place)
     else:
-        found, units = from_text(path, wanted, layout, place)
+        found, units = _from_text(path, wanted, layout, place)
     lengths = {name: len(values) for name, values in found.items()}
     first = wanted[0]
     for name, length in lengths.items():
@@ -298,10 +398,10 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
     else:
         unit = layout.time_unit or units.get(layout.time) or "s"
         time = found[layout.time] * unit_factor(unit, "s", f"{place}.time_unit")
-    return Columns(time, {name: found[name] for name in names}, units)
+    return _Columns(time, {name: found[name] for name in names}, units)
 
 
-def _known(path: Path, name: str, known: Iterable[str], place: str) -> None:
+def _check_column(path: Path, name: str, known: Iterable[str], place: str) -> None:
     """Refuse a column that a file does not have."""
     names = [str(one) for one in known]
     if name not in names:
@@ -317,7 +417,7 @@ def _known(path: Path, name: str, known: Iterable[str], place: str) -> None:
 def _from_netcdf(
     path: Path, names: Sequence[str], layout: LayoutSpec, place: str
 ) -> tuple[dict[str, Array], dict[str, str]]:
-    """Return columns, and the units that their attributes give; of dates the seconds since the first."""
+    """Return columns and their units; of dates the seconds since the first."""
     try:
         data = load_dataset(path)
     except Exception as error:  # HDF5 raises any
@@ -325,7 +425,7 @@ def _from_netcdf(
         raise ScenarioError(f"{place}: {path.name} cannot be read as NetCDF 4: {words}") from None
     found, units = {}, {}
     for name in names:
-        _known(path, name, [str(one) for one in data.variables if data[one].ndim == 1], place)
+        _check_column(path, name, [str(one) for one in data.variables if data[one].ndim == 1], place)
         values = data[name].values
         if name == layout.time and values.dtype.kind in "Mm":
             values = (values - values[:1]) / np.timedelta64(1, "s") if len(values) else np.zeros(0)
@@ -348,7 +448,7 @@ def _from_mat(path: Path, names: Sequence[str], place: str) -> dict[str, Array]:
         arrays = _arrays(content)
     found = {}
     for name in names:
-        _known(path, name, [one for one, array in arrays.items() if array.ndim == 1], place)
+        _check_column(path, name, [one for one, array in arrays.items() if array.ndim == 1], place)
         found[name] = _numbers(path, name, arrays[name], place)
     return found
 
@@ -368,7 +468,7 @@ def _arrays(content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
-    """Return arrays of numbers of a MAT file of version 7.3, in which a vector has two dimensions."""
+    """Return vectors of numbers of a MAT file of version 7.3."""
     arrays: dict[str, Any] = {}
     try:
         with open_hdf5(path) as file:
@@ -386,11 +486,7 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
 
 
 def _leaves(group: Any, seen: set[Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the arrays of an HDF5 file by their names, with points between those of structures.
-
-    Raises:
-        ValueError: A group stands in it twice: in a circle, or so that names double with each level.
-    """
+    """Yield the arrays of an HDF5 file by name, with points between levels."""
     if group.id in seen:  # equal where they are the same object
         raise ValueError(f"group {group.name} stands elsewhere in it, too")
     seen.add(group.id)

@@ -1,9 +1,10 @@
-"""What a fit has found: values with their bands, records beside the model, the scenario that is theirs."""
+"""Result of a fit: values with confidence intervals, records beside the model, validation."""
 
 from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,30 +12,113 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy import stats
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.brief import brief
 from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.fit.covariance import Bands
-from antenna_pin.fit.expressions import evaluate
+from antenna_pin.fit.confidence_bands import BEYOND_CHANCE, ParameterBands
+from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.problem import Problem
-from antenna_pin.fit.sureness import student
-from antenna_pin.fit.validation import ValidationResult
+from antenna_pin.fit.run_service import RunService
+from antenna_pin.fit.runs import NoRunError
+from antenna_pin.fit.specs import evaluate
+from antenna_pin.fit.uncertainty import student_quantile
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
+from antenna_pin.sweep import Executor
 from antenna_pin.trajectory import open_table, save_table, table_attributes
+
+__all__ = [
+    "Fit",
+    "Search",
+    "Validation",
+    "ValidationResult",
+    "open_fit",
+]
+
+Array = NDArray[np.float64]
+
+# --- validation ---------------------------------------------------------------------------------------------
+
+
+class ValidationResult(NamedTuple):
+    """Residuals of a record that was not fitted.
+
+    Attributes:
+        record: Its name.
+        chi2: Sum of the squares of its residuals [-]; NaN if the model has no run.
+        numbers: How many residuals that are.
+        failed: Why there is no run, in words.
+    """
+
+    record: str
+    chi2: float
+    numbers: int
+    failed: str = ""
+
+    @property
+    def chance(self) -> float:
+        """Probability of a worse record by the stated noise [-]."""
+        return float(stats.chi2.sf(self.chi2, self.numbers))
+
+    def words(self) -> str:
+        """Return the result as a line."""
+        if self.failed:
+            return f"validation by {self.record}: no run: {self.failed}"
+        holds = (
+            "" if self.chance >= BEYOND_CHANCE else ": the values do not hold for it, or its sd is too small"
+        )
+        return f"validation by {self.record}: chi2 {number(self.chi2)} for {self.numbers} numbers{holds}"
+
+
+class Validation:
+    """Records for validation, read and checked.
+
+    Args:
+        plan: The fit's file.
+        executor: Who makes the runs: this process if left out.
+
+    Raises:
+        AntennaPinError: Something of records or scenarios is not valid.
+    """
+
+    def __init__(self, plan: FitPlan, executor: Executor | None = None) -> None:
+        """Read and check the records."""
+        other = plan.unfitted()
+        self._problem = None if other is None else Problem(other, RunService(executor))
+
+    def at(self, names: Sequence[str], values: Array) -> tuple[ValidationResult, ...]:
+        """Return the residuals of each record.
+
+        Args:
+            names: Of the fit's parameters.
+            values: Theirs, (p,) [SI].
+        """
+        if self._problem is None:
+            return ()
+        every = dict(zip(names, values, strict=True))
+        here = np.array([every[name] for name in self._problem.names])
+        try:
+            residuals = self._problem.residuals(here)
+        except NoRunError as error:
+            return tuple(ValidationResult(name, np.nan, 0, str(error)) for name in self._problem.plan.records)
+        curves, found = self._problem.rows.by_curve(residuals), []
+        for record in self._problem.plan.records:
+            own = np.concatenate([one for name, one in curves.items() if name.partition(".")[0] == record])
+            found.append(ValidationResult(record, float(own @ own), len(own)))
+        return tuple(found)
+
+
+# --- result of a fit ----------------------------------------------------------------------------------------
 
 if TYPE_CHECKING:
     from lmfit.minimizer import Minimizer, MinimizerResult
 
-__all__ = ["Fit", "Search", "open_fit", "said_of_value"]
-
-Array = NDArray[np.float64]
-
 
 class Search(NamedTuple):
-    """One search: from where to where.
+    """Search of a fit: start and end.
 
     Attributes:
         start: Values, (p,) [SI].
@@ -49,7 +133,7 @@ class Search(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Fit:
-    """The end of a fit.
+    """Result of a fit.
 
     Attributes:
         problem: What was fitted.
@@ -72,7 +156,7 @@ class Fit:
     problem: Problem
     values: Array
     states: Array
-    bands: Bands
+    bands: ParameterBands
     residuals: Array
     slopes: Array
     converged: bool
@@ -90,25 +174,25 @@ class Fit:
 
     @property
     def trusted(self) -> bool:
-        """Whether the search came to its end, and its residuals are not beyond chance."""
+        """Return whether the search converged, with residuals within chance."""
         return self.converged and not self.bands.beyond_chance
 
     @property
     def runs(self) -> int:
-        """How many runs it took."""
+        """Number of runs."""
         return self.problem.runs
 
     def minimizer(self) -> Minimizer:
-        """Return the problem as lmfit has it, for its own readers, such as ``lmfit.conf_interval``."""
+        """Return the problem as an lmfit minimizer, for ``lmfit.conf_interval`` and others."""
         import lmfit
 
         def residuals(given: Any) -> Array:
-            return self.problem.residuals([given[one].value for one in _plain(self.names)])
+            return self.problem.residuals([given[one].value for one in _lmfit_names(self.names)])
 
         return lmfit.Minimizer(residuals, self._parameters(), scale_covar=self.problem.plan.noise != "given")
 
     def result(self) -> MinimizerResult:
-        """Return what was found as lmfit has it: ``lmfit.fit_report(fit.result())`` is its report."""
+        """Return the result as lmfit's: ``lmfit.fit_report(fit.result())`` is its report."""
         from lmfit.minimizer import MinimizerResult
 
         bands, count = self.bands, len(self.residuals)
@@ -117,9 +201,9 @@ class Fit:
         p = len(self.values)
         return MinimizerResult(
             params=self._parameters(),
-            var_names=list(_plain(self.names)),
+            var_names=list(_lmfit_names(self.names)),
             covar=bands.covariance,
-            init_values=dict(zip(_plain(self.names), self.problem.start.tolist(), strict=True)),
+            init_values=dict(zip(_lmfit_names(self.names), self.problem.start.tolist(), strict=True)),
             nvarys=p,
             ndata=count,
             nfree=bands.freedoms,
@@ -146,7 +230,7 @@ class Fit:
         import lmfit
 
         made, unknowns = lmfit.Parameters(), self.problem.unknowns
-        names = _plain(self.names)
+        names = _lmfit_names(self.names)
         for i, name in enumerate(names):
             made.add(name, float(self.values[i]), min=unknowns.lower[i], max=unknowns.upper[i])
             made[name].init_value = float(unknowns.start[i])
@@ -160,7 +244,7 @@ class Fit:
         return made
 
     def scenario(self, record: str | None = None) -> Scenario:
-        """Return the scenario of a record with the values found, of the first if left out."""
+        """Return the scenario of a record, by default the first, with the values found."""
         records = self.problem.plan.records
         name = next(iter(records)) if record is None else record
         if name not in records:
@@ -168,25 +252,25 @@ class Fit:
         return self.problem.scenario(name, self.values)
 
     def lines(self) -> list[str]:
-        """Return the verdict, if there is one, and a line for each parameter."""
+        """Return the verdict, if any, and a line for each parameter."""
         rows = [
-            (name, *said_of_value(*one))
+            (name, *_value_text(*one))
             for name, one in zip(
                 self.names,
                 zip(self.values, self.bands.low, self.bands.high, self.problem.unknowns.units, strict=True),
                 strict=True,
             )
         ]
-        if self.bands.without:  # which the verdict or a note says
+        if self.bands.absence:  # which the verdict or a note says
             rows = [(name, value, "no band") for name, value, _ in rows]
         rows += self._derived()
         wide = max(len(row[0]) for row in rows)
         return [*self.verdict, *(f"{name.ljust(wide)}  {value}  {band}" for name, value, band in rows)]
 
     def _derived(self) -> list[tuple[str, str, str]]:
-        """Return the derived numbers with their bands to first order, in words."""
+        """Return the derived numbers with their bands to first order, as text."""
         rows, noise = [], self.bands.noise
-        reach = student(0.95, np.inf if noise == "given" else self.bands.freedoms)
+        reach = student_quantile(0.95, np.inf if noise == "given" else self.bands.freedoms)
         steps = 1e-6 * np.diag(self.problem.unknowns.scale)
         for name, one in self.problem.plan.derived.items():
 
@@ -199,13 +283,13 @@ class Fit:
             used = slopes != 0.0
             covariance = self.bands.covariance[np.ix_(used, used)]
             half = reach * np.sqrt(slopes[used] @ covariance @ slopes[used])
-            said = said_of_value(here, here - half, here + half, one.unit)
+            said = _value_text(here, here - half, here + half, one.unit)
             rows.append((name, said[0], "no band" if not np.isfinite(half) else said[1]))
         return rows
 
     @takes()
     def write_scenario(self, path: str | os.PathLike[str], record: str | None = None) -> Path:
-        """Write the scenario of a record with the values found, and where they come from.
+        """Write the scenario of a record with the values found, and their origin.
 
         Args:
             path: Of the file.
@@ -230,7 +314,7 @@ class Fit:
         return target
 
     def data(self) -> xr.Dataset:
-        """Return all of it as a dataset; ``docs/fit.md`` lists what is in it."""
+        """Return the result as a dataset; ``docs/fit.md`` lists its variables."""
         problem, bands, unknowns = self.problem, self.bands, self.problem.unknowns
         seen = problem.predictions(np.concatenate([self.values, self.states]))
         over = ("parameter",)
@@ -269,7 +353,7 @@ class Fit:
             "chi2": bands.chi2,
             "freedoms": bands.freedoms,
             "noise": plan.noise,
-            "wider": bands.wider,
+            "wider": bands.widening,
             "chance": bands.chance,
             "validation": "\n".join(one.words() for one in self.validation),
             "verdict": "\n".join(self.verdict),
@@ -304,8 +388,8 @@ def open_fit(path: str | os.PathLike[str]) -> xr.Dataset:
     return open_table(path, "fit")
 
 
-def said_of_value(value: float, low: float, high: float, unit: str) -> tuple[str, str]:
-    """Return a value, and its band at 95 % in words: ``± 0.02 mm``, or its ends where it is not even."""
+def _value_text(value: float, low: float, high: float, unit: str) -> tuple[str, str]:
+    """Return a value, and its band at 95 % or both ends, as text."""
     factor, printed = prefixed(unit or "1", [value])
     behind = f" {printed}" if printed else ""
     if not (np.isfinite(low) and np.isfinite(high)):
@@ -323,6 +407,6 @@ def said_of_value(value: float, low: float, high: float, unit: str) -> tuple[str
     return f"{said}{behind}", f"{band}{behind} (95 %)"
 
 
-def _plain(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return names as lmfit takes them: those of Python's variables."""
+def _lmfit_names(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return names as Python's variables, for lmfit."""
     return tuple(("" if name[:1].isalpha() else "p_") + name.replace("-", "_") for name in names)

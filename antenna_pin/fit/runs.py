@@ -1,58 +1,267 @@
-"""What a record's sensors would read for values of what is unknown: one run, or one of each piece."""
+"""Runs of a record's test, whole or in pieces (multiple shooting), and the readings of its sensors.
+
+A motion with impacts forgets its start: over a long record the sum of squares has a valley for each order in
+which impacts can follow one another. Over a piece it does not, and the gaps between pieces are further
+residuals (Bock 1981, Springer Series in Chemical Physics 18, 102-125).
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.base.interruption import is_interruption
+from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.base.interruption import interruptible, is_interruption, uninterrupted
+from antenna_pin.base.state import OpenContact, State
+from antenna_pin.dynamics import System, contact_memory
 from antenna_pin.errors import AntennaPinError, ScenarioError
-from antenna_pin.fit.bench import Bench, Ran, at_times
-from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.expressions import evaluate
-from antenna_pin.fit.pieces import from_origin, piece_start
-from antenna_pin.fit.sensors import instants, reading
+from antenna_pin.fit.sensors import reading, sample_times
+from antenna_pin.fit.specs import ColumnSpec, evaluate
+from antenna_pin.nonlinear import Chart, Flow
+from antenna_pin.nonlinear.coordinates import configuration_difference
 from antenna_pin.scenario import Scenario
+from antenna_pin.simulation.inputs import RunStart, controllers_of, events_of, prepared, settings_of
+from antenna_pin.simulation.loop import Run
+from antenna_pin.simulation.recorder import labelled_at, open_ledger
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.sweep.design import put_value
+from antenna_pin.trajectory import ENDED_WELL
 
 __all__ = [
-    "WHOLE",
-    "Asked",
+    "RunRequest",
+    "PreparedScenario",
     "NoRunError",
+    "RunSamples",
     "Readings",
-    "Rig",
-    "Slopes",
-    "bench_of",
-    "make",
-    "nothing",
-    "rows_of",
+    "RecordTest",
+    "ReadingSlopes",
+    "prepared_scenario",
+    "difference_from_origin",
+    "piece_times",
+    "make_runs",
+    "failed_readings",
+    "piece_start",
+    "failure_reason",
+    "piece_rows",
     "scenario_with",
-    "sensed",
-    "until_of",
-    "reason_of",
+    "sensor_readings",
+    "with_contacts",
+    "piece_end",
+    "start_size",
 ]
 
 Array = NDArray[np.float64]
 
+# --- a scenario set up once ---------------------------------------------------------------------------------
+
+_ROUND_OFF = 1e-12  # by which a run may end before its end [s]
+
+
+class RunSamples(NamedTuple):
+    """Samples of a run for a fit.
+
+    Attributes:
+        chunk: Its samples.
+        end: The state that it came to.
+        failed: Why it did not come to its end, in words; "" if it did.
+        unbalanced: How its energy or momentum does not balance, in words; "" if both do.
+    """
+
+    chunk: Chunk
+    end: State
+    failed: str
+    unbalanced: str = ""
+
+
+class PreparedScenario:
+    """Scenario with its system, which is built once.
+
+    Args:
+        scenario: What is run.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Build the system."""
+        self.scenario, self.system = scenario, build_system(scenario)
+        self._latest: Run | None = None
+
+    @cached_property
+    def _first(self) -> RunStart:
+        q, v = initial_state(self.scenario, self.system)
+        return RunStart(q, v, initial_angles(self.scenario, self.system))
+
+    @cached_property
+    def flow(self) -> Flow:
+        """Flow of the system, with the scenario's integrator."""
+        return Flow(self.system, settings_of(self.scenario), events_of(self.scenario), self.scenario)
+
+    @cached_property
+    def first(self) -> State:
+        """First state of the scenario."""
+        q, v = initial_state(self.scenario, self.system)
+        return self.flow.first(q, v, initial_angles(self.scenario, self.system))
+
+    def run(self, times: Array, until: float, start: State | None = None) -> RunSamples:
+        """Make a run sampled at rising times [s], to an end [s].
+
+        Args:
+            times: Of its samples, beside its start and end; those of the run's span count.
+            until: Its end [s].
+            start: From where; the scenario's start if left out.
+
+        Raises:
+            AntennaPinError: It cannot begin.
+            KeyboardInterrupt: It was interrupted.
+        """
+        begin = 0.0 if start is None else start.reached
+        settings = dataclasses.replace(
+            settings_of(self.scenario),
+            accuracy=None,
+            output_rate=0.5 / (until - begin),
+            output_times=tuple(times[(times >= begin) & (times <= until)].tolist()),
+            output_form="full",
+        )
+        given = self._first if start is None else RunStart(start=start)
+        events, controllers = events_of(self.scenario), controllers_of(self.scenario)
+        ready = prepared("fit", self.system, given, settings, events, until - begin, None, controllers)
+        run = Run(self.system, ready.first, until, settings, events, begin, controllers=controllers)
+        with interruptible() as interrupted:
+            run.advance(interrupted=interrupted)
+        self._latest = uninterrupted(run)
+        ended = run.outcome in ENDED_WELL and run.stepper.t >= until - _ROUND_OFF
+        unbalanced = open_ledger(run) if ended else ""
+        return RunSamples(run.samples.held, run.present(), "" if ended else run.message, unbalanced)
+
+    def counted(self, chunk: Chunk) -> Chunk:
+        """Return one state twice, with all integrals larger by 1 in the second.
+
+        What is not the same of both counts from a run's start on, as work does: pieces of a run, and states
+        perturbed, do not have it.
+        """
+        both = Chunk.joined([chunk.part(0, 1), chunk.part(0, 1)])
+        system, first = self.system, self.system.model.nq + self.system.model.nv
+        books = np.ones(system.manifold.nx, dtype=bool)
+        books[np.asarray(system.bristle_x, dtype=int)] = False
+        books[list(system.turn_x.values())] = False
+        states = both.states.copy()
+        states[1, first:][books] += 1.0
+        return both._replace(states=states)
+
+    def data(self, chunk: Chunk) -> xr.Dataset:
+        """Return states of this system as a result, possibly of several runs.
+
+        Integrals along a run, as work is, counts from the first of them.
+        """
+        if self._latest is None:
+            first, settings = np.ascontiguousarray(chunk.states[0]), settings_of(self.scenario)
+            self._latest = Run(self.system, first, 1.0, settings)
+        return labelled_at(self._latest, chunk)
+
+
+# --- pieces of a record -------------------------------------------------------------------------------------
+
+
+def piece_times(length: float, until: float) -> tuple[float, ...]:
+    """Return the borders of pieces of a length [s] up to an end [s]."""
+    count = max(1, round(until / length))
+    return (*(k * length for k in range(count)), until)
+
+
+@functools.lru_cache(maxsize=4)
+def _system(begun: str) -> System:
+    return build_system(Scenario.model_validate_json(begun))
+
+
+@functools.lru_cache(maxsize=1024)
+def _chart(begun: str, origin: str) -> Chart:
+    """Return the chart about an origin, with the start values' units."""
+    return Chart(_system(begun), State.from_json(origin))
+
+
+def start_size(begun: str, origin: str) -> int:
+    """Return the number of coordinates of a piece's start: positions and rates.
+
+    Args:
+        begun: The scenario with the start values, as JSON.
+        origin: A state of it, as text.
+    """
+    return 2 * _chart(begun, origin).positions
+
+
+def piece_start(begun: str, origin: str, z: Array, system: System) -> State:
+    """Return the state at coordinates z about an origin, (coordinates,), of a system.
+
+    A journal that is in the wall there, and was not touching at the origin, touches as one does that a
+    scenario starts from: with its speed there as that of its approach.
+    """
+    chart = _chart(begun, origin)
+    whole = np.zeros(chart.size)
+    whole[: len(z)] = z
+    return with_contacts(chart.state(whole, system), system)
+
+
+def with_contacts(state: State, system: System) -> State:
+    """Return a state in which contacts without a gap touch, new ones as at onset.
+
+    Without it a run from inside the wall would find them begun in its first step, at a time that no
+    perturbed run's depth and speed there move.
+    """
+    if not system.contact_names:
+        return state
+    first, books = contact_memory(system, state.y), state.x
+    new = np.flatnonzero((first[:, 0] != 0.0) & (state.memory[:, 0] == 0.0)).tolist()
+    if not new:
+        return state
+    memory = state.memory.copy()
+    memory[new] = first[new]
+    contacts = [
+        OpenContact(
+            contact=c,
+            onset=state.time,
+            approach_speed=float(first[c, 1]),
+            effective_mass=float(first[c, 2]),
+            impulse=-float(books[system.impulse_x[c]]),
+            dissipated=-float(books[system.lost_normal_x[c]] + books[system.lost_friction_x[c]]),
+            peak=(0.0, state.time, 0.0),
+            peak_state=np.zeros(0),
+            peak_memory=np.zeros((0, 3)),
+        )
+        for c in new
+    ]
+    every = sorted((*state.contacts, *contacts), key=lambda one: one.contact)
+    return dataclasses.replace(state, memory=memory, contacts=tuple(every))
+
+
+def difference_from_origin(begun: str, origin: str, q: Array, v: Array) -> Array:
+    """Return configuration and velocity relative to an origin, (2 nv,), in error scales."""
+    chart = _chart(begun, origin)
+    way = configuration_difference(chart.system, chart.origin.q, q) / chart.units.position
+    return np.concatenate([way, (v - chart.origin.v) / chart.units.rate])
+
+
+# --- readings of runs ---------------------------------------------------------------------------------------
+
 
 class NoRunError(AntennaPinError, RuntimeError):
-    """For some values of what is unknown there is no run; the message says why."""
+    """Values of the unknowns without a run; the message gives the reason."""
 
 
 @dataclass(frozen=True, slots=True)
-class Rig:
-    """A record's test as data, which goes to whoever makes its runs.
+class RecordTest:
+    """Test of a record as plain data, for any process that makes its runs.
 
     Attributes:
         name: Of the record.
         scenario: Its scenario as JSON, before what is fitted.
-        keys: Of the scenario that are fitted, one tuple for each of :attr:`Asked.values`.
+        keys: Of the scenario that are fitted, one tuple for each of :attr:`RunRequest.values`.
         names: Of those values: what :attr:`derived` calls them.
         derived: Numbers of the scenario that follow from the values: keys and expression of each.
         units: Of those values.
@@ -80,15 +289,15 @@ class Rig:
     begun: str = ""
 
 
-#: The one start of a run that is in no pieces.
-WHOLE: tuple[tuple[int, tuple[float, ...]], ...] = ((-1, ()),)
+#: Start of a whole run.
+_WHOLE: tuple[tuple[int, tuple[float, ...]], ...] = ((-1, ()),)
 
 
-class Asked(NamedTuple):
-    """Runs that are asked for together, of one test: what they are run on is built once.
+class RunRequest(NamedTuple):
+    """Runs of one test requested together.
 
     Attributes:
-        record: Number of its rig.
+        record: Number of its test.
         values: Of its scenario's fitted keys [SI].
         shift: Of its clock [s].
         starts: Number of a piece, -1 for the whole, and where it starts: coordinates about its origin.
@@ -99,19 +308,19 @@ class Asked(NamedTuple):
     record: int
     values: tuple[float, ...]
     shift: float
-    starts: tuple[tuple[int, tuple[float, ...]], ...] = WHOLE
+    starts: tuple[tuple[int, tuple[float, ...]], ...] = _WHOLE
     slopes: bool = False
     clock: bool = False
 
 
-class Slopes(NamedTuple):
-    """Derivatives of what came of a run by the scenario's fitted numbers [1/SI], and by its start.
+class ReadingSlopes(NamedTuple):
+    """Derivatives of a run's readings by parameters [1/SI], and by its start.
 
     Attributes:
         columns: Of what each sensor reads, (rows, fitted).
         lead: (ways, fitted).
         end: Likewise.
-        clock: Of what each sensor reads over time [1/s]; None if not asked for.
+        clock: Of what each sensor reads over time [1/s]; None if not requested.
     """
 
     columns: tuple[Array, ...]
@@ -121,14 +330,14 @@ class Slopes(NamedTuple):
 
 
 class Readings(NamedTuple):
-    """What came of one run.
+    """Readings of one run.
 
     Attributes:
         columns: What each sensor reads at the rows, before gain and offset.
         lead: Of a piece: the way from its origin to where it starts, in error scales; () of the first.
         end: Of a piece that another follows: the way from that one's origin to its end; () of the last.
         failed: Why there is nothing, in words; "" if there is.
-        slopes: Derivatives, if they were asked for.
+        slopes: Derivatives, if they were requested.
         unbalanced: How the run's energy or momentum does not balance, in words; "" if both do.
     """
 
@@ -136,7 +345,7 @@ class Readings(NamedTuple):
     lead: Array
     end: Array
     failed: str = ""
-    slopes: Slopes | None = None
+    slopes: ReadingSlopes | None = None
     unbalanced: str = ""
 
 
@@ -145,26 +354,22 @@ def _scenario(text: str) -> Scenario:
     return Scenario.model_validate_json(text)
 
 
-def scenario_with(rig: Rig, values: tuple[float, ...]) -> Scenario:
+def scenario_with(test: RecordTest, values: tuple[float, ...]) -> Scenario:
     """Return a record's scenario with values of its fitted keys [SI]."""
-    return _scenario_with(*_assembly(rig, values))
+    return _scenario_with(*_assembly(test, values))
 
 
-def _assembly(rig: Rig, values: tuple[float, ...]) -> tuple[Any, ...]:
-    """Return what a record's scenario with values is made of.
-
-    Raises:
-        ScenarioError: A derived number is none there.
-    """
-    every, units, numbers = list(rig.keys), list(rig.units), list(values)
-    for keys, expression in rig.derived:
+def _assembly(test: RecordTest, values: tuple[float, ...]) -> tuple[Any, ...]:
+    """Return the arguments of a record's scenario with values."""
+    every, units, numbers = list(test.keys), list(test.units), list(values)
+    for keys, expression in test.derived:
         try:
-            numbers.append(evaluate(expression, dict(zip(rig.names, values, strict=True))))
+            numbers.append(evaluate(expression, dict(zip(test.names, values, strict=True))))
         except ValueError as error:
             raise ScenarioError(f"derived: {error}") from None
         every.append(keys)
         units.append("")
-    return rig.scenario, tuple(every), tuple(units), tuple(numbers)
+    return test.scenario, tuple(every), tuple(units), tuple(numbers)
 
 
 def _scenario_with(
@@ -178,40 +383,40 @@ def _scenario_with(
 
 
 @functools.lru_cache(maxsize=4)
-def _bench(*test: Any) -> Bench:
-    return Bench(_scenario_with(*test))
+def _prepared(*test: Any) -> PreparedScenario:
+    return PreparedScenario(_scenario_with(*test))
 
 
-def bench_of(rig: Rig, values: tuple[float, ...]) -> Bench:
-    """Return a record's test with values of its fitted keys [SI], set up."""
-    return _bench(*_assembly(rig, values))
+def prepared_scenario(test: RecordTest, values: tuple[float, ...]) -> PreparedScenario:
+    """Return a record's test with values of its fitted keys [SI]."""
+    return _prepared(*_assembly(test, values))
 
 
-def make(rig: Rig, asked: Asked) -> tuple[Readings, ...]:
-    """Make some runs and read their sensors, one answer a start.
+def make_runs(test: RecordTest, request: RunRequest) -> tuple[Readings, ...]:
+    """Make some runs and read their sensors, once for each start.
 
     Raises:
         KeyboardInterrupt: It was interrupted.
     """
     try:
-        bench = bench_of(rig, asked.values)
-        rows = [rows_of(rig, asked.shift, piece) for piece, _ in asked.starts]
-        made = [_ran(rig, bench, one, *start) for one, start in zip(rows, asked.starts, strict=True)]
-        good = [k for k, one in enumerate(made) if isinstance(one, _Made)]
-        chunks = [one.ran.chunk for one in made if isinstance(one, _Made)]
-        read = dict(zip(good, sensed(rig, bench, [rows[k] for k in good], chunks), strict=True))
+        bench = prepared_scenario(test, request.values)
+        rows = [piece_rows(test, request.shift, piece) for piece, _ in request.starts]
+        made = [_run_piece(test, bench, one, *start) for one, start in zip(rows, request.starts, strict=True)]
+        good = [k for k, one in enumerate(made) if isinstance(one, _PieceRun)]
+        chunks = [one.ran.chunk for one in made if isinstance(one, _PieceRun)]
+        read = dict(zip(good, sensor_readings(test, bench, [rows[k] for k in good], chunks), strict=True))
     except Exception as error:
-        return tuple(nothing(reason_of(error)) for _ in asked.starts)
+        return tuple(failed_readings(failure_reason(error)) for _ in request.starts)
     return tuple(
         Readings(tuple(read[k]), one.lead, one.end, unbalanced=one.ran.unbalanced)
-        if isinstance(one, _Made)
-        else nothing(one)
+        if isinstance(one, _PieceRun)
+        else failed_readings(one)
         for k, one in enumerate(made)
     )
 
 
-class _Made(NamedTuple):
-    """A run that came to its end.
+class _PieceRun(NamedTuple):
+    """Run that completed.
 
     Attributes:
         ran: The run.
@@ -219,75 +424,79 @@ class _Made(NamedTuple):
         end: Likewise.
     """
 
-    ran: Ran
+    ran: RunSamples
     lead: Array
     end: Array
 
 
-def rows_of(rig: Rig, shift: float, piece: int) -> Array:
+def piece_rows(test: RecordTest, shift: float, piece: int) -> Array:
     """Return the rows of a piece, -1 for the whole, by the run's clock [s]."""
-    rows = rig.time + shift
-    if not rig.pieces:
+    rows = test.time + shift
+    if not test.pieces:
         return rows
-    begin, end = rig.pieces[piece : piece + 2]
-    last = piece == len(rig.pieces) - 2
+    begin, end = test.pieces[piece : piece + 2]
+    last = piece == len(test.pieces) - 2
     return rows[(rows >= begin) & ((rows <= end) if last else (rows < end))]
 
 
-def until_of(rig: Rig, bench: Bench, piece: int, rows: Array) -> float:
-    """Return when the run of a piece, -1 for the whole, ends [s]."""
-    if rig.pieces:
-        return rig.pieces[piece + 1]
+def piece_end(test: RecordTest, bench: PreparedScenario, piece: int, rows: Array) -> float:
+    """Return the end of a piece's run, -1 for the whole [s]."""
+    if test.pieces:
+        return test.pieces[piece + 1]
     until = bench.scenario.duration
     return min(until, float(rows[-1])) if rows[-1] > 0.0 else until
 
 
-def _ran(rig: Rig, bench: Bench, rows: Array, piece: int, at: tuple[float, ...]) -> _Made | str:
-    """Make one run, or return why there is none."""
+def _run_piece(
+    test: RecordTest, bench: PreparedScenario, rows: Array, piece: int, at: tuple[float, ...]
+) -> _PieceRun | str:
+    """Make one run, or return the reason for none."""
     start, lead, joint = None, np.zeros(0), np.zeros(0)
-    wanted = [instants(column, rows) for column in rig.columns.values()]
+    wanted = [sample_times(column, rows) for column in test.columns.values()]
     try:
         if piece > 0:
-            start = piece_start(rig.begun, rig.origins[piece - 1], np.array(at), bench.system)
-            lead = from_origin(rig.begun, rig.origins[piece - 1], start.q, start.v)
-        ran = bench.run(np.unique(np.concatenate(wanted)), until_of(rig, bench, piece, rows), start)
+            start = piece_start(test.begun, test.origins[piece - 1], np.array(at), bench.system)
+            lead = difference_from_origin(test.begun, test.origins[piece - 1], start.q, start.v)
+        ran = bench.run(np.unique(np.concatenate(wanted)), piece_end(test, bench, piece, rows), start)
     except Exception as error:
-        return reason_of(error)
-    if rig.pieces and piece < len(rig.pieces) - 2:
-        joint = from_origin(rig.begun, rig.origins[piece], ran.end.q, ran.end.v)
-    return ran.failed or _Made(ran, lead, joint)
+        return failure_reason(error)
+    if test.pieces and piece < len(test.pieces) - 2:
+        joint = difference_from_origin(test.begun, test.origins[piece], ran.end.q, ran.end.v)
+    return ran.failed or _PieceRun(ran, lead, joint)
 
 
-def sensed(rig: Rig, bench: Bench, rows: Sequence[Array], chunks: Sequence[Chunk]) -> list[list[Array]]:
-    """Return what sensors read of some runs, by run and sensor.
+def sensor_readings(
+    test: RecordTest, bench: PreparedScenario, rows: Sequence[Array], chunks: Sequence[Chunk]
+) -> list[list[Array]]:
+    """Return the readings of some runs, by run and sensor.
 
     They are read all at once, which takes longer than a short run does.
 
     Args:
-        rig: Whose sensors.
+        test: Whose sensors.
         bench: Of whose system the runs are.
         rows: Of each, by the run's clock [s].
-        chunks: Samples of each, those at which its sensors are asked for among them.
+        chunks: Samples of each, those at which its sensors are requested among them.
     """
     read: list[list[Array]] = [[] for _ in rows]
     if not rows:
         return read
     data = bench.data(Chunk.joined(list(chunks)))
     begins = np.concatenate([[0], np.cumsum([len(one.times) for one in chunks])])
-    for name, column in rig.columns.items():
+    for name, column in test.columns.items():
         if column.filter is None:
-            values = reading(data, column, rig.read_in[name], data["time"].values)
+            values = reading(data, column, test.read_in[name], data["time"].values)
             for own, first, one, chunk in zip(read, begins, rows, chunks, strict=False):
-                own.append(values[first + at_times(chunk, one)])
+                own.append(values[first + np.searchsorted(chunk.times, one, side="right") - 1])
             continue
         for own, first, last, one in zip(read, begins, begins[1:], rows, strict=False):
             part = data if len(rows) == 1 else data.isel(time=slice(first, last))
-            own.append(reading(part, column, rig.read_in[name], one))
+            own.append(reading(part, column, test.read_in[name], one))
     return read
 
 
-def reason_of(error: Exception) -> str:
-    """Return why there is no run, in words: refused, or dead of what nobody expected.
+def failure_reason(error: Exception) -> str:
+    """Return the reason for no run: a refusal, or an unexpected error.
 
     To a search both are a trial that cannot be made.
 
@@ -301,6 +510,6 @@ def reason_of(error: Exception) -> str:
     return f"the run died of {type(error).__name__}: {' '.join(str(error).split())}"
 
 
-def nothing(why: str) -> Readings:
-    """Return what came of a run of which nothing did, with why."""
+def failed_readings(why: str) -> Readings:
+    """Return readings of a failed run, with the reason."""
     return Readings((), np.zeros(0), np.zeros(0), why)

@@ -1,42 +1,200 @@
-r"""What a sensor reads of a run, before its gain and offset: from a result's samples to a column.
+r"""Sensors: readings of a run behind low-pass filters, and the statistics that readings are compared by.
 
 An accelerometer at a point r of a link, with its axis d, both in the link's axes R, reads the specific force
 
 .. math:: f = (\mathbf{R} \mathbf{d})^T [\dot{\mathbf{v}}_P - \mathbf{g}], \quad
     \mathbf{v}_P = \mathbf{v} + \boldsymbol{\omega} \times \mathbf{R} \mathbf{r}.
 
-Behind a filter velocity and position of the point count as well as its acceleration
-(:mod:`antenna_pin.fit.filters`): of a blow between two samples they give the impulse and the time.
+Behind a filter velocity and position of the point count as well as its acceleration: of an impact between two
+samples they give the impulse and the time. The transfer function of a Butterworth filter is a sum over its
+poles,
+
+.. math:: H(s) = \sum_i \frac{r_i}{s - p_i}, \quad r_i = \prod_{j \neq i} (p_i - p_j)^{-1},
+
+in units of the corner's angular frequency. Each term obeys a linear equation of first order, whose solution
+over an interval of length h is :math:`x' = e^{p h} x + \int_0^h e^{p (h - \tau)} f(\tau)\,d\tau`. Between two
+samples of a run the input f is a polynomial and impulses at known times; an impulse J at time s contributes
+:math:`J e^{p (h - s)}`. So the response follows the time of an impact smoothly, however short the impact.
+
+An acceleration is sampled with the velocity and position that belong to it. Over an interval from a to b
+these fix its zeroth and first moments exactly,
+
+.. math:: \int_a^b \dot{v}\,dt = v_b - v_a, \quad \int_a^b (b - t)\,\dot{v}\,dt = x_b - x_a - (b - a)\,v_a,
+
+whatever the acceleration does in between. A straight line from one sampled acceleration to the next accounts
+for a part of both moments; the rest is an impulse, whose size is the rest of the zeroth moment and whose time
+is the ratio of the rests. If that time is outside the interval, two opposite impulses at its ends supply the
+rest of the first moment.
 """
 
 from __future__ import annotations
 
 import json
 import math
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.linalg import solve_banded
 
 from antenna_pin.analysis import joint_loads, mechanism_of, quantity
 from antenna_pin.base.directions import unit as along
 from antenna_pin.base.units import quantity as in_si
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
-from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.filters import FilterInput, filter_response, input_of_acceleration, input_of_values
+from antenna_pin.fit.specs import BlowsSpec, ColumnSpec, SpectrumSpec
 from antenna_pin.mechanism import link_motion
 
-__all__ = ["amount", "check_sensor", "instants", "noise_of", "reading", "unit_of"]
+__all__ = [
+    "Target",
+    "si_amount",
+    "check_sensor",
+    "compared_numbers",
+    "filter_response",
+    "input_of_acceleration",
+    "input_of_values",
+    "sample_times",
+    "reading_noise",
+    "reading",
+    "compared_slopes",
+    "comparison_target",
+    "sensor_unit",
+]
 
 Array = NDArray[np.float64]
 
-# Samples of a filter's input in one period of its corner: of an acceleration, whose moments between samples
-# are known, and of values that are straight between samples, to (2 pi / 64)^2 / 12 = 8e-4 at the corner.
+# --- low-pass filters ---------------------------------------------------------------------------------------
+
+# Gauss-Legendre nodes and weights on [0, 1]: exact to the fifth degree, where |p h| is 0.3 at most.
+_NODES, _WEIGHTS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)]), np.array([5.0, 8.0, 5.0]) / 18.0
+
+
+class _FilterInput(NamedTuple):
+    """Input of a filter over the n - 1 intervals between n sample times.
+
+    Attributes:
+        time: Sample times, rising, (n,) [s].
+        smooth: Coefficients of the smooth part, a polynomial in the share of the interval, (n - 1, 3).
+        impulses: Sizes of impulses in each interval, (n - 1, k), in the input's unit times s.
+        places: Their times after the interval's start, (n - 1, k) [s].
+    """
+
+    time: Array
+    smooth: Array
+    impulses: Array
+    places: Array
+
+    def at(self, intervals: NDArray[np.intp], share: Array) -> Array:
+        """Return the smooth part of the input at shares of some intervals, (m,)."""
+        first, second, third = self.smooth[intervals].T
+        return np.asarray(first + share * (second + share * third))
+
+
+def input_of_values(time: Array, values: Array) -> _FilterInput:
+    """Return the input that is linear between its values at sample times, (n,) each."""
+    smooth = np.column_stack([values[:-1], np.diff(values), np.zeros(len(time) - 1)])
+    none = np.zeros((len(time) - 1, 0))
+    return _FilterInput(time, smooth, none, none)
+
+
+def input_of_acceleration(
+    time: Array, axes: Array, position: Array, velocity: Array, acceleration: Array, gravity: Array
+) -> _FilterInput:
+    """Return the specific force along a moving axis as a filter's input.
+
+    Args:
+        time: Sample times, rising, (n,) [s].
+        axes: Unit vectors along which the sensor reads, (n, 3).
+        position: Of the sensor, (n, 3) [m].
+        velocity: Likewise [m/s].
+        acceleration: Likewise, where it jumps the value afterwards [m/s^2].
+        gravity: (3,) [m/s^2].
+    """
+    h = np.diff(time)[:, None]
+    turn, bend = np.diff(axes, axis=0), np.diff(acceleration, axis=0)
+    force = acceleration[:-1] - gravity
+    smooth = np.column_stack(
+        [_dot(axes[:-1], force), _dot(axes[:-1], bend) + _dot(turn, force), _dot(turn, bend)]
+    )
+    impulse = np.diff(velocity, axis=0) - h * (acceleration[:-1] + 0.5 * bend)
+    moment = np.diff(position, axis=0) - h * velocity[:-1] - h**2 * (acceleration[:-1] / 2.0 + bend / 6.0)
+    size = _dot(impulse, impulse)
+    left = np.divide(_dot(impulse, moment), size, out=np.zeros(len(size)), where=size > 0.0)  # to the end
+    place = h[:, 0] - np.clip(left, 0.0, h[:, 0])
+    share = np.divide(place, h[:, 0], out=np.zeros(len(size)), where=h[:, 0] > 0.0)
+    axis = axes[:-1] + share[:, None] * turn
+    along = _dot(axis, impulse)
+    lack = _dot(axis, moment) - along * (h[:, 0] - place)
+    pair = np.divide(lack, h[:, 0], out=np.zeros(len(size)), where=h[:, 0] > 0.0)
+    return _FilterInput(
+        time,
+        smooth,
+        np.column_stack([pair, along, -pair]),
+        np.column_stack([np.zeros(len(size)), place, h[:, 0]]),
+    )
+
+
+def filter_response(given: _FilterInput, rows: Array, corner: float, order: int) -> Array:
+    """Return the filter's output at some times, (m,).
+
+    Before the first sample the input is taken to have been constant for ever.
+
+    Args:
+        given: The input.
+        rows: Times of the output [s], from the first to the last sample time.
+        corner: Frequency at which the filter is 3 dB down [Hz].
+        order: Order of the filter [-].
+    """
+    omega = 2.0 * np.pi * corner
+    poles = np.exp(0.5j * np.pi * (1.0 + (2.0 * np.arange(order) + 1.0) / order))
+    every = np.arange(len(given.time) - 1)
+    inside = np.clip(np.searchsorted(given.time, rows, side="right") - 1, 0, len(every) - 1)
+    lengths, out = np.diff(given.time), np.zeros(len(rows))
+    for i, pole in enumerate(poles):
+        if pole.imag < -1e-9:  # the conjugate of one that counts twice
+            continue
+        times = 2.0 if pole.imag > 1e-9 else 1.0
+        residue = 1.0 / np.prod(pole - np.delete(poles, i))
+        p = omega * pole
+        driven = omega * _driven(given, p, every, lengths)
+        first = -given.smooth[0, 0] / pole
+        bands = np.ones((2, len(given.time)), dtype=complex)
+        bands[1, :-1] = -np.exp(p * lengths)
+        states = solve_banded((1, 0), bands, np.concatenate([[first], driven]), check_finite=False)
+        into = rows - given.time[inside]
+        found = np.exp(p * into) * states[inside] + omega * _driven(given, p, inside, into)
+        out += times * (residue * found).real
+    return out
+
+
+def _driven(
+    given: _FilterInput, p: complex, intervals: NDArray[np.intp], into: Array
+) -> NDArray[np.complex128]:
+    """Return the contribution of intervals' inputs to a pole's state after a time, (m,)."""
+    lengths = np.diff(given.time)[intervals]
+    total = np.zeros(len(intervals), dtype=complex)
+    for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+        share = np.divide(node * into, lengths, out=np.zeros(len(into)), where=lengths > 0.0)
+        total += weight * into * np.exp(p * into * (1.0 - node)) * given.at(intervals, share)
+    for size, place in zip(given.impulses[intervals].T, given.places[intervals].T, strict=True):
+        after = into - place
+        total += np.where(after >= 0.0, size * np.exp(p * np.maximum(after, 0.0)), 0.0)
+    return total
+
+
+def _dot(one: Array, other: Array) -> Array:
+    return np.asarray(np.einsum("ni,ni->n", one, other))
+
+
+# --- readings -----------------------------------------------------------------------------------------------
+
+# Samples of a filter's input per period of its corner: of an acceleration with known moments, and of values
+# linear between samples, to (2 pi / 64)^2 / 12 = 8e-4 at the corner.
 _PER_PERIOD, _PER_PERIOD_OF_VALUES = 24, 64
 
 
-def unit_of(data: xr.Dataset, column: ColumnSpec, place: str) -> str:
-    """Return the SI unit of what a sensor reads, or refuse one of what a run does not have.
+def sensor_unit(data: xr.Dataset, column: ColumnSpec, place: str) -> str:
+    """Return the SI unit of a sensor's reading, or refuse an unknown one.
 
     Args:
         data: Of a run.
@@ -70,7 +228,7 @@ def _check_link(data: xr.Dataset, link: str, place: str) -> None:
 
 
 def check_sensor(column: ColumnSpec, unit: str, place: str) -> None:
-    """Refuse numbers of a column that are not of its unit.
+    """Refuse numbers of a column in a wrong unit.
 
     Raises:
         ScenarioError: One is not.
@@ -79,21 +237,21 @@ def check_sensor(column: ColumnSpec, unit: str, place: str) -> None:
         value = getattr(column, name)
         relative = name == "sd" and column.compare in ("spectrum", "blows")
         if value is not None:
-            amount(value, "1" if relative else unit, f"{place}.{name}")
-    if column.sensor == "encoder" and not amount(column.resolution, unit, place) > 0.0:
+            si_amount(value, "1" if relative else unit, f"{place}.{name}")
+    if column.sensor == "encoder" and not si_amount(column.resolution, unit, place) > 0.0:
         raise ScenarioError(f"{place}.resolution must be positive, got {column.resolution!r}")
     if column.point is not None:
         for i, value in enumerate(column.point):
-            amount(value, "m", f"{place}.point[{i}]")
+            si_amount(value, "m", f"{place}.point[{i}]")
     if column.blows is not None:
-        amount(column.blows.level, unit, f"{place}.blows.level")
+        si_amount(column.blows.level, unit, f"{place}.blows.level")
         counted = {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[column.blows.of]
         for i, edge in enumerate(column.blows.edges):
-            amount(edge, counted, f"{place}.blows.edges[{i}]")
+            si_amount(edge, counted, f"{place}.blows.edges[{i}]")
 
 
-def amount(value: object, unit: str, place: str) -> float:
-    """Return a number of a fit file in SI units; one without a unit is in them.
+def si_amount(value: object, unit: str, place: str) -> float:
+    """Return a number of a fit file in SI units, the default.
 
     Raises:
         ScenarioError: It is of another unit.
@@ -102,19 +260,19 @@ def amount(value: object, unit: str, place: str) -> float:
     return in_si(value, written or "1", place)
 
 
-def noise_of(column: ColumnSpec, unit: str) -> float:
-    """Return the standard deviation of a row: that of the noise and, of an encoder, of its steps [SI].
+def reading_noise(column: ColumnSpec, unit: str) -> float:
+    """Return the standard deviation of a row, of an encoder with its steps [SI].
 
     A step of size s rounds by an error that is spread evenly, of variance s^2 / 12.
     """
-    noise = amount(column.sd, unit, "sd")
+    noise = si_amount(column.sd, unit, "sd")
     if column.sensor == "encoder":
-        noise = math.hypot(noise, amount(column.resolution, unit, "resolution") / math.sqrt(12.0))
+        noise = math.hypot(noise, si_amount(column.resolution, unit, "resolution") / math.sqrt(12.0))
     return noise
 
 
-def instants(column: ColumnSpec, time: Array) -> Array:
-    """Return when of a run a column has to be asked for to be read at rising times [s].
+def sample_times(column: ColumnSpec, time: Array) -> Array:
+    """Return the times at which a run is sampled, for readings at rising times [s].
 
     Behind a filter these are even steps from zero on, and the last of the times.
     """
@@ -126,29 +284,31 @@ def instants(column: ColumnSpec, time: Array) -> Array:
 
 
 def reading(data: xr.Dataset, column: ColumnSpec, unit: str, time: Array) -> Array:
-    """Return what a sensor reads at times, (n,), before its gain and offset.
+    """Return a sensor's readings at times, (n,), before gain and offset.
 
     Args:
-        data: Of a run, at the :func:`instants`; behind a filter further samples in between, such as those at
-            events, count too.
+        data: Of a run, at the :func:`sample_times`; behind a filter further samples in between, such as those
+            at events, count too.
         column: Of the sensor.
         unit: Of what it reads.
         time: When it is read [s].
     """
     if column.filter is None:
-        return _points(data, column, unit)
+        return _unfiltered(data, column, unit)
     if column.sensor == "accelerometer":
         given = _acceleration(data, column)
     else:
-        given = input_of_values(np.asarray(data["time"].values, dtype=float), _points(data, column, unit))
+        given = input_of_values(np.asarray(data["time"].values, dtype=float), _unfiltered(data, column, unit))
     return filter_response(given, time, column.filter.corner, column.filter.order)
 
 
-def _points(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
-    """Return what a sensor without a filter reads at a result's samples."""
+def _unfiltered(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
+    """Return a sensor's readings at a result's samples, without a filter."""
     if column.sensor == "accelerometer":
-        axes, arms, motion = _of_point(data, column)
-        return np.asarray(np.einsum("ni,ni->n", axes, _of_arm(motion, arms) - _gravity(data, column)))
+        axes, arms, motion = _sensor_motion(data, column)
+        return np.asarray(
+            np.einsum("ni,ni->n", axes, _arm_acceleration(motion, arms) - _gravity(data, column))
+        )
     if column.sensor == "force-cell":
         loads = joint_loads(data)[column.load or "force"].sel(moving_joint=column.joint).values
         direction = along(column.direction or (0.0, 0.0, 1.0))
@@ -158,35 +318,35 @@ def _points(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
         return np.asarray(np.einsum("ni,ni->n", axes, loads))
     values = np.asarray(quantity(data, str(column.of)).values, dtype=float)
     if column.rounding == "down":  # on average half a step is still to come
-        return values - 0.5 * amount(column.resolution, unit, "resolution")
+        return values - 0.5 * si_amount(column.resolution, unit, "resolution")
     return values
 
 
-def _acceleration(data: xr.Dataset, column: ColumnSpec) -> FilterInput:
+def _acceleration(data: xr.Dataset, column: ColumnSpec) -> _FilterInput:
     """Return the specific force between a result's samples as a filter's input."""
-    axes, arms, motion = _of_point(data, column)
+    axes, arms, motion = _sensor_motion(data, column)
     velocity = motion[:, 1] + np.cross(motion[:, 2], arms)
     return input_of_acceleration(
         np.asarray(data["time"].values, dtype=float),
         axes,
         motion[:, 0] + arms,
         velocity,
-        _of_arm(motion, arms),
+        _arm_acceleration(motion, arms),
         _gravity(data, column),
     )
 
 
-def _of_arm(motion: Array, arms: Array) -> Array:
-    """Return the acceleration of a point on an arm from a link's origin, (n, 3) [m/s^2]."""
+def _arm_acceleration(motion: Array, arms: Array) -> Array:
+    """Return the acceleration of a point at an arm on a link, (n, 3) [m/s^2]."""
     spin = motion[:, 2]
     turned: Array = np.cross(motion[:, 4], arms) + np.cross(spin, np.cross(spin, arms))
     return motion[:, 3] + turned
 
 
-def _of_point(data: xr.Dataset, column: ColumnSpec) -> tuple[Array, Array, Array]:
-    """Return a sensor's axis, its arm from the link's origin, (n, 3), and the link's motion: world axes."""
+def _sensor_motion(data: xr.Dataset, column: ColumnSpec) -> tuple[Array, Array, Array]:
+    """Return axis and arm of a sensor, (n, 3), and its link's motion, world axes."""
     attitudes, motion = _motion(data, str(column.link))
-    point = [amount(value, "m", "point") for value in column.point or (0.0, 0.0, 0.0)]
+    point = [si_amount(value, "m", "point") for value in column.point or (0.0, 0.0, 0.0)]
     return attitudes @ along(column.direction or (0.0, 0.0, 1.0)), attitudes @ np.array(point), motion
 
 
@@ -196,7 +356,198 @@ def _motion(data: xr.Dataset, link: str) -> tuple[Array, Array]:
 
 
 def _gravity(data: xr.Dataset, column: ColumnSpec) -> Array:
-    """Return the gravity that counts, (3,) [m/s^2]."""
+    """Return the gravity that a sensor reads, (3,) [m/s^2]."""
     if column.gravity is False:
         return np.zeros(3)
     return np.asarray(json.loads(data.attrs["mechanism"])["gravity"], dtype=float)
+
+
+# --- statistics of readings ---------------------------------------------------------------------------------
+
+# The root of n + 3/8 of a count n has a variance of 1/4 (Anscombe 1948, Biometrika 35, 246).
+_ANSCOMBE = 0.375
+# Independent share of half-overlapping segments under Hann's window: the variance of a mean over K of them is
+# 1/K (1 + 2/36) of one alone (Welch 1967, IEEE Trans. Audio 15, 70-73).
+_OVERLAP = 1.0 / (1.0 + 2.0 / 36.0)
+# Noise bandwidth of Hann's window in lines.
+_BANDWIDTH = 1.5
+
+
+class Target(NamedTuple):
+    """Data of a column for comparison.
+
+    Attributes:
+        at: Where along it each number stands: a time [s], a band's middle [Hz], a bin's middle.
+        unit: Of that.
+        data: Of the record, (numbers,), in the measure in which it is compared.
+        sd: Of each, in that measure.
+        measure: In words, for who reads it: ``reading``, ``rms``, ``ln power``, ``2 sqrt(count + 3/8)``.
+    """
+
+    at: Array
+    unit: str
+    data: Array
+    sd: Array
+    measure: str
+
+
+def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array, place: str) -> Target:
+    """Return the data of a record's column for comparison.
+
+    Args:
+        column: As the fit file has it.
+        unit: SI unit of what it reads.
+        time: Of its rows [s].
+        values: As measured, (rows,).
+        place: Of the column, for messages.
+
+    Raises:
+        ScenarioError: The record is too short for its segments, has no power in a band, or no impacts.
+    """
+    if column.spectrum is not None:
+        _check_bands(column.spectrum, time, place)
+    data = compared_numbers(column, unit, time, values)
+    if column.compare == "curve":
+        return Target(time, "s", data, np.full(len(time), reading_noise(column, unit)), "reading")
+    if column.compare == "rms":
+        return Target(
+            np.array([0.5 * (time[0] + time[-1])]), "s", data, np.array([reading_noise(column, unit)]), "rms"
+        )
+    if column.spectrum is not None:
+        edges = np.array(column.spectrum.edges)
+        for low, high, value in zip(edges, edges[1:], data, strict=False):
+            if not math.isfinite(value):
+                raise ScenarioError(
+                    f"{place} must have power from {low:g} Hz to {high:g} Hz, got none in the record"
+                )
+        if column.sd is not None:
+            sd = np.full(len(data), si_amount(column.sd, "1", f"{place}.sd"))
+        else:
+            sd = _band_noise(column.spectrum, time)
+        return Target(np.sqrt(edges[:-1] * edges[1:]), "Hz", data, sd, "ln power")
+    assert column.blows is not None
+    edges, counted = _edges(column.blows, unit)
+    if not np.any(data > 2.0 * math.sqrt(_ANSCOMBE)):
+        raise ScenarioError(
+            f"{place} must have blows above its level in the record, got none between the edges"
+        )
+    # The model's counts scatter as the record's, where the motion is chaotic.
+    return Target(
+        np.sqrt(edges[:-1] * edges[1:]),
+        counted,
+        data,
+        np.full(len(data), math.sqrt(2.0)),
+        "2 sqrt(count + 3/8)",
+    )
+
+
+def compared_numbers(column: ColumnSpec, unit: str, time: Array, values: Array) -> Array:
+    """Return the compared numbers of a curve, of a record or of the model."""
+    if column.compare == "rms":
+        return np.array([math.sqrt(float(np.mean(values**2)))])
+    if column.spectrum is not None:
+        return _band_powers(column.spectrum, time, values)
+    if column.blows is not None:
+        edges, _ = _edges(column.blows, unit)
+        counts = _soft_histogram(_blows(column.blows, unit, time, values), edges)
+        return 2.0 * np.sqrt(counts + _ANSCOMBE)
+    return values
+
+
+def compared_slopes(column: ColumnSpec, time: Array, values: Array, slopes: Array) -> Array:
+    """Return the derivatives of :func:`compared_numbers` over a curve, (numbers, fitted).
+
+    Not of impacts, which are found anew in each run.
+
+    Args:
+        column: As the fit file has it.
+        time: Of its rows [s].
+        values: Of the model, (rows,).
+        slopes: Their derivatives, (rows, fitted).
+    """
+    assert column.blows is None
+    if column.compare == "rms":
+        return np.asarray(values @ slopes / (len(values) * math.sqrt(float(np.mean(values**2)))))[np.newaxis]
+    if column.spectrum is None:
+        return slopes
+    here, columns = np.exp(_band_powers(column.spectrum, time, values)), []
+    for way in slopes.T:
+        # Powers are quadratic in a curve: central differences are exact but for round-off.
+        largest = float(np.abs(way).max(initial=0.0))
+        step = float(np.abs(values).max()) / largest if largest > 0.0 else 1.0
+        ahead, behind = (
+            np.exp(_band_powers(column.spectrum, time, values + sign * step * way)) for sign in (1, -1)
+        )
+        columns.append((ahead - behind) / (2.0 * step * here))
+    return np.column_stack(columns) if columns else np.zeros((len(here), 0))
+
+
+def _row_rate(time: Array) -> float:
+    return (len(time) - 1) / float(time[-1] - time[0])
+
+
+def _check_bands(spec: SpectrumSpec, time: Array, place: str) -> None:
+    pace, length = _row_rate(time), float(time[-1] - time[0])
+    if spec.segment > length:
+        raise ScenarioError(
+            f"{place}.spectrum.segment must be within the record's {length:g} s, got {spec.segment:g} s"
+        )
+    if spec.edges[-1] > 0.5 * pace:
+        rule = f"must be below half of the record's {pace:g} rows per second"
+        raise ScenarioError(f"{place}.spectrum.edges {rule}, got {spec.edges[-1]:g} Hz")
+    for low, high in zip(spec.edges, spec.edges[1:], strict=False):
+        if (high - low) * spec.segment < 1.0:
+            rule = f"must be {1.0 / spec.segment:g} Hz apart at least, as lines of {spec.segment:g} s are"
+            raise ScenarioError(f"{place}.spectrum.edges {rule}, got {low:g} Hz and {high:g} Hz")
+
+
+def _band_powers(spec: SpectrumSpec, time: Array, values: Array) -> Array:
+    """Return the logarithm of the power in each band, (bands,); minus infinity for none."""
+    from scipy.signal import welch
+
+    pace = _row_rate(time)
+    rows = min(len(values), max(2, round(spec.segment * pace)))
+    frequency, density = welch(values, pace, nperseg=rows, detrend="constant")
+    # Linear between the lines up to each edge: a band's power follows its edges without jumps.
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(frequency))])
+    power = np.diff(np.interp(spec.edges, frequency, total))
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(power))
+
+
+def _band_noise(spec: SpectrumSpec, time: Array) -> Array:
+    """Return the standard deviation of each band's logarithm, of record and model together, (bands,)."""
+    segments = max(1.0, 2.0 * float(time[-1] - time[0]) / spec.segment - 1.0) * _OVERLAP
+    lines = np.maximum(1.0, np.diff(spec.edges) * spec.segment / _BANDWIDTH)
+    return np.asarray(np.sqrt(2.0 / (segments * lines)))
+
+
+def _edges(spec: BlowsSpec, unit: str) -> tuple[Array, str]:
+    counted = {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[spec.of]
+    return np.array([si_amount(edge, counted, "edges") for edge in spec.edges]), counted
+
+
+def _blows(spec: BlowsSpec, unit: str, time: Array, values: Array) -> Array:
+    """Return the counted number of each impact."""
+    level, size = si_amount(spec.level, unit, "level"), np.abs(values)
+    above = np.concatenate([[False], size > level, [False]]).astype(int)
+    begins, ends = np.flatnonzero(np.diff(above) > 0), np.flatnonzero(np.diff(above) < 0)
+    if spec.of == "intervals":
+        return np.asarray(np.diff(time[begins]))
+    if spec.of == "peaks":
+        return np.array([size[i:j].max() for i, j in zip(begins, ends, strict=True)])
+    step = 1.0 / _row_rate(time)
+    return np.array([size[i:j].sum() * step for i, j in zip(begins, ends, strict=True)])
+
+
+def _soft_histogram(found: Array, edges: Array) -> Array:
+    """Return the count of each bin, numbers shared between the two nearest middles."""
+    middles = 0.5 * (np.log(edges[1:]) + np.log(edges[:-1]))
+    inside = np.log(found[(found >= edges[0]) & (found <= edges[-1])])
+    place = np.interp(inside, middles, np.arange(len(middles), dtype=float))
+    left = np.minimum(place.astype(int), len(middles) - 2) if len(middles) > 1 else place.astype(int)
+    counts = np.zeros(len(middles))
+    np.add.at(counts, left, 1.0 - (place - left))
+    if len(middles) > 1:
+        np.add.at(counts, left + 1, place - left)
+    return counts

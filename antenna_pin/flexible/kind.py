@@ -1,4 +1,4 @@
-"""What every way to make a link flexible is asked."""
+"""Protocol of flexible links."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ class FlexibleKind(Protocol):
 
     @property
     def hub_drawn(self) -> tuple[Drawn, ...]:
-        """What is drawn of the hub, beside the link's own shapes."""
+        """Shapes of the hub, besides the link's own."""
         return ()
 
     def told_of(self, part: int, link: MassProperties) -> str:
-        """Return what a refusal is to say of a part beside its name: where its numbers stand, for instance.
+        """Return details of a part for a refusal: the place of its numbers, for instance.
 
         Args:
             part: Its place in :meth:`parts`.

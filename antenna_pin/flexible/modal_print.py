@@ -263,7 +263,7 @@ def _printed(word: str, name: str, place: str) -> _Printed:
 
 
 def _eigenvalue(words: Sequence[str], columns: Sequence[str], place: str) -> _Printed:
-    """Return the frequency [Hz] of a mode's line, whose numbers must say the same."""
+    """Return the frequency [Hz] of a mode's line, checked against its other numbers."""
     if len(words) != len(columns):
         *first, last = (f"{count} ({', '.join(names)})" for count, names in _EIGENVALUES.items())
         raise BadModalTableError(

@@ -1,4 +1,4 @@
-"""What a flexible link is made of: elastic parts, each a body on a joint with a spring and a damper."""
+"""Elastic parts of a flexible link: a body each, on a joint with a spring and a damper."""
 
 from __future__ import annotations
 

@@ -160,7 +160,7 @@ class Petals(FlexibleKind):
 
     @property
     def hub_drawn(self) -> tuple[Drawn, ...]:
-        """What is drawn of the hub."""
+        """Shapes of the hub."""
         if self.hub_mesh is not None:
             return (MeshShape(self.hub_mesh, self.placement @ _MESH),)
         disc = np.eye(4)

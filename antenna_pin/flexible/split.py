@@ -76,7 +76,7 @@ def split(kind: FlexibleKind, name: str, link: MassProperties, where: str) -> Sp
 def _too_much(
     link: MassProperties, parts: Sequence[ElasticPart], before: np.ndarray, left: np.ndarray
 ) -> str:
-    """Say which part asks too much, and of what."""
+    """Refuse a part that needs more mass or inertia than the link has, by name."""
     part = parts[-1]
     beside = "" if len(parts) == 1 else f" beside {', '.join(one.name for one in parts[:-1])}"
     asks = f"it takes {100.0 * share_taken(link, part.body):.3g} % of a moment of the link's mass"

@@ -1,4 +1,4 @@
-"""What an FMU of a scenario holds besides its model description, and what its variables are."""
+"""Content of an FMU of a scenario besides its model description, and its variables."""
 
 from __future__ import annotations
 

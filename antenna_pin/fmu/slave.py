@@ -77,7 +77,7 @@ _COSIMULATION = {
 
 
 class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
-    """One instance of an FMU.
+    """Instance of an FMU.
 
     Args:
         **named: As pythonfmu3 gives them: the instance's name, the folder of resources.

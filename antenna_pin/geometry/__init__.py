@@ -1,4 +1,4 @@
-"""Where journal and bearing meet and how deep: surfaces, no forces."""
+"""Places and depths of contact between journal and bearing: surfaces, no forces."""
 
 from antenna_pin.base.lazy import exported
 

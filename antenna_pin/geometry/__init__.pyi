@@ -1,8 +1,8 @@
 from antenna_pin.geometry.cylindrical import CylindricalClearance as CylindricalClearance
 from antenna_pin.geometry.look import Look as Look
-from antenna_pin.geometry.looks import LOOKS as LOOKS
 from antenna_pin.geometry.planar import PlanarClearance as PlanarClearance
 from antenna_pin.geometry.prismatic import PrismaticClearance as PrismaticClearance
+from antenna_pin.geometry.registry import LOOKS as LOOKS
 from antenna_pin.geometry.revolute import HARDEST as HARDEST
 from antenna_pin.geometry.revolute import RevoluteClearance as RevoluteClearance
 from antenna_pin.geometry.scenarios import AxialScenario as AxialScenario

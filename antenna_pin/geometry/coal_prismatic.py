@@ -45,7 +45,7 @@ class CoalPrismatic:
 
 
 class _Asked:
-    """Two shapes of coal's, and what asks for their distance."""
+    """Two shapes of coal, and their distance query."""
 
     def __init__(self, first: Any, second: Any) -> None:
         self._shapes = first, second  # a functor keeps none

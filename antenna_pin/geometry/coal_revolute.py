@@ -103,12 +103,12 @@ class CoalRevolute:
                 break
 
     def answer(self) -> None:
-        """Ask coal what is asked in ``work``, and write its answers there."""
+        """Carry out the queries of ``work`` by coal, and write the results there."""
         for question in self._questions[self._asked.item()]:
             question()
 
     def _end(self, k: int) -> _Question:
-        """Return what asks coal about the point of END k.
+        """Return the query of coal for the point of END k.
 
         What it needs is looked at once; coal's normal is read where it stands.
         """
@@ -188,7 +188,7 @@ class CoalRevolute:
                 table["normal"][r] = rotation.T @ self._result.normal
 
     def _large_flange(self, k: int) -> _Question:
-        """Return what asks coal about a flange that covers the bearing's end."""
+        """Return the query of coal for a flange that covers the bearing's end."""
         answer, functor, rotation, origin = self._answers[k], self._axial[k], self._rotation, self._origin
         gaps, to_normal, to_point = self._answers["gap"], answer["normal"], answer["point"]
         at_bearing, identity, request = self._at_bearing, self._identity, self._request
@@ -206,7 +206,7 @@ class CoalRevolute:
         return ask
 
     def _small_flange(self, k: int) -> _Question:
-        """Return what asks coal about a flange smaller than the bearing's end.
+        """Return the query of coal for a flange smaller than the bearing's end.
 
         Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
         Both are asked in H, where the half-spaces stand, and the answers carried to J.

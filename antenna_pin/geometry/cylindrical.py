@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,12 +13,76 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
-from antenna_pin.geometry.coal_prismatic import CoalPrismatic
-from antenna_pin.geometry.prismatic import check_guide_length, walls, within
+from antenna_pin.geometry.look import Across, Array, Look, Sizes, circle, length, radial_words
+from antenna_pin.geometry.prismatic import (
+    check_guide_length,
+    clamped,
+    guide_words,
+    mouths,
+    touches,
+    walls,
+    within,
+)
 from antenna_pin.geometry.revolute_kernels import REVOLUTE
 from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_lengths
 
-__all__ = ["CylindricalClearance"]
+if TYPE_CHECKING:
+    from antenna_pin.geometry.coal_prismatic import CoalPrismatic
+
+__all__ = [
+    "CylindricalClearance",
+]
+
+# --- readings of results ------------------------------------------------------------------------------------
+
+
+def _across(size: Sizes, p: Array, z: Array) -> Across:
+    """The slider's axis at the ends of what of it is within the guide."""
+    half, guide = 0.5 * size["slider_length"], size["guide_length"]
+    outer, inner = size["bearing_radius"], size["journal_radius"]
+    offset = clamped(p, z, half, guide)
+    eccentricity = np.hypot(offset[..., 0], offset[..., 1])
+    short = guide and guide < size["slider_length"]
+    twist = math.nan
+    if size["key_width"]:
+        twist = touches(0.5 * size["key_width"], size["key_reach"], 0.5 * size["keyway_width"])
+    return Across(
+        ("+", "-"),
+        offset,
+        eccentricity,
+        eccentricity / (outer - inner),
+        outer - inner,
+        circle(outer - inner),
+        tilt=mouths(0.5 * guide, outer, inner) if short else touches(inner, half, outer),
+        twist=twist,
+    )
+
+
+def _dimensions(size: Sizes) -> list[str]:
+    parts = [
+        radial_words("guide", size["bearing_radius"], "slider", size["journal_radius"]),
+        f"slider {length(size['slider_length'])} long",
+        *guide_words(size),
+    ]
+    if size["key_width"]:
+        parts.append(
+            f"key {length(size['key_width'])} wide in a keyway of {length(size['keyway_width'])}, bearing "
+            f"{length(size['key_reach'])} from the axis"
+        )
+    return parts
+
+
+LOOK = Look(
+    held="a round slider in a guide, held by contact alone",
+    dimensions=_dimensions,
+    picture="rod",
+    contacts=frozenset({"radial", "key"}),
+    rows=("radial",),
+    across=_across,
+)
+
+
+# --- shape --------------------------------------------------------------------------------------------------
 
 _SIGNS = ((1.0, "+"), (-1.0, "-"))
 _KEY = ("key_width", "keyway_width", "key_reach")
@@ -56,6 +120,7 @@ class CylindricalClearance(RoundShape):
     """
 
     kind: ClassVar[str] = "cylindrical"
+    look: ClassVar[Look] = LOOK
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion] = "slide"
 
@@ -128,5 +193,7 @@ class CylindricalClearance(RoundShape):
         return np.concatenate([*rows, walls(flanks, 0.0, self.guide_length)] if flanks else rows)
 
     def coal(self, axes: ArrayLike) -> CoalPrismatic:
-        """Return what asks coal for the same distances."""
+        """Return the queries of coal for the same distances."""
+        from antenna_pin.geometry.coal_prismatic import CoalPrismatic
+
         return CoalPrismatic(self.candidates(axes))

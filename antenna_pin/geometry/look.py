@@ -1,7 +1,6 @@
-"""What readers of a result ask of a kind of joint with play: how it is looked at, drawn and told of.
+"""Readings of a kind of joint with play for those who draw and describe results.
 
-Each kind has its :class:`Look` in a file beside that of its shape, and its line in
-:mod:`antenna_pin.geometry.looks`; a reader needs neither shape nor kernels.
+Each kind has its :class:`Look` beside its shape (:data:`antenna_pin.geometry.LOOKS`); neither loads coal.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ Row = Literal["radial", "axial", "transverse", "contact"]
 
 
 class Across(NamedTuple):
-    """Where the journal is in its play, at the places where one looks."""
+    """Place of the journal in its play, at the inspected places."""
 
     places: tuple[str, ...]
     offset: Array  # (n, places, 3) [m], bearing axes
@@ -42,7 +41,7 @@ class Across(NamedTuple):
 
 
 class Look(NamedTuple):
-    """What is to be known of a kind of joint.
+    """Readings of a kind of joint with play.
 
     Attributes:
         held: What holds it together, in words.

@@ -1,4 +1,4 @@
-"""A backend of a user's as it is asked: for the rows of its joint and nothing else."""
+"""Backend of a user: queried for the rows of its joint only."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _GIVEN = ("gap", *(f"{name} {axis}" for name in ("normal", "point") for axis in 
 
 
 class OwnBackend:
-    """A backend whose answers are looked at.
+    """Backend whose results are checked.
 
     It gets a table of its own, so that it cannot write into what belongs to others.
 
@@ -35,7 +35,7 @@ class OwnBackend:
     """
 
     def __init__(self, name: str, distances: Distances, contacts: int) -> None:
-        """Allocate nothing yet: how long the table is, is seen when it is asked."""
+        """Allocate nothing yet: the table's length is known at the first query."""
         self.name = name
         self._distances, self._contacts = distances, contacts
         self._table = np.zeros(0, CONTACT)

@@ -1,4 +1,4 @@
-"""The shapes of joints with play by their ``kind``: one line each, beside that of what readers know of it."""
+"""Kinds of joints with play by the ``kind`` that a scenario and a result carry: one line each."""
 
 from __future__ import annotations
 
@@ -7,22 +7,25 @@ from types import MappingProxyType
 from typing import Any
 
 from antenna_pin.geometry.cylindrical import CylindricalClearance
+from antenna_pin.geometry.look import Look
 from antenna_pin.geometry.planar import PlanarClearance
 from antenna_pin.geometry.prismatic import PrismaticClearance
 from antenna_pin.geometry.revolute import RevoluteClearance
 from antenna_pin.geometry.spherical import SphericalClearance
 
-__all__ = ["SHAPES"]
+__all__ = ["LOOKS", "SHAPES"]
 
 SHAPES: Mapping[str, type[Any]] = MappingProxyType(
     {
         shape.kind: shape
         for shape in (
-            RevoluteClearance,
-            PlanarClearance,
+            # Of several kinds in a figure forces are drawn as of the first: those without an axis first.
             SphericalClearance,
             PrismaticClearance,
             CylindricalClearance,
+            RevoluteClearance,
+            PlanarClearance,
         )
     }
 )
+LOOKS: Mapping[str, Look] = MappingProxyType({kind: shape.look for kind, shape in SHAPES.items()})

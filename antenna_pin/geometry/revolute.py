@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,20 +13,70 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.records import CONTACT
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
-from antenna_pin.geometry.coal_revolute import CoalRevolute
+from antenna_pin.geometry.look import Across, Array, Look, Sizes, circle, length, radial_words
 from antenna_pin.geometry.revolute_kernels import REVOLUTE, scenario_in
 from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
-from antenna_pin.geometry.shape import (
-    ContactPlace,
-    Motion,
-    RoundShape,
-    flat,
-    pose_of,
-    require_lengths,
+from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, pose_of, require_lengths
+
+if TYPE_CHECKING:
+    from antenna_pin.geometry.coal_revolute import CoalRevolute
+
+__all__ = [
+    "AxialScenario",
+    "HARDEST",
+    "RadialScenario",
+    "RevoluteClearance",
+]
+
+# --- readings of results ------------------------------------------------------------------------------------
+
+
+def _ends(p: Array, z: Array, half: float) -> Array:
+    """Return where the journal's axis passes the cross sections at both ends of a bore, (n, 2, 3) [m]."""
+    along = (np.array([half, -half]) - p[:, 2:]) / z[:, 2:]
+    return np.asarray(p[:, None, :] + along[:, :, None] * z[:, None, :])
+
+
+def _across(size: Sizes, p: Array, z: Array) -> Across:
+    clearance, half = size["bearing_radius"] - size["journal_radius"], 0.5 * size["bearing_length"]
+    offset = _ends(p, z, half)
+    eccentricity = np.hypot(offset[..., 0], offset[..., 1])
+    # A centred journal touches both ends: R_i cos - L_i / 2 sin = R_j.
+    root = np.sqrt(half**2 + (size["bearing_radius"] + size["journal_radius"]) * clearance)
+    return Across(
+        ("+", "-"),
+        offset,
+        eccentricity,
+        eccentricity / clearance,
+        clearance,
+        circle(clearance),
+        axial=0.5 * (size["flange_distance"] - size["bearing_length"]),
+        tilt=2.0 * np.arctan2(clearance, half + root),
+    )
+
+
+def _dimensions(size: Sizes) -> list[str]:
+    play = 0.5 * (size["flange_distance"] - size["bearing_length"])
+    return [
+        radial_words("bore", size["bearing_radius"], "journal", size["journal_radius"]),
+        f"axial clearance {length(play)} at each flange: bearing "
+        f"{length(size['bearing_length'])} long, flanges {length(size['flange_distance'])} apart",
+        f"bearing's outer radius {length(size['bearing_outer_radius'])}, flanges' radius "
+        f"{length(size['flange_radius'])}",
+    ]
+
+
+LOOK = Look(
+    held="a journal with flanges in a bore, held by contact alone",
+    dimensions=_dimensions,
+    picture="journal",
+    contacts=frozenset({"radial", "axial"}),
+    rows=("radial", "axial"),
+    across=_across,
 )
 
-__all__ = ["HARDEST", "AxialScenario", "RadialScenario", "RevoluteClearance"]
 
+# --- shape --------------------------------------------------------------------------------------------------
 
 #: Greatest depth of a hard preload, over the bearing's radius: that at which contact stiffness still applies.
 HARDEST = 0.01
@@ -70,6 +120,7 @@ class RevoluteClearance(RoundShape):
     """
 
     kind: ClassVar[str] = "revolute"
+    look: ClassVar[Look] = LOOK
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion] = "turn"
 
@@ -171,7 +222,9 @@ class RevoluteClearance(RoundShape):
         )
 
     def coal(self, axes: ArrayLike) -> CoalRevolute:
-        """Return what asks coal for the same distances."""
+        """Return the queries of coal for the same distances."""
+        from antenna_pin.geometry.coal_revolute import CoalRevolute
+
         return CoalRevolute(self.dimensions())
 
     def scenario(self, p_HJ: ArrayLike, attitude: ArrayLike) -> tuple[RadialScenario, AxialScenario]:

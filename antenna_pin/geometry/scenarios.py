@@ -1,4 +1,4 @@
-"""How a journal touches its bearing, in words; nothing of it needs compiled code."""
+"""Contact scenarios of journal and bearing in words, without compiled code."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ __all__ = ["AxialScenario", "RadialScenario"]
 
 
 class RadialScenario(IntEnum):
-    """How the journal touches the bore; the numbers are those of the kernels."""
+    """Scenario of radial contact, in the bore; numbers as in the kernels."""
 
     NONE = 0
     ONE_POINT = 1
@@ -17,7 +17,7 @@ class RadialScenario(IntEnum):
 
 
 class AxialScenario(IntEnum):
-    """How the flanges touch the bearing's end faces; the numbers are those of the kernels."""
+    """Scenario of axial contact, at the flanges; numbers as in the kernels."""
 
     NONE = 0
     ONE_POINT = 1

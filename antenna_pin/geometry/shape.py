@@ -1,4 +1,4 @@
-"""What every shape of a joint with play says of itself, and how its distances are asked for."""
+"""Shapes of joints with play: their description, and backends of distance queries."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Motion = Literal["turn", "slide"]
 
 
 class ContactPoint(NamedTuple):
-    """One place where journal and bearing may touch, in bearing axes."""
+    """Candidate contact of journal and bearing, in bearing axes."""
 
     gap: float  # [m]; positive apart, so its zero can be located
     normal: Vector3  # (3,), unit, the way the bearing pushes the journal
@@ -34,7 +34,7 @@ class ContactPoint(NamedTuple):
 
 
 class ContactPlace(NamedTuple):
-    """Where on a joint a candidate contact is."""
+    """Place of a candidate contact on a joint."""
 
     kind: str  # which of the joint's laws it has, and what figures call it: radial, axial, ...
     end: str = ""  # which of several of its kind: +, -, ...
@@ -46,7 +46,7 @@ class ContactPlace(NamedTuple):
 
 
 class Distances(Protocol):
-    """What measures gaps in a run, in place of the compiled closed form: a backend.
+    """Backend: measures gaps in a run in place of the compiled closed form.
 
     It must answer equal questions equally, to a billionth of the play: it may search from its last answer on,
     but a gap that depends on what was asked before (wear, chance) ends the run as ``FUNCTION_WITH_MEMORY``.
@@ -75,11 +75,11 @@ class ClearanceGeometry(Protocol):
 
     @property
     def kind(self) -> str:
-        """What results and readers call it: revolute, planar, ..."""
+        """Name in results and for readers: revolute, planar, ..."""
 
     @property
     def contact_places(self) -> tuple[ContactPlace, ...]:
-        """Where its candidate contacts are, in the order of their rows."""
+        """Places of the candidate contacts, in the order of their rows."""
 
     @property
     def radial_clearance(self) -> float:
@@ -87,7 +87,7 @@ class ClearanceGeometry(Protocol):
 
     @property
     def section_radius(self) -> float:
-        """Size of the hollow: a hundredth of it is as deep as a run goes if nothing else is said [m]."""
+        """Size of the hollow [m]; a hundredth of it is the default depth limit."""
 
     @property
     def half_length(self) -> float | None:
@@ -102,11 +102,11 @@ class ClearanceGeometry(Protocol):
 
     @property
     def planar(self) -> bool:
-        """Whether the journal keeps its plane: three degrees of freedom, else six."""
+        """Return whether the joint is planar: three degrees of freedom, else six."""
 
     @property
     def motion(self) -> Motion | None:
-        """What the joint is there for: turning about the bearing's axis, sliding along it, neither."""
+        """Purpose of the joint: turning about the bearing's axis, sliding along it, neither."""
 
     def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
         """Return the records of the candidate contacts as flat numbers, (contacts, CANDIDATE).
@@ -116,11 +116,11 @@ class ClearanceGeometry(Protocol):
         """
 
     def coal(self, axes: ArrayLike) -> Distances:
-        """Return what asks coal for the same distances; ``axes`` as of :meth:`candidates`."""
+        """Return the queries of coal for the same distances; ``axes`` as of :meth:`candidates`."""
 
 
 class Shape:
-    """What all shapes have beside what their protocol asks for."""
+    """Base of shapes, with members beyond those of their protocol."""
 
     __slots__ = ()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,17 +11,41 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
-from antenna_pin.geometry.coal_round import CoalSpherical
+from antenna_pin.geometry.look import Across, Array, Look, Sizes, across_centre, radial_words
 from antenna_pin.geometry.round_kernels import ROUND
-from antenna_pin.geometry.shape import (
-    ContactPlace,
-    Motion,
-    RoundShape,
-    flat,
-    require_lengths,
+from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_lengths
+
+if TYPE_CHECKING:
+    from antenna_pin.geometry.coal_round import CoalSpherical
+
+__all__ = [
+    "SphericalClearance",
+]
+
+# --- readings of results ------------------------------------------------------------------------------------
+
+
+def _across(size: Sizes, p: Array, z: Array) -> Across:
+    clearance = size["socket_radius"] - size["ball_radius"]
+    return across_centre(p, np.linalg.norm(p[:, None, :], axis=2), clearance)
+
+
+def _dimensions(size: Sizes) -> list[str]:
+    return [radial_words("socket", size["socket_radius"], "ball", size["ball_radius"])]
+
+
+LOOK = Look(
+    held="a ball in a socket, held by contact alone",
+    dimensions=_dimensions,
+    picture="ball",
+    contacts=frozenset({"spherical"}),
+    rows=("contact",),  # without an axis there is neither radial nor axial
+    across=_across,
+    spatial=True,
 )
 
-__all__ = ["SphericalClearance"]
+
+# --- shape --------------------------------------------------------------------------------------------------
 
 
 @takes(socket_radius="m", ball_radius="m")
@@ -40,6 +64,7 @@ class SphericalClearance(RoundShape):
     """
 
     kind: ClassVar[str] = "spherical"
+    look: ClassVar[Look] = LOOK
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion | None] = None
     half_length: ClassVar[float | None] = None
@@ -75,5 +100,7 @@ class SphericalClearance(RoundShape):
         return flat(ROUND, (kernels.BALL, self.bearing_radius, self.journal_radius, (0.0,) * 6))
 
     def coal(self, axes: ArrayLike) -> CoalSpherical:
-        """Return what asks coal for the same distance."""
+        """Return the query of coal for the same distance."""
+        from antenna_pin.geometry.coal_round import CoalSpherical
+
         return CoalSpherical(self.bearing_radius, self.journal_radius)

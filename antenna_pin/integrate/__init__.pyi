@@ -1,11 +1,11 @@
 from antenna_pin.integrate.collocation import NODES as NODES
 from antenna_pin.integrate.collocation import Propagated as Propagated
 from antenna_pin.integrate.collocation import Propagator as Propagator
-from antenna_pin.integrate.implicit import newton_of as newton_of
-from antenna_pin.integrate.manifold import KINDS as KINDS
-from antenna_pin.integrate.manifold import Manifold as Manifold
 from antenna_pin.integrate.methods import METHODS as METHODS
 from antenna_pin.integrate.methods import Method as Method
 from antenna_pin.integrate.methods import method_named as method_named
+from antenna_pin.integrate.methods import newton_of as newton_of
+from antenna_pin.integrate.stepper import KINDS as KINDS
+from antenna_pin.integrate.stepper import Manifold as Manifold
 from antenna_pin.integrate.stepper import Problem as Problem
 from antenna_pin.integrate.stepper import Stepper as Stepper

@@ -19,7 +19,7 @@ NODES: Array = np.append(_GAUSS, 1.0 - 1e-6)
 
 
 class Propagated(NamedTuple):
-    """What a step makes of the identity.
+    """Map of the identity over a step.
 
     Attributes:
         matrix: By collocation at Gauss's four nodes, of order 8, (n, n).

@@ -1,4 +1,4 @@
-"""What a joint with play refuses when it is made, beyond what its parts refuse themselves."""
+"""Checks of a joint with play, beyond those of its parts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["check_asked", "check_friction", "check_load"]
 
 
 def _check_kinds(place: str, law: Any) -> None:
-    """Refuse a law whose code the kernels do not know.
+    """Refuse a law whose code kernels do not support.
 
     Args:
         place: The joint, for the message.
@@ -37,7 +37,7 @@ def _check_kinds(place: str, law: Any) -> None:
 
 
 def check_asked(place: str, normal_laws: Sequence[Any], friction: Any, backend: object) -> None:
-    """Refuse laws and a backend that a run could not ask.
+    """Refuse laws and a backend that a run cannot use.
 
     Args:
         place: The joint, for the message.

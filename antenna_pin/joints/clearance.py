@@ -110,7 +110,7 @@ class ClearanceJoint:
 
     @property
     def planar(self) -> bool:
-        """Whether the joint keeps its plane."""
+        """Return whether the joint is planar."""
         return self.geometry.planar
 
     @property
@@ -131,19 +131,19 @@ class ClearanceJoint:
 
     @property
     def law_names(self) -> tuple[str, ...]:
-        """What is said of the normal law of each contact."""
+        """Description of the normal law of each contact."""
         return tuple(f"joint {self.name!r}: {place.kind} law" for place in self.geometry.contact_places)
 
     @property
     def own_backend(self) -> OwnBackend | None:
-        """A backend of one's own as a run asks it; None if it is one of ours."""
+        """User's backend, wrapped for a run; None without."""
         if isinstance(self.backend, str):
             return None
         return OwnBackend(f"joint {self.name!r}: geometry: query", self.backend, self.contacts)
 
     @property
     def takes_mass(self) -> tuple[bool, ...]:
-        """Of each contact, whether its law depends on the effective mass that it remembers."""
+        """Return of each contact whether its law depends on the remembered effective mass."""
         laws = (law.code() if isinstance(law, CompiledNormalLaw) else None for law in self.normal_laws)
         return tuple(code is not None and takes_mass_of_contact(code) for code in laws)
 
@@ -176,7 +176,7 @@ class ClearanceJoint:
 
     @property
     def limit_reasons(self) -> tuple[str, ...]:
-        """What sets each of the ``depth_limits``, in words: the law's own range, or ``maximum_depth``."""
+        """Reason of each of the ``depth_limits``: the law's own range, or ``maximum_depth``."""
         assert self.maximum_depth is not None
         return tuple(
             f"the range of {_law_name(law)} ends there"
@@ -187,7 +187,7 @@ class ClearanceJoint:
 
     @property
     def compiled(self) -> bool:
-        """Whether all laws run in the fused kernel; otherwise each touching contact costs a Python call."""
+        """Return whether all laws run in the fused kernel, without Python calls per touching contact."""
         return all(has_code(law) for law in (*self.normal_laws, self.friction))
 
     @property

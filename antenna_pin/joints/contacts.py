@@ -1,4 +1,4 @@
-"""What a joint with play does in one state, for people."""
+"""Contacts of a joint with play in one state, for people."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointContacts:
-    """What a clearance joint does in one state; arrays per contact are in bearing axes.
+    """Contacts of a clearance joint in one state; arrays per contact are in bearing axes.
 
     Attributes:
         gap: (contacts,) [m].

@@ -1,4 +1,4 @@
-"""What of a joint with play happens in Python in a run: a backend's distances, and laws written in Python."""
+"""Parts of a joint with play in Python: a backend's distances, and laws written in Python."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ _ROW = ("gap", "rate", "slip", "force", "friction", "elastic")
 
 
 def has_code(law: object) -> bool:
-    """Whether a law runs compiled."""
+    """Return whether a law runs compiled."""
     return hasattr(law, "code") and getattr(law, "is_compiled", True)
 
 
 def range_of(law: NormalLaw) -> float:
-    """Return the depth up to which a law is asked [m]."""
+    """Return the depth limit of a law [m]."""
     return float(getattr(law, "depth_limit", math.inf))
 
 
 def functions_of_law(law: NormalLaw, place: str) -> tuple[AskedFunction, ...]:
-    """Return the functions of a normal law as a run asks them: force, its elastic part, energy stored."""
+    """Return the functions of a normal law for a run: force, its elastic part, energy stored."""
     return tuple(
         AskedFunction(f"{place}: {name}", callable_of(function, len(words)), told_numbers(words))
         for name, function, words in normal_questions(law)
@@ -50,13 +50,13 @@ def functions_of_law(law: NormalLaw, place: str) -> tuple[AskedFunction, ...]:
 
 
 def coefficient_of(law: Any, place: str) -> AskedFunction:
-    """Return the function of a friction law of the slip speed, as a run asks it."""
+    """Return the function of a friction law of the slip speed for a run."""
     told = told_numbers([("slip speed", "m/s")])
     return AskedFunction(f"{place}: friction law: coefficient", callable_of(law.coefficient, 1), told, 0.0)
 
 
 class LawInRun:
-    """A contact's normal law as a run asks it: with the contact's mass, and past its range in a trial step.
+    """Normal law of a contact for a run: with the contact's mass, and past its range in trial steps.
 
     There a compiled law is continued by its kernel, and one in Python is asked at the end of its range.
 
@@ -90,7 +90,7 @@ class LawInRun:
 
 
 class PythonPath:
-    """What of a clearance joint happens outside the fused kernel: a backend's queries, and laws in Python.
+    """Parts of a clearance joint outside the fused kernel: a backend's queries, and laws in Python.
 
     Args:
         block: The joint's numbers.
@@ -145,7 +145,7 @@ class PythonPath:
 
     @functools.cached_property
     def laws(self) -> tuple[LawInRun, ...]:
-        """Its laws, one for each contact; made when they are asked for: most runs' are asked by kernels."""
+        """Laws, one for each contact, made at first use: kernels call most of them."""
         return tuple(LawInRun(*law) for law in self._given_laws)
 
     def locate(self, y: Array, table: NDArray[Any]) -> None:
@@ -156,7 +156,7 @@ class PythonPath:
         kernels.rates_alone(self._block, 0, table, self._pose)
 
     def __contains__(self, contact: int) -> bool:
-        """Whether a contact, by its number, is one of the joint's."""
+        """Return whether a contact, by its number, belongs to the joint."""
         return self.row <= contact < self.row + len(self._given_laws)
 
     def ask_laws(self, table: NDArray[Any], contact: int) -> None:
@@ -171,7 +171,7 @@ class PythonPath:
                 row.force = law.forces(depth, float(row.rate), approach_speed, mass)[1]
 
     def prepare(self, y: Array, everything: bool = False) -> None:
-        """Fill the joint's rows of the table as far as its mode says they are given.
+        """Fill the joint's rows of the table as far as its mode requires.
 
         Args:
             y: State [q, v, x].

@@ -1,4 +1,4 @@
-"""Studies of the contact laws: what they do in an impact, side by side, and against a measured joint."""
+"""Contact law studies: impacts, comparisons, and a measured joint."""
 
 from antenna_pin.base.lazy import exported
 

@@ -1,4 +1,4 @@
-"""The elastic laws side by side for one joint: by how much they differ at the same depth."""
+"""Elastic laws compared for one joint: ratios of their forces at the same depth."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def elastic_laws_of_joint(
 def laws_left_out(
     *, bearing_radius: float, journal_radius: float, length: float, bearing: Material, journal: Material
 ) -> dict[str, InvalidParameterError]:
-    """Return why elastic laws do not hold for a journal in a bore, by name of the law.
+    """Return the reasons against elastic laws for a journal in a bore, by name.
 
     Args:
         bearing_radius: R_i [m].
@@ -62,7 +62,7 @@ def laws_left_out(
 def _try_all(
     bearing_radius: float, journal_radius: float, length: float, bearing: Material, journal: Material
 ) -> dict[str, ElasticLaw | InvalidParameterError]:
-    """Return every elastic law by name, or what refuses it."""
+    """Return every elastic law by name, or its refusal."""
     modulus = effective_modulus(bearing, journal)
     known = {
         "length": length,
@@ -88,7 +88,7 @@ def _try_all(
 
 @takes()
 def differing_factor(forces: Iterable[float]) -> float | None:
-    """Return how many times the largest of forces is the smallest; None if fewer than two are known.
+    """Return the ratio of the largest to the smallest force; None for fewer than two.
 
     Args:
         forces: Of several laws at one depth [N]; NaN where a law says nothing.
@@ -99,7 +99,7 @@ def differing_factor(forces: Iterable[float]) -> float | None:
 
 @takes()
 def force_table(laws: Mapping[str, NormalLaw], depths: Iterable[float]) -> dict[str, tuple[float, ...]]:
-    """Return the elastic force of each law at each depth [N]; NaN where the law says nothing.
+    """Return the elastic force of each law at each depth [N]; NaN beyond its range.
 
     Args:
         laws: The laws by name.

@@ -1,28 +1,63 @@
-"""One impact, integrated in SciPy's DOP853 with the compiled law: a mass on a wall, or two free bodies.
+r"""Impacts of normal laws: closed forms, and integration by SciPy's DOP853 with the compiled law.
 
-A law that leaves its effective mass to the contact takes that of the impact.
+A law with hysteresis damping, :math:`f = f_e(\delta)(1 + \chi \dot\delta / v_0)`, separates with the
+restitution c that solves :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]` and goes as deep as
+
+.. math:: U(\delta_{max}) = m v_0^2 \left[\frac1\chi - \frac{\ln(1 + \chi)}{\chi^2}\right]
+
+with the energy U of its elastic part, whatever that is; a law that damps in the approach only goes as deep
+and gives all of U back. A damper :math:`\alpha \sqrt{m f_e / \delta}` beside a power law is a linear
+oscillator in disguise (:mod:`antenna_pin.contact.damping`): with :math:`g = \zeta \arccos\zeta / \sqrt{1 -
+\zeta^2}` it separates with :math:`e^{-2g}` where it is cut off at zero, with :math:`e^{-g}` where it acts in
+the approach only. A law that leaves its effective mass to the contact takes that of the impact.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.contact import CompiledNormalLaw, NormalLaw
+from antenna_pin.compiled.decorators import record
+from antenna_pin.contact import (
+    DISSIPATIONS,
+    CompiledNormalLaw,
+    DampedContact,
+    Hertz,
+    NormalLaw,
+    delivered_restitution,
+    law_parameters,
+)
+from antenna_pin.contact import damping_kernels as _damping
+from antenna_pin.contact.hysteresis import stored_share
 from antenna_pin.contact.kernels import normal_force
+from antenna_pin.contact.power_kernels import POWER_LAW
+from antenna_pin.contact.records import NORMAL_LAW, POWER
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Impact", "check_impact", "depth_of_energy", "impact_of_pair", "impact_on_wall"]
+__all__ = [
+    "Impact",
+    "RestitutionRow",
+    "closed_form_peak_depth",
+    "closed_form_restitution",
+    "impact_of_pair",
+    "impact_on_wall",
+    "largest_errors",
+    "restitution_table",
+]
+
+
+# --- integrated impacts -------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """One impact, from touch to separation.
+    """Impact, from touch to separation.
 
     Attributes:
         restitution: Relative speed after over before [-].
@@ -39,15 +74,15 @@ class Impact:
     dissipated: float
 
 
-def check_impact(place: str, mass: float, speed: float) -> None:
-    """Refuse a mass [kg] or a speed [m/s] that makes no impact; ``place`` is who asks."""
+def _check_impact(place: str, mass: float, speed: float) -> None:
+    """Refuse a mass [kg] or speed [m/s] without an impact; ``place`` names the caller."""
     if not 0.0 < mass < math.inf:
         raise InvalidParameterError(place, "mass", "positive and finite [kg]", mass)
     if not 0.0 < speed < math.inf:
         raise InvalidParameterError(place, "speed", "positive and finite [m/s]", speed)
 
 
-def depth_of_energy(law: NormalLaw, energy: float) -> float:
+def _depth_of_energy(law: NormalLaw, energy: float) -> float:
     """Return the depth at which a law stores an energy [m]; infinite beyond its range."""
     from scipy.optimize import brentq
 
@@ -74,7 +109,7 @@ def impact_on_wall(law: NormalLaw, *, mass: float, speed: float, rtol: float = 1
         speed: Approach speed [m/s].
         rtol: Relative tolerance of the integration [-].
     """
-    check_impact("impact_on_wall", mass, speed)
+    _check_impact("impact_on_wall", mass, speed)
     return _impact(law, (mass, math.inf), (speed, 0.0), rtol)
 
 
@@ -82,7 +117,7 @@ def impact_on_wall(law: NormalLaw, *, mass: float, speed: float, rtol: float = 1
 def impact_of_pair(
     law: NormalLaw, *, masses: tuple[float, float], speeds: tuple[float, float], rtol: float = 1e-12
 ) -> Impact:
-    """Integrate the impact of two free bodies on one line.
+    """Integrate the impact of two free bodies along one line.
 
     Args:
         law: The law.
@@ -91,7 +126,7 @@ def impact_of_pair(
         rtol: Relative tolerance of the integration [-].
     """
     for mass in masses:
-        check_impact("impact_of_pair", mass, 1.0)
+        _check_impact("impact_of_pair", mass, 1.0)
     if not speeds[0] > speeds[1]:
         raise InvalidParameterError("impact_of_pair", "speeds", "such that the bodies approach", speeds)
     return _impact(law, masses, speeds, rtol)
@@ -111,7 +146,7 @@ def _impact(law: NormalLaw, masses: tuple[float, float], speeds: tuple[float, fl
     mass = 1.0 / (1.0 / masses[0] + 1.0 / masses[1])
     energy = 0.5 * mass * approach**2
     limit = getattr(law, "depth_limit", math.inf)
-    length = min(depth_of_energy(law, energy), limit)
+    length = min(_depth_of_energy(law, energy), limit)
     scale = length / approach  # of time; the state is in units of length and approach speed
     shares = (mass / masses[0], mass / masses[1])
     force = _force(law, mass)
@@ -167,7 +202,7 @@ def _impact(law: NormalLaw, masses: tuple[float, float], speeds: tuple[float, fl
 
 
 def _largest(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return the largest value of a function with one maximum, to a relative 1e-12 of its square."""
+    """Return the maximum of a unimodal function, to a relative 1e-12 of its square."""
     times = np.linspace(low, high, 65)
     values = [function(t) for t in times]
     best = int(np.argmax(values))
@@ -180,3 +215,199 @@ def _largest(function: Callable[[float], float], low: float, high: float) -> flo
         else:
             a = c
     return max(max(values), function(0.5 * (a + b)))
+
+
+# --- closed forms, and restitution tables -------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class RestitutionRow:
+    """Restitution of a dissipation, beside its parameter.
+
+    Attributes:
+        dissipation: Its name.
+        asked: Coefficient of restitution asked for [-].
+        closed_form: What it delivers by its closed form [-].
+        on_wall: What an integrated impact on a wall delivers [-]; NaN if none was made.
+        of_pair: What an integrated impact of two free bodies delivers [-]; NaN if none was made.
+        closed_form_depth: Largest depth by its closed form [m].
+        depth_on_wall: Largest depth of the impact on the wall [m]; NaN if none was made.
+    """
+
+    dissipation: str
+    asked: float
+    closed_form: float
+    on_wall: float
+    of_pair: float
+    closed_form_depth: float
+    depth_on_wall: float
+
+
+def _hysteresis(code: NDArray[np.float64], speed: float) -> float | None:
+    """Return chi of a law with hysteresis damping, 0 without damping, or None."""
+    kind = record(code, NORMAL_LAW).dissipation
+    if kind == _damping.CONSERVATIVE:
+        return 0.0
+    if kind in (_damping.HYSTERETIC, _damping.HYSTERETIC_LOADING):
+        return float(record(code, _damping.HYSTERETIC_LAW).hysteresis)
+    if kind == _damping.PROPORTIONAL:
+        return float(record(code, _damping.PROPORTIONAL_LAW).hysteresis_over_speed) * speed
+    return None
+
+
+def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
+    """Return zeta of a law equivalent to a linear oscillator, or None."""
+    kinds = record(code, NORMAL_LAW)
+    if kinds.elastic != POWER:
+        return None
+    spring = record(code, POWER_LAW)
+    if kinds.dissipation in (_damping.SECANT, _damping.SECANT_LOADING):
+        secant = record(code, _damping.SECANT_LAW)
+        # Without a mass of its own it takes that of the impact.
+        share = secant.mass / mass if secant.mass > 0.0 else 1.0
+        return float(secant.damping * math.sqrt(share) / math.sqrt(2.0 * (spring.exponent + 1.0)))
+    if kinds.dissipation == _damping.VISCOUS and spring.exponent == 1.0:
+        damper = record(code, _damping.DAMPER_LAW)
+        return float(damper.damping / (2.0 * math.sqrt(spring.stiffness * mass)))
+    return None
+
+
+def _damping_of(
+    asked: str, law: CompiledNormalLaw, mass: float, speed: float
+) -> tuple[NDArray[np.float64], float | None, float | None]:
+    """Return a law's numbers with chi or zeta, if any."""
+    _check_impact(asked, mass, speed)
+    code = law.code()
+    chi = _hysteresis(code, speed)
+    return code, chi, None if chi is not None else _damping_ratio(code, mass)
+
+
+def _decay(zeta: float) -> float:
+    """Return ``zeta arccos(zeta) / sqrt(1 - zeta^2)``, the decay exponent to the peak."""
+    if abs(zeta - 1.0) < 1e-8:
+        return 1.0
+    if zeta < 1.0:
+        return zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta)
+    return zeta * math.acosh(zeta) / math.sqrt(zeta * zeta - 1.0)
+
+
+@takes(mass="kg", speed="m/s")
+def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
+    """Return the restitution of a law in a free impact [-], or None.
+
+    Args:
+        law: The law.
+        mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
+        speed: Approach speed [m/s].
+    """
+    code, chi, zeta = _damping_of("closed_form_restitution", law, mass, speed)
+    kind = record(code, NORMAL_LAW).dissipation
+    if chi is not None:
+        return delivered_restitution(chi, approach_only=bool(kind == _damping.HYSTERETIC_LOADING))
+    if zeta is None:
+        return None
+    return math.exp(-_decay(zeta) if kind == _damping.SECANT_LOADING else -2.0 * _decay(zeta))
+
+
+@takes(mass="kg", speed="m/s")
+def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
+    """Return the largest depth of a free impact [m], or None without closed form.
+
+    Args:
+        law: The law.
+        mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
+        speed: Approach speed [m/s].
+    """
+    code, chi, zeta = _damping_of("closed_form_peak_depth", law, mass, speed)
+    if chi is not None:
+        return _depth_of_energy(law, mass * speed**2 * stored_share(chi))
+    if zeta is None:
+        return None
+    spring = record(code, POWER_LAW)
+    half = 0.5 * (spring.exponent + 1.0)
+    peak = half * speed / math.sqrt(half * spring.stiffness / mass) * math.exp(-_decay(zeta))
+    return float(peak ** (1.0 / half))
+
+
+@takes()
+def restitution_table(
+    dissipations: Iterable[str] | None = None,
+    asked: Iterable[float] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0),
+    *,
+    stiffness: float = 1e10,
+    exponent: float = 1.5,
+    mass: float = 1.0,
+    speed: float = 0.1,
+    simulate: bool = True,
+) -> tuple[RestitutionRow, ...]:
+    """Return the restitutions of dissipations, in closed form and integrated.
+
+    Args:
+        dissipations: Names in ``DISSIPATIONS``; all that take a restitution if not given.
+        asked: Coefficients of restitution; those that a dissipation refuses are left out.
+        stiffness: K of the elastic law [N/m^n].
+        exponent: n of the elastic law [-].
+        mass: Effective mass [kg]; of the free pair one body has three times the mass of the other.
+        speed: Approach speed [m/s].
+        simulate: Whether to integrate impacts too.
+    """
+    taking = [name for name, cls in DISSIPATIONS.items() if "restitution" in law_parameters(cls)]
+    rows = []
+    for name in taking if dissipations is None else dissipations:
+        if name not in taking:
+            raise InvalidParameterError(
+                "restitution_table", "dissipations", f"of {', '.join(taking)}, which take a restitution", name
+            )
+        cls = DISSIPATIONS[name]
+        for value in asked:
+            try:
+                dissipation = cls(restitution=value)
+            except InvalidParameterError:
+                if value == 0.0:
+                    continue
+                raise
+            law = DampedContact(
+                elastic=Hertz(stiffness=stiffness, exponent=exponent), dissipation=dissipation
+            )
+            wall = pair = None
+            if simulate:
+                wall = impact_on_wall(law, mass=mass, speed=speed)
+                pair = impact_of_pair(
+                    law, masses=(4.0 * mass, 4.0 * mass / 3.0), speeds=(0.25 * speed, -0.75 * speed)
+                )
+            closed = closed_form_restitution(law, mass=mass, speed=speed)
+            depth = closed_form_peak_depth(law, mass=mass, speed=speed)
+            rows.append(
+                RestitutionRow(
+                    dissipation=name,
+                    asked=value,
+                    closed_form=math.nan if closed is None else closed,
+                    on_wall=math.nan if wall is None else wall.restitution,
+                    of_pair=math.nan if pair is None else pair.restitution,
+                    closed_form_depth=math.nan if depth is None else depth,
+                    depth_on_wall=math.nan if wall is None else wall.peak_depth,
+                )
+            )
+    return tuple(rows)
+
+
+@takes()
+def largest_errors(rows: Iterable[RestitutionRow]) -> tuple[float, float]:
+    """Return the largest deviations of integrated impacts from closed forms.
+
+    Args:
+        rows: Of :func:`restitution_table`, with impacts integrated.
+
+    Returns:
+        In restitution, wall and free pair alike, and in peak depth relative to it [-]; NaN where no row has a
+        closed form.
+    """
+    restitution = depth = math.nan
+    for row in rows:
+        if math.isfinite(row.closed_form):
+            off = max(abs(row.on_wall - row.closed_form), abs(row.of_pair - row.closed_form))
+            restitution = off if math.isnan(restitution) else max(restitution, off)
+        if math.isfinite(row.closed_form_depth):
+            off = abs(row.depth_on_wall / row.closed_form_depth - 1.0)
+            depth = off if math.isnan(depth) else max(depth, off)
+    return restitution, depth

@@ -1,4 +1,4 @@
-"""Small motions about a state: linearisation, modes, frequency responses."""
+"""Linearisation: small motions about a state, modes, frequency responses."""
 
 from antenna_pin.base.lazy import exported
 

@@ -1,4 +1,4 @@
-"""Small motions about a state of a system: mass, damping and stiffness of what its constraints leave free."""
+"""Linearised equations of motion of a system: mass, damping and stiffness under its constraints."""
 
 from __future__ import annotations
 
@@ -17,15 +17,68 @@ from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace, acting_in
 from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
-from antenna_pin.linear.forces import ForceDerivatives, Forces
-from antenna_pin.linear.play import At
-from antenna_pin.linear.spinning import turning
+from antenna_pin.linear.force_derivatives import ForceDerivatives, Forces
+from antenna_pin.linear.operating_point import At
 
-__all__ = ["Linearisation", "linearise"]
-
+__all__ = [
+    "Linearisation",
+    "linearise",
+    "rotors",
+]
 
 Array = NDArray[np.float64]
 
+# --- rotors on bearings, in axes that do not spin with them -------------------------------------------------
+
+# Of an inertia that is the same in all directions across an axis: round-off of written numbers.
+_EVEN = 1e-9
+
+
+def rotors(system: System, v: Array) -> dict[str, float]:
+    """Return the spin of axisymmetric rotors on bearings, by joint.
+
+    Such a child is a body on which nothing else moves, with one moment of inertia in all directions across
+    the axis. In its own axes the rest of the mechanism turns round; in axes that do not spin its equations
+    stay what they are, whatever bearings and mechanism are.
+
+    Args:
+        system: The system.
+        v: Velocity, (nv,).
+
+    Returns:
+        Spin about the joint's axis [rad/s] by the joint's name.
+    """
+    found = {}
+    for name in system.on_bearings:
+        slot = system.mechanism.joint(name)
+        k = system.model.getJointId(name)
+        spin = float(v[slot.v][3:] @ slot.axis)
+        whole, about = np.array(system.model.inertias[k].matrix()), _about(slot.axis)
+        even = np.abs(whole @ about - about @ whole).max() <= _EVEN * np.abs(whole).max()
+        if spin != 0.0 and even and not len(system.model.children[k]):
+            found[name] = spin
+    return found
+
+
+def _axis_rates(system: System, v: Array) -> Array:
+    """Return the rates of the rotors' motion axes in their own frames, (nv, nv).
+
+    With u = R(spin t) xi, u' = R xi' + turning u.
+    """
+    found = np.zeros((system.model.nv, system.model.nv))
+    for name, spin in rotors(system, v).items():
+        slot = system.mechanism.joint(name)
+        found[slot.v, slot.v] = spin * _about(slot.axis)
+    return found
+
+
+def _about(axis: Array) -> Array:
+    """Return the rotation of both parts of a twist about an axis, (6, 6)."""
+    across = np.array(pin.skew(np.asarray(axis, dtype=float)))
+    return np.kron(np.eye(2), across)
+
+
+# --- equations of small motions -----------------------------------------------------------------------------
 
 # --- what closures and motions leave free to first order, and what their forces do as it moves ---
 
@@ -33,8 +86,8 @@ Array = NDArray[np.float64]
 _STEPS = (1e-2, 1e-3)
 
 
-class Held(NamedTuple):
-    """What constraints do in a state, (rows,) equations of them, with J and its derivatives.
+class _ConstraintTerms(NamedTuple):
+    """Constraints in a state, (rows,) equations, with J and its derivatives.
 
     Attributes:
         jacobian: J, (rows, nv); no rows where nothing is held.
@@ -51,16 +104,10 @@ class Held(NamedTuple):
     acceleration: Array
 
 
-def held_by_constraints(system: System, time: float, y: Array, forces: Forces, *, rest: bool) -> Held:
-    """Return what the constraints of a system do in a state, and its acceleration.
-
-    Args:
-        system: The system.
-        time: Of the state [s].
-        y: The state [q, v, x].
-        forces: Of its elements, in that state.
-        rest: Whether what would set it moving is taken to be held in balance.
-    """
+def _constraint_terms(
+    system: System, time: float, y: Array, forces: Forces, *, rest: bool
+) -> _ConstraintTerms:
+    """Return the constraint terms of a system in a state, and its acceleration."""
     nq, nv = system.model.nq, system.model.nv
     tau = forces.whole()
     workspace = Workspace(system)
@@ -69,7 +116,7 @@ def held_by_constraints(system: System, time: float, y: Array, forces: Forces, *
     if constraints is None:
         none = np.zeros((0, nv))
         acceleration = pin.aba(system.model, workspace.data, y[:nq], y[nq : nq + nv], tau)
-        return Held(none, np.zeros((nv, nv)), none, (none, none), np.array(acceleration))
+        return _ConstraintTerms(none, np.zeros((nv, nv)), none, (none, none), np.array(acceleration))
     acceleration = workspace.acceleration(time, y, tau)
     multipliers = constraints.force.copy()
     v = y[nq : nq + nv]
@@ -88,7 +135,7 @@ def held_by_constraints(system: System, time: float, y: Array, forces: Forces, *
         every, zero = np.eye(nv), np.zeros(nv)
         by_place, _ = gradient(lambda step: look(forces.displaced(step)), every, _STEPS)
         by_speed, _ = gradient(lambda change: look(forces.displaced(zero, change)), every, _STEPS)
-    return Held(
+    return _ConstraintTerms(
         jacobian,
         by_place[:nv],
         by_place[nv : nv + rows],
@@ -103,7 +150,7 @@ _PARALLEL = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Linearisation:
-    r"""The equations of small motions about a state.
+    r"""Equations of small motions about a state.
 
     A configuration near that of the state is :math:`q \circ \exp(N s)`, its velocity :math:`v + N w + Y s`
     in the coordinates of velocities, with the k directions N that closures, motions and what is held leave:
@@ -156,17 +203,17 @@ class Linearisation:
 
     @property
     def still(self) -> bool:
-        """Whether nothing moves in the state."""
+        """Return whether the state is at rest."""
         return not self.at.v.any()
 
     @property
     def state_matrix(self) -> Array:
-        """A of the whole linear system, x' = A x + B f with x = [s, w, z], (2 k + bristles, same)."""
+        """State matrix A of x' = A x + B f, x = [s, w, z], (2 k + bristles, same)."""
         return self._matrix(self.damping, damped=True)
 
     @property
     def undamped_matrix(self) -> Array:
-        """The same without dampers and friction; stuck bristles are springs, (2 k, 2 k)."""
+        """State matrix without dampers and friction, stuck bristles as springs, (2 k, 2 k)."""
         return self._matrix(self.gyroscopic, damped=False)
 
     @property
@@ -218,9 +265,9 @@ def linearise(at: At) -> Linearisation:
     _check_loads(system, at.rest)
     forces = Forces(system, at.time, y, at.memory, at.loads, at.adjusted)
     derived = forces.derivatives()
-    held = held_by_constraints(system, at.time, y, forces, rest=at.rest)
+    held = _constraint_terms(system, at.time, y, forces, rest=at.rest)
     acceleration = held.acceleration.copy()
-    weightless = floats(system)
+    weightless = _is_free_floating(system)
     if weightless:
         # What falls freely does not feel it: gravity moves all alike.
         base = pin.XYZQUATToSE3(y[:7])
@@ -234,7 +281,7 @@ def linearise(at: At) -> Linearisation:
     by_place, by_speed = (np.array(one).reshape(nv, nv) for one in (data.dtau_dq, data.dtau_dv))
     mass = np.triu(np.array(pin.crba(model, data, y[:nq])).reshape(nv, nv))
     mass += np.triu(mass, 1).T
-    n, rigid = free_directions(at, weightless)
+    n, rigid = _free_directions(at, weightless)
     if n.shape[1] == 0:
         names = ", ".join(at.hold) or "none"
         raise MechanismError(
@@ -252,8 +299,8 @@ def linearise(at: At) -> Linearisation:
         shift_place = rest @ back @ (lack_place @ n + lack_speed @ shift)
         shift_speed = rest @ back @ lack_speed @ n
     # Rotors in axes that do not spin: one and the same turning of places and of velocities.
-    turned = n.T @ turning(system, v) @ n
-    brackets = n.T @ twist_brackets(system, v) @ n - turned
+    turned = n.T @ _axis_rates(system, v) @ n
+    brackets = n.T @ _twist_brackets(system, v) @ n - turned
     stiff = by_place - derived.position - held.force
     gyroscopic = n.T @ (by_speed @ n + mass @ shift_speed) - n.T @ mass @ n @ turned
     stiffness = n.T @ (stiff @ n + (by_speed - derived.rate) @ shift + mass @ shift_place)
@@ -275,17 +322,13 @@ def linearise(at: At) -> Linearisation:
         ),
         forces=derived,
         acceleration=acceleration,
-        beside=(
-            n.T @ mass,
-            n.T @ (by_speed - derived.rate),
-            n.T @ stiff,
-        ),
+        beside=(n.T @ mass, n.T @ (by_speed - derived.rate), n.T @ stiff),
         rigid=rigid,
     )
 
 
 def _check_loads(system: System, rest: bool) -> None:
-    """Refuse a joint with friction by its load that moves, or has bristles: no derivatives are known."""
+    """Refuse load-dependent friction that slips or has bristles: its derivatives are unknown."""
     for one in acting_in(system):
         if not one.element.under_load:
             continue
@@ -301,20 +344,16 @@ def _check_loads(system: System, rest: bool) -> None:
             )
 
 
-def floats(system: System) -> bool:
-    """Whether nothing but gravity acts on a system from outside: its base is free, nothing ties it down."""
+def _is_free_floating(system: System) -> bool:
+    """Return whether only gravity acts on a system from outside."""
     tied = system.closed_to_world or system.sprung_to_world
     return (
         system.mechanism.base == "free" and not tied and all(one.internal for one in system.forces.values())
     )
 
 
-def free_directions(at: At, floating: bool) -> tuple[Array, Array]:
-    """Return the directions that are left, orthonormal, and the rigid motions of all among them.
-
-    Args:
-        at: The state, with what of it is held.
-        floating: Whether the base may move freely.
+def _free_directions(at: At, floating: bool) -> tuple[Array, Array]:
+    """Return orthonormal free directions, and the rigid motions among them.
 
     Returns:
         N, (nv, k), and (k, 6) or (k, 0). A base that floats has its own six directions first.
@@ -337,8 +376,8 @@ def free_directions(at: At, floating: bool) -> tuple[Array, Array]:
     return n, np.eye(n.shape[1])[:, :6]
 
 
-def twist_brackets(system: System, v: Array) -> Array:
-    """Return the matrix of xi -> [v, xi], joint by joint: of a deviation that turns with its joint, (nv, nv).
+def _twist_brackets(system: System, v: Array) -> Array:
+    """Return the matrix of xi -> [v, xi], joint by joint, (nv, nv).
 
     With q(t) o exp(xi) near q(t), the velocity is v + xi' + [v, xi].
     """

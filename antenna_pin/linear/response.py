@@ -1,4 +1,4 @@
-"""Frequency responses: from a torque, a force on the base or its shaking, to angles, links, the boresight."""
+"""Frequency responses: from torques, base forces or shaking to angles, links, the boresight."""
 
 from __future__ import annotations
 
@@ -17,14 +17,12 @@ from antenna_pin.dynamics import JointMotion, System, Workspace
 from antenna_pin.elements import ConstantDrive, Motion, Shake
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.linear.linearisation import Linearisation
-from antenna_pin.linear.play import At
-from antenna_pin.linear.result import COMPONENTS, Modes
+from antenna_pin.linear.modal_analysis import COMPONENTS, Modes
+from antenna_pin.linear.operating_point import At
 
 __all__ = ["BORESIGHT", "first_source", "frequency_response", "sources_of", "targets_of"]
 
-
 Array = NDArray[np.float64]
-
 
 # --- what a shaken base does to small motions: it enters as an acceleration ---
 #
@@ -36,12 +34,12 @@ Array = NDArray[np.float64]
 # of which, for an acceleration of one that swings, :math:`u = -1 / \omega^2`.
 
 #: What an acceleration of a link is called, as among the quantities of a run.
-LINK = "body_acceleration"
+_LINK = "body_acceleration"
 _AXES = ("x", "y", "z")
 
 
-class Shaking(NamedTuple):
-    """A motion of the base as a source of small motions.
+class _Shaking(NamedTuple):
+    """Motion of the base as a source of small motions.
 
     Attributes:
         linear: The equations.
@@ -52,7 +50,7 @@ class Shaking(NamedTuple):
     way: Array
 
     def enters(self, omega: float) -> NDArray[np.complex128]:
-        """Return what drives the linear system for an acceleration of one at an angular frequency [rad/s]."""
+        """Return the input of the linear system for unit acceleration at an angular frequency [rad/s]."""
         linear = self.linear
         mass, damping, stiffness = (one @ self.way for one in linear.beside)
         force = -mass + 1j * damping / omega + stiffness / omega**2
@@ -66,17 +64,13 @@ class Shaking(NamedTuple):
         return np.asarray(-(rows @ self.way) / omega**2)
 
 
-def shakes_in(system: System) -> dict[str, Shake]:
+def _base_motions(system: System) -> dict[str, Shake]:
     """Return the motions of a system's shaken base by name."""
     return {name: drive for name, drive in system.drives.items() if isinstance(drive, Shake)}
 
 
-def shaking(linear: Linearisation, name: str) -> Shaking:
-    """Return a motion of the base, by name, as a source.
-
-    Raises:
-        InvalidParameterError: The state moves.
-    """
+def _base_motion(linear: Linearisation, name: str) -> _Shaking:
+    """Return a motion of the base, by name, as a source."""
     at, system = linear.at, linear.system
     if not at.rest:
         rule = "a drive for a state that moves; of a state at rest it may be the base's motion"
@@ -88,28 +82,20 @@ def shaking(linear: Linearisation, name: str) -> Shaking:
     constraints.residuals(at.time, at.y, workspace.program)
     jacobian = np.array(constraints.jacobian)
     own = np.zeros(system.model.nv)
-    own[system.mechanism.joint(shakes_in(system)[name].joint).v] = 1.0
+    own[system.mechanism.joint(_base_motions(system)[name].joint).v] = 1.0
     row = [motion.name for motion in system.motions].index(name)
     wanted = np.zeros(len(jacobian))
     wanted[row] = float(jacobian[row] @ own)
     way = own + np.linalg.pinv(jacobian, rcond=1e-9) @ (wanted - jacobian @ own)
-    return Shaking(linear, way)
+    return _Shaking(linear, way)
 
 
-def link_row(linear: Linearisation, name: str) -> tuple[str, Array]:
-    """Return the name in full and the row of a link's displacement along a world axis, (nv,).
-
-    Args:
-        linear: The equations.
-        name: ``body_acceleration[LINK].x`` (y, z).
-
-    Raises:
-        AntennaPinError: There is no such link or axis.
-    """
+def _link_row(linear: Linearisation, name: str) -> tuple[str, Array]:
+    """Return full name and row of a link's displacement along a world axis, (nv,)."""
     wanted, at = QuantityName.parse(name), linear.at
     link, axis = (*wanted.labels, "", "")[:2]
     if len(wanted.labels) != 2 or axis not in _AXES or wanted.size:
-        raise InvalidParameterError("response", "target", f"written as {LINK}[LINK].x, y or z", name)
+        raise InvalidParameterError("response", "target", f"written as {_LINK}[LINK].x, y or z", name)
     known = [one.name for one in at.system.mechanism.urdf.robot.links]
     if link not in known:
         raise UnknownNameError("response", "link", link, known)
@@ -119,7 +105,7 @@ def link_row(linear: Linearisation, name: str) -> tuple[str, Array]:
     pin.updateFramePlacements(model, data)
     reference = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
     jacobian = pin.getFrameJacobian(model, data, at.system.mechanism.frame(link), reference)
-    return f"{LINK}[{link}].{axis}", np.array(jacobian).reshape(6, model.nv)[_AXES.index(axis)]
+    return f"{_LINK}[{link}].{axis}", np.array(jacobian).reshape(6, model.nv)[_AXES.index(axis)]
 
 
 #: The target that the antenna's pointing is, as two turns.
@@ -143,16 +129,16 @@ class _Output(NamedTuple):
 
 @takes()
 def sources_of(modes: Modes) -> list[str]:
-    """Return what a response can start from: drives, motions of a shaken base, forces on a free base."""
+    """Return the possible sources: drives, motions of a shaken base, forces on a free base."""
     system = modes.linearisation.system
     found = [f"drives.{n}" for n, drive in system.drives.items() if not isinstance(drive, Motion)]
-    found += [f"shake.{name}" for name in shakes_in(system)]
+    found += [f"shake.{name}" for name in _base_motions(system)]
     return found + (list(_BASE_FORCES) if system.mechanism.base == "free" else [])
 
 
 @takes()
 def first_source(modes: Modes, said: str = "source") -> str:
-    """Return what a response starts from where nobody says.
+    """Return the default source of a response.
 
     Args:
         modes: The modes.
@@ -169,7 +155,7 @@ def first_source(modes: Modes, said: str = "source") -> str:
 
 @takes()
 def targets_of(modes: Modes) -> list[str]:
-    """Return what a response can end at: the boresight, joints with an axis, a free base.
+    """Return the possible targets: the boresight, joints with an axis, a free base.
 
     The acceleration of a link, ``body_acceleration[LINK].x`` (y, z), is a target everywhere.
     """
@@ -192,7 +178,7 @@ def frequency_response(
     targets: str | Sequence[str] | None = None,
     frequencies: ArrayLike | None = None,
 ) -> xr.Dataset:
-    """Return the steady answer to a force, a torque or a base that swings, over its frequency, with damping.
+    """Return the steady damped response to a source, over its frequency.
 
     Args:
         modes: About which state.
@@ -230,7 +216,10 @@ def frequency_response(
     leaves[:, :k] = rows @ linear.directions
     shaken, enters = None, np.zeros(len(matrix))
     if source.startswith("shake."):
-        shaken, unit = shaking(linear, source.removeprefix("shake.")), _unit_of_shake(linear.system, source)
+        shaken, unit = (
+            _base_motion(linear, source.removeprefix("shake.")),
+            _unit_of_shake(linear.system, source),
+        )
     else:
         effort, unit = _effort(linear.at, source)
         enters = linear.input_matrix @ effort
@@ -285,7 +274,7 @@ def _effort(at: At, source: str) -> tuple[Array, str]:
 
 
 def _unit_of_shake(system: System, source: str) -> str:
-    return "m/s^2" if shakes_in(system)[source.removeprefix("shake.")].slides else "rad/s^2"
+    return "m/s^2" if _base_motions(system)[source.removeprefix("shake.")].slides else "rad/s^2"
 
 
 def _slides(system: System, joint: str) -> bool:
@@ -301,7 +290,9 @@ def _outputs(modes: Modes, source: str, targets: str | Sequence[str] | None) -> 
     known = targets_of(modes)
     if targets is None:
         drive = system.drives.get(source.removeprefix("drives."))
-        shaken = {one.joint for one in shakes_in(system).values()} if source.startswith("shake.") else set()
+        shaken = (
+            {one.joint for one in _base_motions(system).values()} if source.startswith("shake.") else set()
+        )
         others = [name for name in known if name not in shaken]
         if shaken and BORESIGHT not in known:
             targets = others
@@ -309,8 +300,8 @@ def _outputs(modes: Modes, source: str, targets: str | Sequence[str] | None) -> 
             targets = BORESIGHT if BORESIGHT in known or drive is None else drive.joint
     found: list[_Output] = []
     for name in [targets] if isinstance(targets, str) else list(targets):
-        if name.startswith(LINK):
-            full, row = link_row(modes.linearisation, name)
+        if name.startswith(_LINK):
+            full, row = _link_row(modes.linearisation, name)
             found.append(_Output(full, "m/s^2", row, True))
             continue
         if name not in known:
@@ -343,7 +334,7 @@ def _joint(at: At, name: str) -> _Output:
 
 
 def _boresight(modes: Modes) -> list[_Output]:
-    """Return the turns of the looking body about the antenna's cross and up axes in the state."""
+    """Return the rotations of the looking body about the antenna's cross and up axes."""
     at = modes.linearisation.at
     assert modes.scenario is not None and modes.scenario.pointing is not None
     spec = modes.scenario.pointing

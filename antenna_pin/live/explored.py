@@ -45,7 +45,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Curves:
-    """What is shown of a run: three panels.
+    """Panels of a run: three.
 
     Attributes:
         first: The journal's path across the bearing [m], at each place where it is looked at; of a joint
@@ -121,7 +121,7 @@ class Explored:
 
     @property
     def has_play(self) -> bool:
-        """Whether the joint that is looked at has play."""
+        """Return whether the selected joint has play."""
         return self.joint in play_names(self._begun)
 
     def value(self, knob: Knob) -> float:
@@ -141,7 +141,7 @@ class Explored:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What is laid over the scenario, by place."""
+        """Values that replace those of the scenario, by place."""
         found: dict[str, Any] = {}
         for place, value in self.values.items():
             found |= self._all[place].settings(value)
@@ -168,7 +168,7 @@ class Explored:
         return target
 
     def curves(self, run: Trajectory) -> Curves:
-        """Return what is shown of a run."""
+        """Return the panels of a run."""
         third = _over_time(run, self.joint, 2)
         if not self.has_play:
             first, second = (_over_time(run, self.joint, order) for order in (0, 1))
@@ -219,7 +219,7 @@ def _over_time(run: Trajectory, joint: str, order: int) -> Curve:
 
 
 def _joints(scenario: Scenario) -> tuple[list[str], frozenset[str]]:
-    """Return the joints that may be looked at, those with play first; and which joints slide."""
+    """Return the selectable joints, those with play first, and which of them slide."""
     units = start(scenario, record=False).names()
     moving = {name.removesuffix(".angle"): units[name] for name in units if name.endswith(".angle")}
     shaken = scenario.families.get("shake", {})  # what carries the base

@@ -42,7 +42,7 @@ _FROM_0_TO_1 = frozenset({"restitution", "efficiency", "efficiency_back"})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Knob:
-    """One number that may be turned.
+    """Adjustable number.
 
     Attributes:
         group: What it belongs to, in words.
@@ -84,7 +84,7 @@ class Knob:
         return quantity(bare(plain), self.unit, self.place)
 
     def told(self, value: float) -> str:
-        """Return a value as it is shown and may be typed: ``0.2 mm``."""
+        """Return a value as displayed and typed: ``0.2 mm``."""
         unit, factor = self._written
         if unit == self.unit and self._is_plain:
             return readable(value, self.unit, GIVEN).replace("\N{NO-BREAK SPACE}", " ")
@@ -98,7 +98,7 @@ class Knob:
 
     @property
     def _is_plain(self) -> bool:
-        """Whether the unit takes prefixes and reads the same printed."""
+        """Return whether the unit takes prefixes and reads the same when printed."""
         return self.unit in ("m", "s", "N", "Hz", "Pa", "rad", "1")
 
     def to_slider(self, value: float) -> float:
@@ -123,7 +123,7 @@ class Knob:
 
 
 def _digits(value: float) -> int:
-    """Return how many significant digits a number has, of those that are shown."""
+    """Return the number of significant digits that are displayed."""
     return len(f"{value:.{GIVEN - 1}e}".partition("e")[0].replace(".", "").strip("-0"))
 
 

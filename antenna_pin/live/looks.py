@@ -1,4 +1,4 @@
-"""How the page of a scenario that is explored looks: colours, type, and dark where the system is."""
+"""Style of the page of an explored scenario: colours, type, and dark where the system is."""
 
 from __future__ import annotations
 

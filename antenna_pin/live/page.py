@@ -31,7 +31,7 @@ _TICK = 250  # between two looks at the stage of the first run [ms]
 
 
 class Page:
-    """One page, as one browser shows it.
+    """Page as shown by one browser.
 
     Args:
         document: What it is written into.
@@ -51,7 +51,7 @@ class Page:
         out: Path,
         tell: Callable[[str], None],
     ) -> None:
-        """Make it, and ask for the first run."""
+        """Build the page, and request the first run."""
         self._document, self._out, self._tell = document, out, tell
         self._told = ""
         self._explored = Explored(scenario, joint, span)
@@ -195,7 +195,7 @@ class Page:
         self._document.add_next_tick_callback(partial(self._show, made))
 
     def _tick(self) -> None:
-        """Write the stage of the first run, until something of it is shown."""
+        """Write the stage of the first run until its first display."""
         seconds, stage = round(time.perf_counter() - self._opened), self._runner.stage
         self._panels.announce(f"<div role='status'>First run: {escape(stage)} ({seconds} s)</div>")
         if stage == COMPILING != self._told:

@@ -44,7 +44,7 @@ class Panels:
         self.columns[0].children = [dressed(Div(text=text))]
 
     def forget(self) -> None:
-        """Have them made anew by the next run: another joint is looked at."""
+        """Rebuild the panels at the next run: another joint is selected."""
         self._made = ()
 
     def show(self, curves: Curves, reference: Curves | None) -> None:

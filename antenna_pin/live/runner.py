@@ -1,4 +1,4 @@
-"""Runs one after the other in a thread of their own: the latest that is asked for wins."""
+"""Successive runs in a thread of their own: the latest request wins."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _LEAST = 1.0 / 256.0
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """What came of something that was asked for.
+    """Answer to a request.
 
     Attributes:
         number: Of what was asked.
@@ -46,7 +46,7 @@ class Made:
 
 
 class Runner:
-    """Makes runs in a thread; one that nobody asks for any more is stopped.
+    """Runner of requested runs in a thread; a superseded run is stopped.
 
     Args:
         told: Called in that thread with what came of the latest.
@@ -113,7 +113,7 @@ class Runner:
                 self._tell(Made(number, None, True, said, time.perf_counter() - asked))
 
     def _make(self, number: int, scenario: Callable[[], Scenario], asked: float) -> None:
-        """Make a run piece by piece, as one run bit for bit, unless something else is asked for."""
+        """Make a run piece by piece, identical to one run, until another request comes."""
         self._reached = None
         made = scenario()
         session = start(made)

@@ -1,4 +1,4 @@
-"""A URDF as a Pinocchio model with its joints and bodies by name."""
+"""Pinocchio model of a URDF, with joints and bodies by name."""
 
 from __future__ import annotations
 
@@ -15,15 +15,56 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.brief import brief
+from antenna_pin.base.capacity import check_fits
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
-from antenna_pin.mechanism._edits import plane_names
-from antenna_pin.mechanism._inertia import Impossible, RigidGroup, impossible_inertia, rigid_groups
-from antenna_pin.mechanism._regular import check_regular, idle_with, is_regular_everywhere, said_of_idle
-from antenna_pin.mechanism._size import check_size
+from antenna_pin.mechanism.edits import plane_names
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z
+from antenna_pin.mechanism.inertia import (
+    Impossible,
+    RigidGroup,
+    check_regular,
+    idle_with,
+    impossible_inertia,
+    is_regular_everywhere,
+    rigid_groups,
+    said_of_idle,
+)
 from antenna_pin.mechanism.urdf import Urdf
 
-__all__ = ["WORLD", "Base", "JointKind", "JointSlot", "Mechanism", "build_mechanism"]
+__all__ = [
+    "Base",
+    "build_mechanism",
+    "check_size",
+    "JointKind",
+    "JointSlot",
+    "Mechanism",
+    "WORLD",
+]
+
+# --- size of a mechanism ------------------------------------------------------------------------------------
+
+# What a run needs over the cube of the degrees of freedom [bytes]: Pinocchio's Data has four tensors of that
+# size (second derivatives, which nobody asks for), and there are up to three of it at a time.
+_PINOCCHIO = 3 * 4 * 8
+
+
+@takes()
+def check_size(where: str, freedoms: int, way_out: str = "leave joints out or lock some") -> None:
+    """Refuse a mechanism that would not fit into memory.
+
+    Args:
+        where: Place, for the message.
+        freedoms: How many it has, or at least has.
+        way_out: What is to be done.
+
+    Raises:
+        TooLargeError: It does not fit.
+    """
+    more = "as Pinocchio's buffers grow with the cube of that number"
+    check_fits(where, f"{freedoms} degrees of freedom", _PINOCCHIO * freedoms**3, f"{way_out}, {more}")
+
+
+# --- model --------------------------------------------------------------------------------------------------
 
 Base = Literal["free", "fixed"]
 
@@ -42,7 +83,7 @@ _ROOT_JOINT = "root_joint"
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class JointSlot:
-    """Where a moving joint sits in the state, and which way its axis points.
+    """Place of a moving joint in the state, and direction of its axis.
 
     Two frames are told apart. The *URDF frame* is the joint's frame in the ideal URDF; the *joint frame* is
     Pinocchio's, which ``q``, ``v`` and ``tau`` refer to. They differ by ``frame_rotation`` at a planar joint
@@ -235,7 +276,7 @@ def _ties_of(mechanism: Mechanism) -> NDArray[np.float64]:
 
 
 class _Model(NamedTuple):
-    """What of a URDF is read once.
+    """Parts of a URDF that are read once.
 
     Attributes:
         model: Pinocchio's, to be copied.
@@ -340,7 +381,7 @@ def _check_world(model: Any, urdf: Urdf) -> None:
 
 
 def _check_mass(model: Any, urdf: Urdf) -> None:
-    """Pinocchio's parser drops an inertial that it cannot read and goes on; the total mass tells."""
+    """Check the total mass: Pinocchio's parser drops inertials that it cannot read."""
     mass = sum(inertia.mass for inertia in model.inertias)
     expected = sum(link.inertial.mass for link in urdf.robot.links if link.inertial is not None)
     if not abs(mass - expected) <= 1e-12 * expected:  # round-off of a sum

@@ -22,9 +22,8 @@ from lxml import etree
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.changes import Rotor
 from antenna_pin.errors import MechanismError
-from antenna_pin.mechanism import _source
-from antenna_pin.mechanism._edits import named, text_of
-from antenna_pin.mechanism._parts import body_name
+from antenna_pin.mechanism import urdf_xml
+from antenna_pin.mechanism.edits import body_name, named, text_of
 from antenna_pin.mechanism.urdf import Urdf
 
 __all__ = ["check_turns", "rotor_joint", "with_rotor"]
@@ -70,7 +69,7 @@ def with_rotor(urdf: Urdf, name: str, rotor: Rotor) -> Urdf:
     check_turns(urdf, name, rotor)
     joint = urdf.joint(rotor.joint)
     own = rotor_joint(name)
-    robot = _source.parsed(urdf.text)
+    robot = urdf_xml.parsed(urdf.text)
     for kind, taken in (("joint", own), ("link", body_name(own))):
         if any(element.get("name") == taken for element in robot.findall(kind)):
             raise MechanismError(
@@ -93,7 +92,7 @@ def with_rotor(urdf: Urdf, name: str, rotor: Rotor) -> Urdf:
         last.addnext(element)
         last = element
     allowed = (*urdf.allow_impossible_inertia, body_name(own))
-    return replace(urdf, text=_source.write(robot), allow_impossible_inertia=allowed)
+    return replace(urdf, text=urdf_xml.write(robot), allow_impossible_inertia=allowed)
 
 
 def _body(name: str, axis: Any, moment: float) -> Any:

@@ -17,10 +17,9 @@ from lxml import etree
 from antenna_pin.base.arguments import takes
 from antenna_pin.elements import Shake
 from antenna_pin.errors import MechanismError
-from antenna_pin.mechanism import _source
-from antenna_pin.mechanism._edits import text_of
-from antenna_pin.mechanism._inertia import rigid_groups
-from antenna_pin.mechanism._parts import body_name
+from antenna_pin.mechanism import urdf_xml
+from antenna_pin.mechanism.edits import body_name, text_of
+from antenna_pin.mechanism.inertia import rigid_groups
 from antenna_pin.mechanism.urdf import Urdf
 
 __all__ = ["with_shaken_base"]
@@ -34,7 +33,7 @@ _INDEPENDENT = 1e-6
 
 @takes()
 def with_shaken_base(urdf: Urdf, shakes: Mapping[str, Shake]) -> Urdf:
-    """Return a copy whose base is carried by a joint for each motion, of the name that the motion says.
+    """Return a copy whose base is carried by a joint for each motion, with the motion's name.
 
     Args:
         urdf: The mechanism; its root is to stand in the world.
@@ -47,7 +46,7 @@ def with_shaken_base(urdf: Urdf, shakes: Mapping[str, Shake]) -> Urdf:
         return urdf
     _check(urdf, shakes)
     ordered = sorted(shakes.values(), key=lambda one: not one.slides)
-    robot, base = _source.parsed(urdf.text), urdf.root
+    robot, base = urdf_xml.parsed(urdf.text), urdf.root
     made: list[Any] = [etree.Element("link", name=_WORLD)]
     parent = _WORLD
     for k, shake in enumerate(ordered):
@@ -70,7 +69,7 @@ def with_shaken_base(urdf: Urdf, shakes: Mapping[str, Shake]) -> Urdf:
         etree.indent(element, level=1)
         element.tail = "\n\n  "
         robot.insert(k, element)
-    return replace(urdf, text=_source.write(robot))
+    return replace(urdf, text=urdf_xml.write(robot))
 
 
 def _joint(name: str, kind: str, parent: str, child: str, place: Any, way: Any) -> Any:

@@ -1,4 +1,4 @@
-"""A URDF that is a mechanism, and the variants of it that a scenario asks for.
+"""URDF of a mechanism, and its variants for a scenario.
 
 A variant is made on the XML itself, so that comments (a shipped model keeps the source of each number there),
 gazebo and transmission tags stay; each variant is then read and checked again like any other file.
@@ -21,20 +21,10 @@ from antenna_pin.base.directions import unit
 from antenna_pin.base.files import replacing
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.flexible import MassProperties, SplitLink
-from antenna_pin.mechanism import (
-    _checks,
-    _dynamics_tag,
-    _edits,
-    _meshes,
-    _parts,
-    _reading,
-    _source,
-    _vary,
-    _xml,
-)
-from antenna_pin.mechanism._robot import Joint, Link, Robot
+from antenna_pin.mechanism import edits, meshes, reading, urdf_xml
 from antenna_pin.mechanism.frames import Vector3
-from antenna_pin.mechanism.packages import mesh_file
+from antenna_pin.mechanism.meshes import mesh_file
+from antenna_pin.mechanism.robot import Joint, Link, Robot
 
 __all__ = ["Urdf"]
 
@@ -94,15 +84,15 @@ class Urdf:
     def __post_init__(self) -> None:
         """Read and check."""
         object.__setattr__(self, "allow_impossible_inertia", tuple(map(str, self.allow_impossible_inertia)))
-        reading = _reading.checked(self.text, self.where, self.allow_impossible_inertia)
+        found = reading.checked(self.text, self.where, self.allow_impossible_inertia)
         for name, value in (
-            ("robot", reading.robot),
-            ("simulated", reading.simulated),
-            ("unbounded", tuple(reading.findings.unbounded)),
-            ("rounding", reading.findings.rounding),
-            ("points", tuple(reading.findings.points)),
-            ("unlimited", tuple(reading.findings.unlimited)),
-            ("undrawn", tuple(reading.findings.undrawn)),
+            ("robot", found.robot),
+            ("simulated", found.simulated),
+            ("unbounded", tuple(found.findings.unbounded)),
+            ("rounding", found.findings.rounding),
+            ("points", tuple(found.findings.points)),
+            ("unlimited", tuple(found.findings.unlimited)),
+            ("undrawn", tuple(found.findings.undrawn)),
         ):
             object.__setattr__(self, name, value)
 
@@ -122,7 +112,7 @@ class Urdf:
         """
         path = Path(path)
         return cls.from_text(
-            _reading.text_of(path), path.name, allow_impossible_inertia, path.parent.absolute(), package_path
+            reading.text_of(path), path.name, allow_impossible_inertia, path.parent.absolute(), package_path
         )
 
     @classmethod
@@ -145,14 +135,16 @@ class Urdf:
         """
         try:
             return cls(
-                text=_reading.written(text, where),
+                text=reading.written(text, where),
                 where=where,
                 folder=None if folder is None else Path(folder),
                 package_path=tuple(map(Path, package_path)),
                 allow_impossible_inertia=tuple(allow_impossible_inertia),
             )
         except MechanismError:
-            _reading.judged(_xml.read(text, where), where)  # once more, for the line that it has in the file
+            reading.judged(
+                urdf_xml.read(text, where), where
+            )  # once more, for the line that it has in the file
             raise
 
     @classmethod
@@ -179,9 +171,9 @@ class Urdf:
         if not any(changes):
             return cls.from_text(text, where, **more)
         try:
-            return cls(text=_source.write(_vary.edited(text, where, *changes)), where=where, **more)
+            return cls(text=urdf_xml.write(edits.edited(text, where, *changes)), where=where, **more)
         except MechanismError:
-            _reading.judged(_vary.edited(text, where, *changes), where)  # once more, as in from_text
+            reading.judged(edits.edited(text, where, *changes), where)  # once more, as in from_text
             raise
 
     @property
@@ -192,25 +184,25 @@ class Urdf:
     @property
     def root(self) -> str:
         """Name of the link that is nobody's child."""
-        return _checks.root_link(self.robot)
+        return reading.root_link(self.robot)
 
     @property
     def not_simulated(self) -> tuple[str, ...]:
-        """One line for each joint's damping or friction that has no axis to act about; empty is good."""
-        return _dynamics_tag.left_out(_source.parsed(self.text), self.where)
+        """Lines about damping or friction of joints without an axis; empty is good."""
+        return reading.left_out(urdf_xml.parsed(self.text), self.where)
 
     @property
     def joint_friction(self) -> dict[str, dict[str, float]]:
-        """What ``<dynamics>`` says of joints with an axis, by name: ``damping`` and ``friction`` above 0.
+        """Numbers of ``<dynamics>`` of joints with an axis, by name: ``damping`` and ``friction`` above 0.
 
         Of one that turns [N*m*s/rad] and [N*m], of one that slides [N*s/m] and [N]; fields of
         :class:`antenna_pin.elements.JointFriction`.
         """
-        return _dynamics_tag.friction_of(_source.parsed(self.text))
+        return reading.friction_of(urdf_xml.parsed(self.text))
 
     @property
     def mimics(self) -> dict[str, dict[str, Any]]:
-        """What ``<mimic>`` says of joints that move, by name: ``leader``, ``multiplier`` and ``offset``.
+        """Numbers of ``<mimic>`` of moving joints, by name: ``leader``, ``multiplier`` and ``offset``.
 
         Fields of :class:`antenna_pin.constraints.Coupling`, in SI units. One of a fixed joint is no matter.
         """
@@ -229,7 +221,7 @@ class Urdf:
         return self._named("joint", self.robot.joints, name)
 
     def axis(self, joint: str) -> Vector3:
-        """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x where the file says nothing."""
+        """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x by default."""
         return unit(self.joint(joint).axis)
 
     def placement(self, joint: str) -> npt.NDArray[np.float64]:
@@ -297,12 +289,12 @@ class Urdf:
             split: Its hub and parts.
         """
         self.link(link)
-        robot = _source.parsed(self.text)
-        _parts.add_parts(robot, link, split, self.where)
-        return replace(self, text=_source.write(robot))
+        robot = urdf_xml.parsed(self.text)
+        edits.add_parts(robot, link, split, self.where)
+        return replace(self, text=urdf_xml.write(robot))
 
     def mesh_file(self, filename: str) -> Path | None:
-        """Return the file that a mesh of that name is in, if it is there (``packages.py`` says where)."""
+        """Return the file of a mesh of that name, if it exists (``meshes.py`` defines where)."""
         return mesh_file(filename, self.folder, self.package_path)
 
     def to_xml(self) -> str:
@@ -327,22 +319,22 @@ class Urdf:
         text, copies = self._seen_from(path.parent, copy_meshes)
         with replacing(path) as partial:
             partial.write_text(text, encoding="utf-8")
-            _meshes.copy_all(copies)
+            meshes.copy_all(copies)
         return path, *copies
 
     def _seen_from(self, folder: Path, copy_meshes: bool) -> tuple[str, dict[Path, Path]]:
         """Return the XML with meshes named as in ``folder``, and sources of copies by their targets."""
         start = self.folder
         copies: dict[Path, Path] = {}
-        robot = _xml.read(self.text, self.where)
-        _vary.turn_planes(robot, self.where)  # for readers that do not look at their axes
+        robot = urdf_xml.read(self.text, self.where)
+        edits.turn_planes(robot, self.where)  # for readers that do not look at their axes
         if copy_meshes:
-            filenames = [mesh.get("filename") for mesh in _edits.meshes(robot)]
-            names, copies = _meshes.planned_copies(folder, start, filenames, self.where, self.package_path)
-            _edits.relocate_meshes(robot, names.__getitem__)
+            filenames = [mesh.get("filename") for mesh in edits.meshes(robot)]
+            names, copies = meshes.planned_copies(folder, start, filenames, self.where, self.package_path)
+            edits.relocate_meshes(robot, names.__getitem__)
         elif start is not None and start.resolve() != folder.resolve():
-            _edits.relocate_meshes(robot, lambda filename: _meshes.name_from(folder, start, filename))
-        return _source.write(robot), copies
+            edits.relocate_meshes(robot, lambda filename: meshes.name_from(folder, start, filename))
+        return urdf_xml.write(robot), copies
 
     def _named(self, kind: str, elements: Iterable[_Named], name: str) -> _Named:
         for element in elements:

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from antenna_pin.base.changes import JointChange, JointVariant, LinkChange
-from antenna_pin.mechanism import _dynamics_tag, _plain, _xml
-from antenna_pin.mechanism._format import broken_numbers
-from antenna_pin.mechanism._reading import text_of
+from antenna_pin.mechanism import reading, urdf_xml
+from antenna_pin.mechanism.reading import text_of
 from antenna_pin.mechanism.urdf import Urdf
+from antenna_pin.mechanism.urdf_xml import broken_numbers
 
 __all__ = ["PassedOver", "WrittenJoint", "WrittenUrdf"]
 
@@ -35,7 +35,7 @@ class WrittenJoint(NamedTuple):
 
 
 class PassedOver(NamedTuple):
-    """What of a file means nothing to the mechanics and is not read: what it is, and in which lines."""
+    """Parts of a file without meaning for the mechanics: kind, and lines."""
 
     what: str
     lines: tuple[int, ...]
@@ -57,7 +57,7 @@ class _Outline(NamedTuple):
 
 @lru_cache(maxsize=64)
 def _outline(text: str, where: str) -> _Outline:
-    robot = _xml.read(text, where)
+    robot = urdf_xml.read(text, where)
     joints = {
         str(joint.get("name")): WrittenJoint(
             joint.get("type", ""), joint.find("parent").get("link"), joint.find("child").get("link")
@@ -65,15 +65,15 @@ def _outline(text: str, where: str) -> _Outline:
         for joint in robot.findall("joint")
     }
     links = tuple(str(link.get("name")) for link in robot.findall("link"))
-    friction = _dynamics_tag.friction_of(robot)
-    left_out = (*_dynamics_tag.left_out(robot, where), *broken_numbers(robot, where))
-    found = _plain.clean(robot, Path(where).stem).passed_over
+    friction = reading.friction_of(robot)
+    left_out = (*reading.left_out(robot, where), *broken_numbers(robot, where))
+    found = reading.clean(robot, Path(where).stem).passed_over
     passed = tuple(PassedOver(what, tuple(lines)) for what, lines in sorted(found.items()))
     return _Outline(links, joints, friction, left_out, passed)
 
 
 class _Asked(NamedTuple):
-    """What a variant is made of: the same as another if it reads the same, each number to its last digit."""
+    """Identity of a variant: equal for equal readings, each number to its last digit."""
 
     said: str
     changed: tuple[Any, ...]

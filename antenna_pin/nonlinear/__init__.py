@@ -1,4 +1,4 @@
-"""What motions come to: sections, diagrams, periodic solutions, their stability, and how neighbours part."""
+"""Nonlinear dynamics: Poincaré sections, bifurcation diagrams, periodic orbits, Lyapunov exponents."""
 
 from antenna_pin.base.lazy import exported
 

@@ -1,4 +1,4 @@
-"""Periodic solutions over a parameter: a branch followed by its arclength, and what happens to it there."""
+"""Branches of periodic orbits over a parameter by pseudo-arclength, with their bifurcations."""
 
 from __future__ import annotations
 
@@ -17,17 +17,31 @@ from antenna_pin.base.brief import brief
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.nonlinear.bifurcation_points import (
+    BranchStep,
+    GrazeAhead,
+    Located,
+    Test,
+    curved_predictor,
+    flip_test,
+    graze_ahead,
+    hidden_change,
+    is_torus,
+    locate_crossing,
+    locate_fold,
+    locate_graze,
+    locate_zero,
+    torus_test,
+)
 from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.follower import Family, Follower, Node, Point, early
-from antenna_pin.nonlinear.grazes import Ahead, bent, change_ahead, where_passed
-from antenna_pin.nonlinear.hidden import doubling, hidden, is_torus, shedding
-from antenna_pin.nonlinear.locate import Located, Step, Test, where_crossed, where_turned, where_zero
-from antenna_pin.nonlinear.orbits import NoOrbitError, near_enough
+from antenna_pin.nonlinear.orbits import NoOrbitError, default_tolerance
+from antenna_pin.nonlinear.pseudo_arclength import BranchStepper, Family, Node, Point, in_first_period
 
-__all__ = ["Bifurcation", "BifurcationKind", "Branch", "Family", "Point", "check_steps", "continued"]
+__all__ = ["Bifurcation", "BifurcationKind", "Branch", "check_steps", "continued"]
 
+Array = NDArray[np.float64]
 
-# --- what happens to a branch of periodic solutions between two of its points ---
+# --- bifurcations between two orbits of a branch ------------------------------------------------------------
 
 BifurcationKind = Literal["fold", "branch-point", "flip", "neimark-sacker", "grazing"]
 """It turns back; another branch crosses it; its period doubles; a torus is born of it; a contact or an event
@@ -35,7 +49,7 @@ of it comes or goes."""
 
 
 class Bifurcation(NamedTuple):
-    """What happens to a branch.
+    """Bifurcation of a branch.
 
     Attributes:
         kind: Which.
@@ -55,56 +69,43 @@ class _Found(NamedTuple):
     where: Located
 
 
-_TESTS: dict[BifurcationKind, Test] = {"flip": doubling, "neimark-sacker": shedding}
+_TESTS: dict[BifurcationKind, Test] = {"flip": flip_test, "neimark-sacker": torus_test}
 
-# How often a step is halved where more may happen in it than its ends tell of.
+# Bisections of a step that may hold hidden bifurcations.
 _DEEP = 5
 
 
-def bifurcations_in(step: Step, after: int, precision: float) -> list[Bifurcation]:
-    """Return what happens in a step from one orbit of a branch to the next, in order.
+def _bifurcations_in(step: BranchStep, after: int, precision: float) -> list[Bifurcation]:
+    """Return the bifurcations in a step between two orbits of a branch, in order.
 
     Where the branch turns back in it, on both sides of that. Where more may happen than the ends tell of,
     orbits are made between them.
-
-    Args:
-        step: The step.
-        after: Number of the orbit that it begins with.
-        precision: To locate to.
-
-    Raises:
-        AntennaPinError: It cannot be told: the step is too long, or leads onto another branch.
     """
-    found = _within(step, 0.0, step.arc, precision, _DEEP)
+    found = _between(step, 0.0, step.arc, precision, _DEEP)
     found.sort(key=lambda each: each.where.along)
     return [Bifurcation(kind, where.value, where.doubt, after) for kind, where in found]
 
 
-def more_happens(step: Step) -> bool:
-    """Whether more may happen in a step than its ends tell of, as the orbits beside it have it."""
-    return hidden(step, 0.0, step.arc) is not None
-
-
-def _within(step: Step, low: float, high: float, precision: float, halvings: int) -> list[_Found]:
-    """Return what happens between two places of a step, between which so many halvings are left."""
-    where = hidden(step, low, high) if halvings else None
+def _between(step: BranchStep, low: float, high: float, precision: float, halvings: int) -> list[_Found]:
+    """Return the bifurcations between two places of a step."""
+    where = hidden_change(step, low, high) if halvings else None
     if where is not None:
         step.node(where)
         return [
-            *_within(step, low, where, precision, halvings - 1),
-            *_within(step, where, high, precision, halvings - 1),
+            *_between(step, low, where, precision, halvings - 1),
+            *_between(step, where, high, precision, halvings - 1),
         ]
     one, other = step.node(low), step.node(high)
     found: list[_Found] = []
     sides, crossed = [(low, high)], False
-    if len(one.way) == len(other.way) and one.way[-1] * other.way[-1] < 0.0:
-        crossing = where_crossed(step, low, high, precision) if _crosses(one, other) else None
-        # The branch without a symmetry turns back where it meets that which has it: that is no fold.
+    if len(one.tangent) == len(other.tangent) and one.tangent[-1] * other.tangent[-1] < 0.0:
+        crossing = locate_crossing(step, low, high, precision) if _crosses(one, other) else None
+        # An asymmetric branch turns back where it meets the symmetric one: that is no fold.
         crossed = crossing is not None and step.turns_at(crossing.along)
         if crossing is not None and crossed:
             found.append(_Found("branch-point", crossing))
         else:
-            turn = where_turned(step, low, high, precision)
+            turn = locate_fold(step, low, high, precision)
             found.append(_Found("fold", turn))
             sides = [(low, turn.along), (turn.along, high)]
     for begin, end in sides:
@@ -114,48 +115,39 @@ def _within(step: Step, low: float, high: float, precision: float, halvings: int
 
 
 def _crosses(one: Node, other: Node) -> bool:
-    return one.told and other.told and one.crossing * other.crossing < 0.0
+    return one.regular and other.regular and one.crossing * other.crossing < 0.0
 
 
-def _on_one_side(step: Step, begin: float, end: float, crossed: bool, precision: float) -> list[_Found]:
-    """Return what happens between two places of a step between which the parameter goes one way.
-
-    Args:
-        step: The step.
-        begin: The first place.
-        end: The other.
-        crossed: Whether it is known where another branch crosses in this step.
-        precision: To locate to.
-    """
+def _on_one_side(step: BranchStep, begin: float, end: float, crossed: bool, precision: float) -> list[_Found]:
+    """Return the bifurcations between two places without a fold between them."""
     one, other = step.node(begin), step.node(end)
     if one.point.orbit.onsets != other.point.orbit.onsets:
-        value, doubt = where_passed(step.follower, one, other, precision)
+        value, doubt = locate_graze(step.stepper, one, other, precision)
         return [_Found("grazing", Located(value, doubt, 0.5 * (begin + end)))]
-    if len(one.way) != len(other.way):
+    if len(one.tangent) != len(other.tangent):
         return []
     found = []
     if not crossed and _crosses(one, other):
-        found.append(_Found("branch-point", where_crossed(step, begin, end, precision)))
+        found.append(_Found("branch-point", locate_crossing(step, begin, end, precision)))
     for kind, test in _TESTS.items():
         signs = {test(node.point.orbit.multipliers) > 0.0 for node in (one, other)}
         if len(signs) == 2:
-            where = where_zero(step, test, begin, end, precision)
-            # Two real multipliers whose product is 1: nothing happens.
+            where = locate_zero(step, test, begin, end, precision)
+            # Two real multipliers with the product 1: no bifurcation.
             if kind == "flip" or is_torus(step.nearest(where.along).orbit.multipliers):
                 found.append(_Found(kind, where))
     return found
 
 
-Array = NDArray[np.float64]
-
-# Of an arc, over the first: there the branch is given up; there it is if contacts or events change ahead.
+# Least arcs over the first: at which the branch ends, and at which it does near a change of contacts or
+# events.
 _SHORTEST, _NEAREST = 2.0**-10, 2.0**-40
-# Upon a crossing: where it is as good as singular; and by how much a step is shortened not to end there.
+# At a crossing: margin of a singular matrix, and factor of the step to avoid an orbit there.
 _ON, _BESIDE = 1e-6, 0.7
 _PRECISE = 1e2  # of the tolerance of orbits: how well what happens to them is located, over the range
 _SHORT = 2.0**-4  # likewise: shorter steps may turn a branch by nearly a right angle
-# Of the way to where contacts or events come or go ahead: how far the next orbit is at most, as where that is
-# is known to second order only.
+# Share of the arc to a change of contacts or events that a step may cover, as its place is known to second
+# order only.
 _TOWARDS = 0.9
 _UPON = 1e-2  # and how far it may be, over the first arc, if orbits agree on it
 _FARTHER = 4.0  # and how far it is looked for there, over what should be left
@@ -165,7 +157,7 @@ _BACK = "it came back to the beginning of the range"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Branch:
-    """A family of periodic solutions.
+    """Branch of periodic orbits.
 
     Attributes:
         points: In their order along it.
@@ -184,7 +176,7 @@ class Branch:
 
 @takes()
 def check_steps(values: tuple[float, float], arc: float, most: int) -> None:
-    """Refuse what :func:`continued` does of these arguments, before a long transient is run."""
+    """Refuse step arguments of :func:`continued` before a long transient is run."""
     begin, end = map(float, values)
     if begin == end or not (math.isfinite(begin) and math.isfinite(end)):
         raise InvalidParameterError("branch", "values", "two different, finite ones", values)
@@ -229,27 +221,27 @@ def continued(
     check_steps(values, arc, most)
     begin, end = map(float, values)
     flow, period = family(begin)
-    tolerance = near_enough(flow) if tolerance is None else tolerance
+    tolerance = default_tolerance(flow) if tolerance is None else tolerance
     precision = _PRECISE * tolerance if precision is None else precision
     for name, number in (("tolerance", tolerance), ("precision", precision)):
         if not (math.isfinite(number) and number > 0.0):
             raise InvalidParameterError("branch", name, "positive and finite", number)
     unit = end - begin
-    follower = Follower(functools.lru_cache(maxsize=64)(family), unit, tolerance)
-    near = Chart(flow.system, early(guess, period))
-    point = Point(begin, follower.orbit(near.state(np.zeros(near.size)), begin))
-    nodes = [follower.node(point, None)]
+    stepper = BranchStepper(functools.lru_cache(maxsize=64)(family), unit, tolerance)
+    near = Chart(flow.system, in_first_period(guess, period))
+    point = Point(begin, stepper.orbit(near.state(np.zeros(near.size)), begin))
+    nodes = [stepper.node(point, None)]
     found: list[Bifurcation] = []
     interrupted = False
     try:
-        message = _followed(follower, nodes, found, (begin, end), arc, most, precision * abs(unit), progress)
+        message = _follow(stepper, nodes, found, (begin, end), arc, most, precision * abs(unit), progress)
     except KeyboardInterrupt:
         interrupted, message = True, f"it was interrupted at {nodes[-1].point.value:g}"
     return Branch(tuple(one.point for one in nodes), tuple(found), message, interrupted)
 
 
-def _followed(
-    follower: Follower,
+def _follow(
+    stepper: BranchStepper,
     nodes: list[Node],
     found: list[Bifurcation],
     values: tuple[float, float],
@@ -258,20 +250,20 @@ def _followed(
     near_by: float,
     progress: Callable[[Point], None] | None,
 ) -> str:
-    """Follow a branch on from its first node, and return why it ends; what is found is added to the lists."""
+    """Extend a branch from its first node; return the reason for its end."""
     step, moved, failed = arc, -1, ""
     look, ahead = 0.0, None  # how far contacts or events that come or go are looked for ahead
     expected: dict[int, float] = {}  # where they were, by the orbit from which it was looked
-    passed: Step | None = None
+    passed: BranchStep | None = None
     while len(nodes) < most:
         last, number = nodes[-1], len(nodes) - 1
         if look > 0.0:
-            ahead = change_ahead(follower, last, look, passed)
+            ahead = graze_ahead(stepper, last, look, passed)
             if ahead is None:
                 look = 0.0
             else:
                 before = expected.get(number - 1, math.nan)
-                graze = _graze(follower, last, ahead, before, values, arc, near_by)
+                graze = _graze(stepper, last, ahead, before, values, arc, near_by)
                 if graze is not None:
                     found.append(Bifurcation("grazing", *graze, number))
                     return f"it ends in a graze at {graze[0]:g}"
@@ -280,14 +272,14 @@ def _followed(
         if failed and step < arc * (_SHORTEST if ahead is None else _NEAREST):
             return f"no orbit farther than at {last.point.value:g}: {failed}"
         try:
-            guess = None if ahead is None else bent(follower, last, step, passed)
-            point, made, stopped = _next(follower, last, step, values, guess)
+            guess = None if ahead is None else curved_predictor(stepper, last, step, passed)
+            point, made, stopped = _next_orbit(stepper, last, step, values, guess)
             if point.orbit.onsets != last.point.orbit.onsets and moved < len(nodes):
                 raise NoOrbitError("branch: a contact or an event comes or goes")
-            node = follower.node(point, last)
+            node = stepper.node(point, last)
             if (
-                last.told
-                and not node.told
+                last.regular
+                and not node.regular
                 and node.margin < _ON
                 and not stopped
                 and step == made > arc * _SHORTEST
@@ -295,21 +287,21 @@ def _followed(
                 step *= _BESIDE  # upon a crossing directions are any: the next orbit is to be beside it
                 continue
             short = made <= _SHORT * arc
-            if not follower.smooth(last, node, corner=short):
+            if not stepper.is_smooth(last, node, corner=short):
                 if short:
                     raise NoOrbitError("branch: the next orbit is farther away than the step is long")
                 step *= 0.5  # too long, or it has come onto another branch
                 continue
-            here = Step(follower, last, node, made)
+            here = BranchStep(stepper, last, node, made)
             if passed is not None:
                 here.beside[-passed.arc] = passed.first
-            happened = bifurcations_in(here, number, near_by)
+            happened = _bifurcations_in(here, number, near_by)
         except AntennaPinError as error:
             if moved < len(nodes):
-                # What seems to come or go may only pass the instant that orbits are told by.
+                # An apparent change may only pass the start time of the orbits.
                 moved = len(nodes)
                 with contextlib.suppress(AntennaPinError):
-                    nodes[-1] = follower.in_flight(last) or last
+                    nodes[-1] = stepper.away_from_events(last) or last
                 if nodes[-1] is not last:
                     continue
             step, look, failed = 0.5 * step, max(look, step), str(error)
@@ -318,7 +310,7 @@ def _followed(
         found += happened
         if passed is not None:
             passed.beside[passed.arc + made] = node
-            found[:] = _looked_at_again(passed, found, number - 1, near_by)
+            found[:] = _revised(passed, found, number - 1, near_by)
         passed, failed = here, ""
         if progress is not None:
             progress(point)
@@ -333,15 +325,15 @@ def _followed(
 
 
 def _graze(
-    follower: Follower,
+    stepper: BranchStepper,
     last: Node,
-    ahead: Ahead,
+    ahead: GrazeAhead,
     before: float,
     values: tuple[float, float],
     arc: float,
     near_by: float,
 ) -> tuple[float, float] | None:
-    """Return where a branch ends in a graze ahead of its last orbit, and the doubt of it, if it is known.
+    """Return the value of a graze that ends a branch, with its error, or None.
 
     That is where there are orbits up to as near as is asked for, or far nearer than a step and this one says
     of it what the one before did; nothing is said of what is beyond the range.
@@ -349,47 +341,44 @@ def _graze(
     if not (ahead.value - values[0]) * (values[1] - ahead.value) >= 0.0:
         return None
     doubt = abs(ahead.value - last.point.value)
-    near = ahead.arc * abs(follower.unit) * max(abs(last.way[-1]), _ON) <= near_by
+    near = ahead.arc * abs(stepper.unit) * max(abs(last.tangent[-1]), _ON) <= near_by
     moved = abs(ahead.value - before)
     if ahead.arc <= _UPON * arc and moved <= near_by:
         near, doubt = True, min(moved, doubt)
     return (ahead.value, max(doubt, 0.5 * near_by)) if near else None
 
 
-def _next(
-    follower: Follower, last: Node, step: float, values: tuple[float, float], guess: Array | None
+def _next_orbit(
+    stepper: BranchStepper, last: Node, step: float, values: tuple[float, float], guess: Array | None
 ) -> tuple[Point, float, str]:
-    """Return the orbit a step ahead, how far that is, and why the branch ends there, if it does.
+    """Return the next orbit, the arc to it, and the reason to stop there.
 
     At the end of the range it is the orbit there, also where the step leads beyond it to where there is none.
-
-    Raises:
-        AntennaPinError: None is found.
     """
     begin, end = values
-    straight = last.point.value + step * last.way[-1] * follower.unit
+    straight = last.point.value + step * last.tangent[-1] * stepper.unit
     try:
-        point = follower.correct(last.point, last.way, step, guess)
+        point = stepper.correct(last.point, last.tangent, step, guess)
     except AntennaPinError:
         if (straight - begin) / (end - begin) < 1.0:
             raise
-        return (*follower.up_to(last, end), _REACHED)
+        return (*stepper.orbit_ahead(last, end), _REACHED)
     share = (point.value - begin) / (end - begin)
     if 0.0 < share < 1.0:
         return point, step, ""
     bound, stopped = (begin, _BACK) if share <= 0.0 else (end, _REACHED)
     made = step
     if point.value != bound:
-        point, made = follower.stopped(last.point, last.way, step, point, bound)
+        point, made = stepper.orbit_at_bound(last.point, last.tangent, step, point, bound)
     return point, made, stopped
 
 
-def _looked_at_again(step: Step, found: list[Bifurcation], after: int, near_by: float) -> list[Bifurcation]:
-    """Return what has been found with what happens in a step as the orbit behind it, known since, tells."""
-    if not more_happens(step):
+def _revised(step: BranchStep, found: list[Bifurcation], after: int, near_by: float) -> list[Bifurcation]:
+    """Return bifurcations with those of a step revised by the orbit behind it."""
+    if hidden_change(step, 0.0, step.arc) is None:
         return found
     try:
-        again = bifurcations_in(step, after, near_by)
+        again = _bifurcations_in(step, after, near_by)
     except AntennaPinError:
         return found
     before = [one for one in found if one.after < after]

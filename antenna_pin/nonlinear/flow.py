@@ -1,4 +1,4 @@
-"""The flow of a system as a map: from a state to the one a span of time later, and its derivative."""
+"""The flow of a system as a map over a time span, and its derivative."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.differences import Slope, slope
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.records import memory_records
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
-from antenna_pin.nonlinear.frames import Frame, Lift
-from antenna_pin.nonlinear.numbers import Numbers
-from antenna_pin.nonlinear.variational import Carrier
+from antenna_pin.nonlinear.coordinates import Frame, Lift
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.nonlinear.variational import TangentPropagation
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation.events import Event
 from antenna_pin.simulation.inputs import check_without_controllers, events_of, settings_of
@@ -33,19 +34,19 @@ __all__ = ["Flow", "FlowError", "Tangent", "flow_of"]
 
 Array = NDArray[np.float64]
 
-# Steps of differences in coordinates, in which an error scale is 1: the noise of a run is some 1e-12 of that.
+# Difference steps in error scales: the noise of a run is some 1e-12 of a scale.
 _STEPS = (1e-1, 2e-2, 4e-3, 8e-4)
-# Tolerance of runs that are differentiated, where none is asked for; and how many of a run's tolerances its
-# tangent is in doubt by at least; so the coarsest that is taken leaves four digits.
+# Default tolerance of runs that are differentiated; least error of a tangent in tolerances of its run;
+# coarsest tolerance, which leaves four digits.
 _RTOL, _TOLERANCES, _COARSEST = 1e-12, 100.0, 1e-6
 
 
 class FlowError(AntennaPinError, RuntimeError):
-    """A run of a flow did not come to its end; the message says why."""
+    """A run of a flow that aborted; the message gives the reason."""
 
 
-class Way(NamedTuple):
-    """What a run of a flow comes to.
+class _SpanRun(NamedTuple):
+    """Result of a flow's run over a span.
 
     Attributes:
         end: Where to.
@@ -63,15 +64,15 @@ class Way(NamedTuple):
 
 
 class Tangent(NamedTuple):
-    """The derivative of a flow over a span, in coordinates about a state and about the one it leads to.
+    """Derivative of a flow over a span, in coordinates at both ends.
 
     Attributes:
         matrix: (size at the end, size at the start).
         doubt: By how much less exact differences say otherwise, of each column, or a hundred times the run's
-            tolerance. Those of runs see where an event comes and goes with the neighbour (a graze).
+            tolerance. Those of runs see where an event comes and goes with the perturbed state (a graze).
         end: The state that the one itself leads to.
-        lost: How many directions of neighbours changes of mode have taken away on the way, as where a joint
-            comes to rest; of differences of runs 0, they are not told.
+        lost: How many directions of perturbed states changes of mode have taken away on the way, as where a
+            joint comes to rest; of differences of runs 0, they are not told.
     """
 
     matrix: Array
@@ -81,16 +82,16 @@ class Tangent(NamedTuple):
 
 
 class Flow:
-    """A system's flow: states to states.
+    """Flow of a system: states to states.
 
-    What an event does to a tangent (its saltation), the approach speed that a contact remembers included, is
-    in its derivative by the variational equation, and in differences of runs, each of which locates its own.
+    Derivatives include the saltation of events and contact memory, by the variational equation as well as by
+    differences of runs, each of which locates its own events.
 
     Args:
         system: The system; its drives may depend on time.
         settings: How to integrate; of runs that are differentiated a tolerance near round-off.
-        events: What happens in runs besides contacts.
-        scenario: What the system was made from; None for one built in Python.
+        events: Events of runs besides contacts.
+        scenario: Scenario of the system; None for one built in Python.
     """
 
     def __init__(
@@ -122,7 +123,7 @@ class Flow:
         return run.present()
 
     def check_long_enough(self, place: str, name: str, span: float, time: float) -> None:
-        """Refuse a span [s] that its steps cannot make from a time [s] on."""
+        """Refuse a span [s] shorter than the steps at a time [s] allow."""
         self._settings.check_long_enough(place, name, span, time)
 
     def _sampled(self, span: float) -> RunSettings:
@@ -136,10 +137,10 @@ class Flow:
         Raises:
             FlowError: The run did not come so far.
         """
-        return self.went(start, span).end
+        return self.traverse(start, span).end
 
-    def went(self, start: State, span: float) -> Way:
-        """Return the state a span of time [s] after another, and what has happened between.
+    def traverse(self, start: State, span: float) -> _SpanRun:
+        """Return the state a span of time [s] later, with the contacts and events between.
 
         Raises:
             FlowError: The run did not come so far.
@@ -153,25 +154,23 @@ class Flow:
         events = [one.time for one in run.actions.happened]
         changes = [t for t in (*begun.tolist(), *ended.tolist(), *events) if start.time < t <= end]
         lasted = zip(begun.tolist(), np.where(ended <= end, ended, end).tolist(), strict=True)
-        return Way(run.present(), onsets, len(events), tuple(sorted(changes)), tuple(lasted))
+        return _SpanRun(run.present(), onsets, len(events), tuple(sorted(changes)), tuple(lasted))
 
-    def seen(self, start: State, span: float, count: int) -> Trajectory:
-        """Return the run of a span of time [s] from a state, with so many even samples.
+    def sampled(self, start: State, span: float, count: int) -> Trajectory:
+        """Return the run over a span [s] from a state, sampled evenly.
 
         Raises:
             FlowError: The run did not come so far.
         """
         settings = dataclasses.replace(self._sampled(span), output_rate=count / span, output_form="full")
         run = simulate(self.system, start=start, duration=span, settings=settings, events=self._events)
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        if not run.completed:
+        if not uninterrupted(run).completed:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
         return run
 
-    def glance(self, start: State, span: float) -> Trajectory:
-        """Return a run from a state that is next to none beside a span [s]: wrong names show."""
-        return self.seen(start, max(1e-6 * span, self._settings.shortest_at(start.time)), 1)
+    def probe(self, start: State, span: float) -> Trajectory:
+        """Return a run much shorter than a span [s], to check names."""
+        return self.sampled(start, max(1e-6 * span, self._settings.shortest_at(start.time)), 1)
 
     def rates(self, state: State) -> tuple[Array, Array]:
         """Return velocity and acceleration in a state, (nv,) each."""
@@ -182,7 +181,7 @@ class Flow:
         return state.v.copy(), out[: self.system.model.nv].copy()
 
     def tangent(self, start: State, span: float, chart: Chart | None = None) -> Tangent:
-        """Return the derivative of the flow over a span [s] from a state, by the variational equation.
+        """Return the derivative of the flow over a span [s], by the variational equation.
 
         Contacts that begin and end and events act on it by their saltation
         (:mod:`antenna_pin.nonlinear.variational`).
@@ -198,57 +197,57 @@ class Flow:
             NotAlikeError: It ends with other contacts than the chart has, or in other modes of elements.
         """
         here = chart if chart is not None and chart.origin is start else Chart(self.system, start)
-        carrier, end = self.carry(start, span, here.frame)
+        carrier, end = self.propagate(start, span, here.frame)
         there = chart or Chart(self.system, end)
         there.coordinates(end)
         carrier.turn(there.frame)
-        matrix = carrier.carried.matrix
-        # The run's own error is in neither: it is no less than its tolerance makes it.
+        matrix = carrier.tangents.matrix
+        # The run's own error adds at least its tolerance.
         least = _TOLERANCES * self._settings.rtol * np.linalg.norm(matrix, axis=0)
         lost = here.size - carrier.rank
         return Tangent(matrix, np.maximum(carrier.doubt, least), end, lost)
 
-    def carry(
+    def propagate(
         self,
         start: State,
         span: float,
         frame: Frame,
         ways: Array | Callable[[Lift], Array] | None = None,
         *,
-        numbers: Numbers | None = None,
+        numbers: ParameterSlopes | None = None,
         looks: Sequence[float] = (),
-        seen: Callable[[Carrier, float, Array, Array], None] | None = None,
-    ) -> tuple[Carrier, State]:
-        """Return what carries displacements over a span [s] of the run from a state, and where that leads.
+        seen: Callable[[TangentPropagation, float, Array, Array], None] | None = None,
+    ) -> tuple[TangentPropagation, State]:
+        """Return the tangents propagated over a span [s], and the state at its end.
 
         Args:
             start: From where.
             span: [s].
             frame: Axes of coordinates in that state.
-            ways: Displacements in these, (size, k), or what makes them of these; all of them if left out.
+            ways: Tangents in these, (size, k), or what makes them of these; all of them if left out.
             numbers: Parameters of the system, which coordinates have too.
-            looks: When to look at displacements on the way, ascending [s].
-            seen: Called at each, ``(carrier, time, y, displacements)``, the last (displacement, k).
+            looks: When to look at tangents on the way, ascending [s].
+            seen: Called at each, ``(carrier, time, y, tangents)``, the last (perturbation, k).
 
         Raises:
             FlowError: The run did not come to its end.
         """
-        run = self.begun(start, span)
-        carrier = Carrier(run, frame, ways, numbers, looks)
+        run = self.logged_run(start, span)
+        carrier = TangentPropagation(run, frame, ways, numbers, looks)
         if seen is not None:
-            carrier.seen = functools.partial(seen, carrier)
+            carrier.on_look = functools.partial(seen, carrier)
         run.advance(observer=carrier)
         self.check_ended(run, span, start)
         return carrier, run.present()
 
-    def begun(self, start: State, span: float) -> Run:
-        """Return the run of a span of time [s] from a state before its first step, whose steps are logged."""
+    def logged_run(self, start: State, span: float) -> Run:
+        """Return the run over a span [s] before its first step, with a step log."""
         return Run(self.system, start, start.time + span, self._sampled(span), self._events, logged=True)
 
     def tangent_by_runs(
         self, start: State, span: float, chart: Chart | None = None, *, step: float | None = None
     ) -> Tangent:
-        """Return what :meth:`tangent` does by differences of runs, each of which finds its own events.
+        """Return the derivative of the flow by differences of runs, each with its own events.
 
         Args:
             start: From where.
@@ -259,8 +258,8 @@ class Flow:
 
         Raises:
             FlowError: A run did not come to its end.
-            NotAlikeError: A neighbour ends with other contacts, or the start does than the chart.
-            OutOfReachError: Closures do not hold in neighbours.
+            NotAlikeError: A perturbed state ends with other contacts, or the start does than the chart.
+            OutOfReachError: Closures do not hold in perturbed states.
         """
         end = self.after(start, span)
         here = chart if chart is not None and chart.origin is start else Chart(self.system, start)
@@ -283,17 +282,16 @@ class Flow:
         return Tangent(matrix, np.array(doubts), end)
 
     def check_ended(self, run: Run, span: float, start: State) -> None:
-        """Refuse a run that has not come to its end."""
-        if run.outcome is Outcome.INTERRUPTED:
-            raise KeyboardInterrupt
-        if run.outcome is not Outcome.COMPLETED:
+        """Refuse a run that did not complete."""
+        if uninterrupted(run).outcome is not Outcome.COMPLETED:
             raise FlowError(f"a run of {span:g} s from t = {start.time:g} s: {run.message}")
 
 
 def _slope(function: Callable[[float], Array]) -> Slope:
-    """Return a derivative at zero by the steps at which there are neighbours to differ from.
+    """Return a derivative at zero by the largest steps at which perturbed runs exist.
 
-    The largest may be so large that a loop tears, or that a neighbour touches at the end or presses too deep.
+    The largest may be so large that a loop tears, or that a perturbed state touches at the end or presses too
+    deep.
     """
     for steps in (_STEPS[k:] for k in range(len(_STEPS) - 1)):
         try:

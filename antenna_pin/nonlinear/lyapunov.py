@@ -1,4 +1,4 @@
-"""How fast neighbours part: Lyapunov exponents, with errors and with what they are too short to say."""
+"""Lyapunov exponents with their errors: rates of divergence of perturbed states."""
 
 from __future__ import annotations
 
@@ -19,9 +19,8 @@ from antenna_pin.base.capacity import MOST, check_count
 from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError
+from antenna_pin.nonlinear.coordinates import ElementMemory, Frame, own_coordinates
 from antenna_pin.nonlinear.flow import Flow
-from antenna_pin.nonlinear.frames import Frame, own_state
-from antenna_pin.nonlinear.kept import Kept
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import open_table, table_attributes
 
@@ -34,15 +33,13 @@ __all__ = [
     "open_exponents",
 ]
 
-
 Array = NDArray[np.float64]
 
+# --- independent directions of perturbed states -------------------------------------------------------------
 
-# --- which directions of neighbours are their own over the intervals of a motion, and which are left ---
 
-
-class Ahead:
-    """A motion after each interval, run before its neighbours are: which contacts last is known of its end.
+class _ReferenceMotion:
+    """Motion after each interval, run ahead to find the contacts that last.
 
     Args:
         flow: The flow.
@@ -60,10 +57,9 @@ class Ahead:
         count: int,
         progress: Callable[[int, float], None] | None,
     ) -> None:
-        """Run."""
         self._flow, self._interval, self._states = flow, interval, [start]
-        self._kept = [(k, one.key) for k, one in enumerate(Kept(flow.system).numbers) if one.of_rate]
-        #: Contacts that touch at the end, and since when [s].
+        self._kept = [(k, one.key) for k, one in enumerate(ElementMemory(flow.system).numbers) if one.of_rate]
+        #: Contacts that touch at the end, with their onsets [s].
         self.onsets: dict[int, float] = {}
         known = flow.system.contact_names or self._kept
         for k in range(count if known else 0):
@@ -73,7 +69,7 @@ class Ahead:
         if len(self._states) > count:
             self.onsets = {one.contact: one.onset for one in self._states[-1].contacts}
 
-        #: Numbers that elements keep to the end, of rates, and since when at the latest [s].
+        #: Rates in element memory that last to the end, with the earliest time [s].
         self.kept: dict[int, float] = {}
         for k, key in self._kept if len(self._states) > count else ():
             values = [dict(one.adjusted).get(key) for one in self._states]
@@ -81,29 +77,25 @@ class Ahead:
             self.kept[k] = self._states[since].time
 
     def after(self, count: int) -> State:
-        """Return the state after so many intervals."""
+        """Return the state after a number of intervals."""
         while len(self._states) <= count:
             self._states.append(self._flow.after(self._states[-1], self._interval))
         return self._states[count]
 
     def own(self, frame: Frame, size: int, time: float) -> NDArray[np.bool_]:
-        """Return which coordinates at a time [s] are a neighbour's own, (size,)."""
+        """Return which coordinates at a time [s] belong to a perturbed state alone, (size,)."""
         lasting = [c for c, onset in self.onsets.items() if onset <= time]
-        return own_state(frame, size, lasting, [k for k, since in self.kept.items() if since <= time])
+        return own_coordinates(frame, size, lasting, [k for k, since in self.kept.items() if since <= time])
 
 
-def mechanical(chart: Chart) -> NDArray[np.bool_]:
-    """Return which coordinates are not of contacts' memory, nor of stops': along these neighbours begin."""
-    remembered = [contact for contact, _ in chart.frame.remembered]
-    return own_state(chart.frame, chart.size, remembered, chart.of_rates)
+def _mechanical_coordinates(chart: Chart) -> NDArray[np.bool_]:
+    """Return which coordinates are no memory of contacts or stops, (size,)."""
+    remembered = [contact for contact, _ in chart.frame.contact_memory]
+    return own_coordinates(chart.frame, chart.size, remembered, chart.of_rates)
 
 
-def left_of(matrix: Array, rank: int, time: float) -> NDArray[Any]:
-    """Return which displacements are independent still, (rank,), in order.
-
-    Raises:
-        InvalidParameterError: None is.
-    """
+def _independent(matrix: Array, rank: int, time: float) -> NDArray[Any]:
+    """Return which tangents are still independent, (rank,), in order."""
     if rank == matrix.shape[1]:
         return np.arange(rank)
     if rank == 0:
@@ -115,19 +107,19 @@ def left_of(matrix: Array, rank: int, time: float) -> NDArray[Any]:
 
 
 Verdict = Literal["chaotic", "neutral", "contracting", "too short to say"]
-"""What a largest exponent says: neighbours part, keep their distance, come together; or nothing yet."""
+"""What a largest exponent says: perturbed states part, keep their distance, come together; or nothing yet."""
 
-# Distance of a neighbour, in error scales; the largest from which it is brought back, beyond which its growth
-# is no longer that of a tangent; and the nearest that is told from round-off.
+# Distance of a perturbed state in error scales; largest, beyond which growth is no longer that of a tangent;
+# least above round-off.
 _DISTANCE, _FARTHEST, _NEAREST = 1e-6, 1e-3, 1e-10
-# Intervals, and blocks of them, below which nothing is said; standard errors that decide; and how large an
-# exponent may be over an interval that counts as none, if it is known so well.
+# Fewest intervals, and blocks of them, for a verdict; standard errors that decide; exponent over an interval
+# that counts as none.
 _FEWEST, _BLOCKS, _SIGMAS, _NEUTRAL = 32, 8, 3.0, 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Exponents:
-    """Lyapunov exponents of one motion, natural logarithms. The start is part of it: attractors coexist.
+    """Lyapunov exponents of one motion from its start: attractors may coexist.
 
     Attributes:
         values: The largest first, (n,) [1/s].
@@ -157,7 +149,7 @@ class Exponents:
 
     @property
     def verdict(self) -> Verdict:
-        """What the largest exponent says, at three standard errors."""
+        """Classification of the largest exponent, at three standard errors."""
         value, error = float(self.values[0]), float(self.errors[0])
         if len(self.growth) < _FEWEST or not math.isfinite(error):
             return "too short to say"
@@ -169,8 +161,8 @@ class Exponents:
 def _exponents(growth: Array, lengths: Array, interval: float, start: State, end: State) -> Exponents:
     total = float(lengths.sum())
     values = growth.sum(axis=0) / total
-    # Growths next to one another are not independent: a distance that swings comes back, and chaos has
-    # bursts. Of blocks as long as leave enough of them, the spread tells.
+    # Consecutive growths are not independent: distances oscillate, and chaos has bursts. The error is the
+    # spread of long blocks.
     errors = np.full(growth.shape[1], math.inf)
     width = len(growth) // _BLOCKS
     if width:
@@ -182,7 +174,7 @@ def _exponents(growth: Array, lengths: Array, interval: float, start: State, end
     return Exponents(values, errors, interval, growth, lengths, start, end)
 
 
-def _check(flow: Flow, start: State, interval: float, count: int, transient: float) -> None:
+def _check_arguments(flow: Flow, start: State, interval: float, count: int, transient: float) -> None:
     check_count("Lyapunov exponents", "count", count)
     if not 0.0 <= transient < math.inf:
         raise InvalidParameterError("Lyapunov exponents", "transient", "zero or more [s]", transient)
@@ -205,10 +197,10 @@ def largest_exponent(
 ) -> Exponents:
     """Return the largest exponent by two trajectories with renormalisation (Benettin and others 1976).
 
-    The neighbour locates its own contacts and events, and remembers its own approach speeds, but for those
-    of contacts that last from then on to the end: nothing changes these, and neighbours share them, as those
-    of an orbit do (:func:`antenna_pin.nonlinear.frames.own_state`). Where other contacts touch at the end of
-    an interval than at the trajectory's own, both go on until they are alike.
+    The perturbed trajectory locates its own contacts and events, and has its own approach speeds, but for
+    contacts that last to the end: these are constant, and shared, as those of an orbit
+    (:func:`antenna_pin.nonlinear.coordinates.own_coordinates`). Where different contacts touch at the end of
+    an interval, both trajectories continue until the same do.
 
     Args:
         flow: The flow.
@@ -216,20 +208,20 @@ def largest_exponent(
         interval: Between renormalisations, such as a drive's period [s].
         count: How many intervals.
         transient: What is run before [s].
-        seed: Of the neighbour's first direction; the first tenth of the intervals, in which it turns into
-            that of fastest growth, is left out.
+        seed: Seed of the first direction; the first tenth of the intervals, in which it turns into that of
+            fastest growth, is left out.
         progress: Called with the number of intervals done and the exponent so far [1/s]; of a system with
             contacts with zero and no number before, after each interval that the motion itself is run.
 
     Raises:
         FlowError: A run did not come to its end.
     """
-    _check(flow, start, interval, count, transient)
+    _check_arguments(flow, start, interval, count, transient)
     first = here = flow.after(start, transient) if transient else start
     turning, done = max(1, count // 10), 0
-    ahead = Ahead(flow, here, interval, count + turning, progress)
+    ahead = _ReferenceMotion(flow, here, interval, count + turning, progress)
     chart = Chart(flow.system, here)
-    way = np.random.default_rng(seed).standard_normal(chart.size) * mechanical(chart)
+    way = np.random.default_rng(seed).standard_normal(chart.size) * _mechanical_coordinates(chart)
     way /= np.linalg.norm(way)
     growth: list[float] = []
     lengths: list[float] = []
@@ -275,12 +267,12 @@ def lyapunov_spectrum(
     transient: float = 0.0,
     progress: Callable[[int, float], None] | None = None,
 ) -> Exponents:
-    """Return all exponents, by the variational equation: displacements made orthogonal after each interval.
+    """Return all exponents by the variational equation, tangents orthogonalized after each interval.
 
-    Contacts and events act on them by their saltation (:mod:`antenna_pin.nonlinear.variational`). What
-    contacts remember that last on to the end neighbours share, as for :func:`largest_exponent`. As many
-    exponents are found as there are ways, rates and bristles, where joints stick that place counting as a
-    way; less those of directions that changes of mode take away for good, which would be minus infinity.
+    Contacts and events act by their saltation (:mod:`antenna_pin.nonlinear.variational`). The memory of
+    contacts that last to the end is shared, as for :func:`largest_exponent`. There is an exponent for each
+    position, rate and bristle, and for each place at which a joint sticks; less those of directions that
+    changes of mode remove for good, which would be minus infinity.
 
     Args:
         flow: The flow.
@@ -294,18 +286,18 @@ def lyapunov_spectrum(
         FlowError: A run did not come to its end.
         InvalidParameterError: Changes of mode leave no direction.
     """
-    _check(flow, start, interval, count, transient)
+    _check_arguments(flow, start, interval, count, transient)
     first = here = flow.after(start, transient) if transient else start
-    ahead = Ahead(flow, here, interval, count, progress)
+    ahead = _ReferenceMotion(flow, here, interval, count, progress)
     chart = Chart(flow.system, here)
-    frame, ways = chart.frame, np.eye(chart.size)[:, mechanical(chart)]
+    frame, ways = chart.frame, np.eye(chart.size)[:, _mechanical_coordinates(chart)]
     growth: list[Array] = []
     while len(growth) < count:
-        carrier, here = flow.carry(here, interval, frame, ways)
-        matrix, _, frame, _ = carrier.carried
+        carrier, here = flow.propagate(here, interval, frame, ways)
+        matrix, _, frame, _ = carrier.tangents
         own = ahead.own(frame, len(matrix), here.time)
         matrix = np.where(own[:, None], matrix, 0.0)
-        left = left_of(matrix, carrier.rank, here.time)
+        left = _independent(matrix, carrier.rank, here.time)
         ways, triangle = np.linalg.qr(matrix[:, left])
         growth = [one[left] for one in growth]  # what is lost was none of the motion's own directions
         growth.append(np.log(np.maximum(np.abs(np.diag(triangle)), 1e-300)))
@@ -316,7 +308,7 @@ def lyapunov_spectrum(
     return _exponents(table[:, order], np.full(count, interval), interval, first, here)
 
 
-# --- as a dataset, and its file ---
+# --- dataset and file ---------------------------------------------------------------------------------------
 
 
 @takes()

@@ -1,4 +1,4 @@
-"""Periodic solutions by shooting, and how their neighbours grow: Floquet multipliers."""
+"""Periodic orbits by shooting, with their Floquet multipliers."""
 
 from __future__ import annotations
 
@@ -16,54 +16,60 @@ from antenna_pin.base.views import Plotter, Reporter, View, as_html
 from antenna_pin.dynamics import System
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart
+from antenna_pin.nonlinear.coordinates import own_coordinates
 from antenna_pin.nonlinear.flow import Flow, Tangent
-from antenna_pin.nonlinear.frames import own_state
 from antenna_pin.scenario import Scenario
 
-__all__ = ["NoOrbitError", "Orbit", "moving", "near_enough", "orbit_at", "periodic_orbit"]
+__all__ = [
+    "NoOrbitError",
+    "Orbit",
+    "changing_coordinates",
+    "default_tolerance",
+    "evaluate_orbit",
+    "periodic_orbit",
+]
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# Singular values of (M - 1) over the largest, and over 1, below which a direction is neutral: an orbit has
-# neighbours that are orbits too, and Newton's method does not ask for a step along it.
+# Relative singular values of (M - 1) below which a direction is neutral, with adjacent orbits: Newton's
+# method takes no step along it.
 _NEUTRAL = 1e-7
 _HALVINGS = 6
-# Size of a row of derivatives that nothing acts on; distance of the ends of a period that is none, over the
-# tolerance of runs, and at least.
+# Size of a row of derivatives of a constant; default tolerance of orbits, over that of runs, and its least.
 _HELD, _NEAR, _NEAREST = 1e-6, 10.0, 1e-9
-# How often that distance a motion goes in a period of which anything can be told.
+# Least length of an orbit in tolerances.
 _TELLS = 10.0
 
 
 class NoOrbitError(AntennaPinError, RuntimeError):
-    """Newton's method has found no periodic solution near its start; the message says how far it came."""
+    """Newton's method found no periodic solution; the message gives the distance reached."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Orbit:
-    """A periodic solution.
+    """Periodic orbit.
 
-    While a contact lasts nothing changes the approach speed that it remembers. Where it lasts over the whole
-    period orbits come in families, of which this is the one with the start's, and a multiplier is 1 for it: a
-    neighbour with another speed comes to another orbit. What is said of neighbours is of those with the same.
-    So it is of what elements keep over a period, such as where a joint sticks that does not slip. A change of
-    mode that brings a joint to rest takes a direction of neighbours away: a multiplier is 0.
+    The approach speed of a lasting contact is constant. Where a contact lasts over the whole period, orbits
+    come in families over that speed, of which this one has the start's, and a multiplier is 1 for it;
+    stability is that at fixed speed. The same holds of element memory that is constant over a period, such as
+    the place of a joint that sticks. A change of mode that brings a joint to rest removes a direction: a
+    multiplier is 0.
 
     Attributes:
-        start: A state on it.
+        start: A state of the orbit.
         period: [s].
         residual: Distance between the ends of a period, in error scales [-].
-        iterations: Newton's.
-        multipliers: Floquet's, the largest first, (n,), without those that are 1 for what lasting contacts
-            remember and elements keep. They are as many wherever the orbit begins: where an element holds its
-            joint then, those of the directions that it leaves out are 0.
-        neutral: How many these are [-].
-        doubt: Of the multipliers: what differences of other steps change in the largest [-].
-        names: Of the coordinates of a tangent.
-        tangent: Over one period, of as many rows and columns as coordinates.
-        free_period: Whether the period was found too: of a system that does not depend on time; one
-            multiplier is 1 then, of the way along the orbit.
+        iterations: Newton's iterations.
+        multipliers: Floquet multipliers, the largest first, (n,), without those that are 1 for constant
+            memory of contacts and elements. Their number does not depend on the start: directions that
+            elements hold there have 0.
+        neutral: Number of multipliers left out [-].
+        doubt: Error estimate of the multipliers [-].
+        names: Names of the coordinates.
+        tangent: Monodromy matrix, over one period, (coordinates, coordinates).
+        free_period: Whether the period was found too, of an autonomous system; one multiplier, along the
+            orbit, is 1 then.
         onsets: Contacts that begin in a period, and events that happen, changes of mode among them.
         system: Of the flow, which names the numbers.
         scenario: Of the mechanism; None for a system built in Python.
@@ -92,7 +98,7 @@ class Orbit:
 
     @property
     def stable(self) -> bool | None:
-        """Whether neighbours come nearer; None where a multiplier is 1 in size within its doubt."""
+        """Return whether perturbed states approach; None where a multiplier's size is 1 within its error."""
         sizes = np.abs(self.multipliers)
         if self.free_period:
             sizes = np.delete(sizes, int(np.argmin(np.abs(self.multipliers - 1.0))))
@@ -111,10 +117,10 @@ class Orbit:
         return as_html(self)
 
 
-def moving(chart: Chart, matrix: Array, free_period: bool = False) -> NDArray[np.bool_]:
-    """Return which coordinates a period changes, (n,): all but what contacts remember that last over it.
+def changing_coordinates(chart: Chart, matrix: Array, free_period: bool = False) -> NDArray[np.bool_]:
+    """Return which coordinates change over a period, (n,): all but lasting contact memory.
 
-    What elements keep over it is likewise left out, such as where a joint sticks that does not slip. Where a
+    Element memory over it is likewise left out, such as where a joint sticks that does not slip. Where a
     period is free a joint that slips, and sticks again where it did, is not told from that: it may be the way
     along the orbit.
 
@@ -124,39 +130,39 @@ def moving(chart: Chart, matrix: Array, free_period: bool = False) -> NDArray[np
         free_period: Whether the period is found too.
     """
     rows = np.linalg.norm(matrix - np.eye(len(matrix)), axis=1)
-    first = chart.size - len(chart.frame.remembered)
-    remembered = enumerate(chart.frame.remembered, first)
+    first = chart.size - len(chart.frame.contact_memory)
+    remembered = enumerate(chart.frame.contact_memory, first)
     lasting = {contact for k, (contact, _) in remembered if rows[k] < _HELD}
-    numbers = enumerate(chart.frame.kept, first - len(chart.frame.kept))
-    may = set(chart.of_rates if free_period else chart.frame.kept)
+    numbers = enumerate(chart.frame.element_memory, first - len(chart.frame.element_memory))
+    may = set(chart.of_rates if free_period else chart.frame.element_memory)
     kept = may.intersection(one for k, one in numbers if rows[k] < _HELD)
-    return own_state(chart.frame, chart.size, lasting, kept)
+    return own_coordinates(chart.frame, chart.size, lasting, kept)
 
 
-def near_enough(flow: Flow) -> float:
-    """Return the distance between the ends of a period that counts as none, in error scales [-]."""
+def default_tolerance(flow: Flow) -> float:
+    """Return the default distance between the ends of a period, in error scales [-]."""
     return max(_NEAR * flow.rtol, _NEAREST)
 
 
 def _multipliers(tangent: Tangent, moves: NDArray[np.bool_], held: int) -> tuple[Complex, float]:
-    """Return multipliers and their doubt; ``held`` more are 0, of what elements leave out at the start."""
+    """Return multipliers and their error estimate, with ``held`` zeros appended."""
     values, basis = np.linalg.eig(tangent.matrix[np.ix_(moves, moves)])
     values = values[np.argsort(-np.abs(values), kind="stable")].astype(complex)
     values[len(values) - min(tangent.lost, len(values)) :] = 0.0  # what is there is round-off
     values = np.append(values, np.zeros(held))
-    # To first order an eigenvalue moves by the size of what the matrix is wrong by, in a basis of its own.
+    # To first order an eigenvalue changes by the matrix's error, times the condition of the eigenvectors.
     condition = float(np.linalg.cond(basis)) if len(basis) else 1.0
     return values, float(np.linalg.norm(tangent.doubt[moves])) * min(condition, 1e3)
 
 
 def _newton_step(flow: Flow, start: State, tangent: Tangent, miss: Array, chart: Chart, free: bool) -> Array:
-    """Return the change of coordinates, and of the period behind them if that is free, of least size.
+    """Return Newton's correction of coordinates, and of a free period, of least size.
 
     What lasting contacts remember stays as it is.
     """
     size = chart.size
     matrix = tangent.matrix - np.eye(size)
-    matrix[:, ~moving(chart, tangent.matrix, free)] = 0.0
+    matrix[:, ~changing_coordinates(chart, tangent.matrix, free)] = 0.0
     wanted = -miss
     if free:
         v, a = flow.rates(tangent.end)
@@ -186,7 +192,7 @@ def periodic_orbit(
     iterations: int = 30,
     progress: Callable[[int, float], None] | None = None,
 ) -> Orbit:
-    """Find a periodic solution near a guess, by Newton's method on the flow's map over a period.
+    """Find a periodic solution near a guess, by shooting: Newton's method over a period.
 
     Args:
         flow: The flow.
@@ -203,7 +209,7 @@ def periodic_orbit(
         NotAlikeError: After a period other contacts touch than before.
         FlowError: A run did not come to its end.
     """
-    tolerance = near_enough(flow) if tolerance is None else tolerance
+    tolerance = default_tolerance(flow) if tolerance is None else tolerance
     if not (math.isfinite(tolerance) and tolerance > 0.0):
         raise InvalidParameterError("periodic orbit", "tolerance", "positive and finite", tolerance)
     flow.check_long_enough("periodic orbit", "period", period, guess.time)
@@ -220,7 +226,7 @@ def periodic_orbit(
             break
         tangent = flow.tangent(start, span, chart)
         step = _newton_step(flow, start, tangent, miss, chart, free_period)
-        start, span = _walked(flow, chart, span, step, best, free_period)
+        start, span = _damped_step(flow, chart, span, step, best, free_period)
     if not best <= tolerance:
         raise NoOrbitError(
             f"periodic orbit: after {iterations} iterations the ends of a period of {span:g} s are still "
@@ -228,11 +234,11 @@ def periodic_orbit(
             "multiple of the period"
         )
     _check_moves(flow, start, span, tolerance)
-    return orbit_at(flow, start, span, best, k, free_period)
+    return evaluate_orbit(flow, start, span, best, k, free_period)
 
 
 def _check_moves(flow: Flow, start: State, span: float, tolerance: float) -> None:
-    """Refuse a period in which no motion goes farther than its ends may be apart; rest has any period."""
+    """Refuse a period in which the motion stays within the tolerance."""
     speed = float(np.linalg.norm(Chart(flow.system, start).directions(*flow.rates(start))))
     if speed > tolerance and speed * span < _TELLS * tolerance:
         raise NoOrbitError(
@@ -242,13 +248,13 @@ def _check_moves(flow: Flow, start: State, span: float, tolerance: float) -> Non
         )
 
 
-def orbit_at(flow: Flow, start: State, period: float, residual: float, count: int, free: bool) -> Orbit:
-    """Return what is known of an orbit that has been found."""
+def evaluate_orbit(flow: Flow, start: State, period: float, residual: float, count: int, free: bool) -> Orbit:
+    """Return an orbit with its multipliers from its start and period."""
     chart = Chart(flow.system, start)
     tangent = flow.tangent(start, period, chart)
-    moves = moving(chart, tangent.matrix, free)
+    moves = changing_coordinates(chart, tangent.matrix, free)
     values, doubt = _multipliers(tangent, moves, chart.held)
-    way = flow.went(start, period)
+    way = flow.traverse(start, period)
     return Orbit(
         start=start,
         period=period,
@@ -266,10 +272,10 @@ def orbit_at(flow: Flow, start: State, period: float, residual: float, count: in
     )
 
 
-def _walked(
+def _damped_step(
     flow: Flow, chart: Chart, span: float, step: Array, before: float, free: bool
 ) -> tuple[State, float]:
-    """Return where a step leads, halved until the ends of the period come nearer to one another."""
+    """Return start and period after a correction, halved until the residual falls."""
     for halving in range(_HALVINGS + 1):
         part = step * 0.5**halving
         longer = span + (float(part[-1]) if free else 0.0)

@@ -1,198 +1,215 @@
-"""Poincare sections: the points in which a motion returns to a section, once it has settled."""
+"""Poincaré sections: stroboscopes of a drive's period, and surfaces crossed."""
 
 from __future__ import annotations
 
-import dataclasses
-import json
 import math
-from collections.abc import Callable, Sequence
-from typing import Any
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
 
-import numpy as np
-import xarray as xr
-from numpy.typing import NDArray
-
-from antenna_pin.analysis.transients import LEAST, RULE, Settled, settled
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.capacity import check_count
-from antenna_pin.base.state import State
-from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear.returns import Points, Returns
-from antenna_pin.nonlinear.surfaces import Section
+from antenna_pin.base.numerals import bare
+from antenna_pin.base.units import quantity
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation import Progress
-from antenna_pin.trajectory import table_attributes
+from antenna_pin.simulation import Angle, Force, Gap, Moment, Rate
 
-__all__ = ["SettledPoints", "check_counts", "poincare", "settled_points"]
-
-Array = NDArray[np.float64]
+__all__ = ["Crossing", "Section", "Stroboscope", "drive_period", "section_of"]
 
 
-@dataclasses.dataclass(frozen=True, slots=True)
-class SettledPoints:
-    """The last points of a section, and how they came about.
+# Relative difference of equal periods written in different units.
+_SAME = 1e-12
 
-    Attributes:
-        times: (n,) [s].
-        values: (n, quantities).
-        settled: Whether they have settled.
-        drift: Largest of their statistics over the size of the quantities; NaN for too few [-].
-        transient: Points before them [-].
-        outcome: How the run ended, by name.
-        message: That in words.
-        end: State that the run left; None if nothing was run.
-    """
-
-    times: Array
-    values: Array
-    settled: bool
-    drift: float
-    transient: int
-    outcome: str
-    message: str
-    end: State | None
-
-
-def settled_points(
-    returns: Returns, count: int, transient: int | None, most: int | None, tolerance: float
-) -> SettledPoints:
-    """Return the points of a section behind its transient.
-
-    With a transient of None points are cut, half of ``count`` at a time, until those kept have settled, or
-    ``most`` were made. See :func:`poincare`.
-    """
-    kept = Points(np.zeros(0), np.zeros((0, len(returns.quantities))))
-    made = 0
-    limit = (transient or 0) + count if transient is not None else max(most or 20 * count, count)
-    ask = limit if transient is not None else count
-    while True:
-        some = returns.more(ask)
-        made += len(some.times)
-        kept = Points(*(np.concatenate(pair)[-count:] for pair in zip(kept, some, strict=True)))
-        found = _judged(kept.values, returns.sizes, tolerance)
-        if found.start == 0 or made >= limit or returns.ended:
-            break
-        ask = min(max(count // 2, 1), limit - made)
-    whole = len(kept.times) == count and not returns.ended
-    return SettledPoints(
-        *kept,
-        settled=found.start == 0 and whole,
-        drift=found.drift,
-        transient=made - len(kept.times),
-        outcome=returns.outcome.name,
-        message=returns.message,
-        end=returns.state,
-    )
-
-
-def _judged(values: Array, sizes: Array, tolerance: float) -> Settled:
-    """Return whether points, (n, quantities), have settled; those that are no numbers have not."""
-    if not np.isfinite(values).all():
-        return Settled(None, math.nan, tolerance, len(values))
-    scale = np.where(sizes > 0.0, sizes, 1.0)
-    return settled(values, scale=scale, tolerance=tolerance, whole=True)
+_DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"rising": 1, "falling": -1, "both": 0}
 
 
 @takes()
-def poincare(
-    scenario: Scenario,
-    section: Section,
-    quantities: Sequence[str],
-    *,
-    count: int = 100,
-    transient: int | None = None,
-    most: int | None = None,
-    tolerance: float = 1e-4,
-    start: State | None = None,
-    progress: Callable[[Progress], None] | None = None,
-) -> xr.Dataset:
-    """Return the points in which the motion of a scenario returns to a section.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stroboscope:
+    """Section once a period, at the times ``(phase + k) period``.
 
-    The run is made in stretches as long as it takes, whatever the scenario's duration, and keeps nothing but
-    these points. Where they have settled is judged (:func:`antenna_pin.analysis.settled`), not assumed.
+    Attributes:
+        period: [s]; None for that of the scenario's drives, which then have to have one and the same.
+        drive: Whose period it is, where drives differ; None otherwise.
+        phase: Part of the period at which it is looked at, from 0 to below 1 [-].
+    """
+
+    period: float | None = None
+    drive: str | None = None
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if self.period is not None and not 0.0 < self.period < math.inf:
+            raise InvalidParameterError(self, "period", "positive and finite [s]", self.period)
+        if self.period is not None and self.drive is not None:
+            raise InvalidParameterError(self, "drive", "left out beside a period", self.drive)
+        if not 0.0 <= self.phase < 1.0:
+            raise InvalidParameterError(self, "phase", "from 0 to below 1, a part of the period", self.phase)
+
+    def period_in(self, scenario: Scenario) -> float:
+        """Return its period in a scenario [s]."""
+        return drive_period(scenario, self.drive) if self.period is None else self.period
+
+    @property
+    def words(self) -> str:
+        """Description."""
+        whose = "a period"
+        if self.period is not None:
+            whose = f"every {self.period:.9g} s"
+        elif self.drive is not None:
+            whose = f"a period of drive {self.drive}"
+        once = "" if self.period is not None else "once "
+        return f"{once}{whose}" + (f", at {self.phase:.6g} of it" if self.phase else "")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crossing:
+    """Section at zeros of a function of the state, located on the dense output.
+
+    Attributes:
+        when: The function: a condition of :mod:`antenna_pin.simulation`, as ``Angle("hinge", 0.0)``, or one
+            of your own, ``(moment) -> float``, with which the compiled engine is slower.
+        direction: +1: rising; -1: falling; 0: both.
+        name: What it is called; made from the condition if left out.
+    """
+
+    when: Callable[[Moment], float]
+    direction: Literal[-1, 0, 1] = 1
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        """Check the kinds."""
+        if not callable(self.when):
+            raise InvalidParameterError(self, "when", "a function of a Moment", self.when)
+        if self.direction not in (-1, 0, 1):
+            raise InvalidParameterError(self, "direction", "-1, 0 or 1", self.direction)
+
+    @property
+    def words(self) -> str:
+        """Description."""
+        how = {1: "rising", -1: "falling", 0: "either way"}[self.direction]
+        return f"{self.name or _words_of(self.when)}, {how}"
+
+
+Section = Stroboscope | Crossing
+"""Where a motion is looked at."""
+
+
+def _words_of(when: Callable[[Moment], float]) -> str:
+    if isinstance(when, Angle | Rate):
+        return f"{type(when).__name__.lower()} of {when.joint} = {when.value:.9g}"
+    if isinstance(when, Gap | Force):
+        return f"{type(when).__name__.lower()} of {when.contact} = {when.value:.9g}"
+    return str(getattr(when, "__name__", type(when).__name__))
+
+
+# --- period of drives ---------------------------------------------------------------------------------------
+
+
+@takes()
+def drive_period(scenario: Scenario, drive: str | None = None) -> float:
+    """Return the period of a scenario's drives [s].
+
+    A sine and a motion that swings have that of their frequency, a motion that turns on at a constant rate
+    that of a turn. Constant drives have any; curves, tables and controllers have none.
 
     Args:
-        scenario: What to run.
-        section: Once a period (:class:`Stroboscope`), or where a surface is passed (:class:`Crossing`).
-        quantities: What to note, by the names that :func:`antenna_pin.analysis.quantity` knows.
-        count: Points to return, at least 32 [-].
-        transient: Points to cut before them; None to cut until what follows has settled [-].
-        most: Points after which to stop cutting; 20 times ``count`` if left out [-].
-        tolerance: A drift below this part of a quantity's largest amount is none [-].
-        start: State that a run left, to start from; the scenario's start if left out. It is one of this
-            scenario's system.
-        progress: Called about ten times a second.
-
-    Returns:
-        Over ``point``: ``time`` [s] and each quantity. ``settled`` says whether they have settled,
-        ``transient`` how many points were cut before them, ``drift`` [-] how far their statistics
-        went; attributes ``rule``, ``section``, ``period`` [s], ``outcome``, ``message``,
-        ``scenario`` (JSON) and ``state``, to go on from (:meth:`antenna_pin.base.state.State.from_json`); it
-        is that to which the run got, behind the last point, and of a surface behind later ones too. A run
-        that ended early has fewer points, and has not settled.
+        scenario: The scenario.
+        drive: Name of the drive; of all, which must agree, if left out.
 
     Raises:
-        AntennaPinError: The input is not valid.
-        InvalidParameterError: Likewise; no drive has a period, or the section was never crossed.
+        UnknownNameError: There is no such drive.
+        InvalidParameterError: The drive has no period, none has one, or they differ.
     """
-    check_counts("poincare", count, transient, most, tolerance)
-    returns = Returns(scenario, section, quantities, start, progress)
-    found = settled_points(returns, count, transient, most, tolerance)
-    if not len(found.times):
+    place = f"scenario {scenario.name}" if scenario.name else "scenario"
+    if drive is not None:
+        if drive not in scenario.drives:
+            raise UnknownNameError(place, "drive", drive, scenario.drives)
+        found = _period(scenario.drives[drive])
+        if found is None:
+            raise InvalidParameterError(
+                place,
+                f"drives.{drive}",
+                "periodic: a sine, a motion that swings, or one that turns at a "
+                "constant rate; or give the period",
+                said=f"kind {_kind(scenario.drives[drive])!r}",
+            )
+        return found
+    periods = {name: found for name, one in scenario.drives.items() if (found := _period(one)) is not None}
+    if not periods:
+        kinds = ", ".join(f"{name} ({_kind(one)})" for name, one in scenario.drives.items()) or "no drive"
+        raise InvalidParameterError(place, "drives", "periodic, or the period be given", said=kinds)
+    least, most = min(periods.values()), max(periods.values())
+    if most - least > _SAME * most:
+        said = ", ".join(f"{name} {period:.9g} s" for name, period in periods.items())
         raise InvalidParameterError(
-            "poincare",
-            "section",
-            "one that the motion comes to; choose another surface, direction or start, or a longer duration",
-            said=f"{section.words}: {_fate(returns)}",
+            place, "drives", "of one period, or one of them or the period be given", said=said
         )
-    return _dataset(scenario, returns, found, tolerance)
+    return least
 
 
-def check_counts(
-    place: str, count: object, transient: object, most: object, tolerance: float, fewest: int = LEAST
-) -> None:
-    """Refuse numbers of points that nothing can be told from."""
-    for name, value, least in (("count", count, fewest), ("transient", transient, 0), ("most", most, count)):
-        if value is None and name != "count":
-            continue
-        if isinstance(value, bool) or not isinstance(value, int) or value < least:  # type: ignore[operator]
-            why = ", with fewer of which nothing can be judged" if name == "count" else ""
-            raise InvalidParameterError(place, name, f"a whole number of {least} or more{why}", value)
-        check_count(place, name, value, least)  # type: ignore[arg-type]
-    if transient is not None and most is not None:
-        raise InvalidParameterError(place, "most", "left out beside a transient", most)
-    if not 0.0 <= tolerance < 1.0:
-        raise InvalidParameterError(place, "tolerance", "from 0 to below 1", tolerance)
+def _kind(table: object) -> str:
+    return str(getattr(table, "kind", type(table).__name__))
 
 
-def _dataset(scenario: Scenario, returns: Returns, found: SettledPoints, tolerance: float) -> xr.Dataset:
-    variables: dict[str, Any] = {
-        name: ("point", found.values[:, k], {"units": returns.units[k], "long_name": returns.titles[k]})
-        for k, name in enumerate(returns.quantities)
-    }
-    about = {"long_name": "whether the points have settled"}
-    variables["settled"] = ((), found.settled, about)
-    variables["transient"] = ((), found.transient, {"units": "1", "long_name": "points cut before these"})
-    what = "largest drift of a statistic of the points, over the size of the quantities"
-    variables["drift"] = ((), found.drift, {"units": "1", "long_name": what})
-    return xr.Dataset(
-        variables,
-        coords={"time": ("point", found.times, {"units": "s", "long_name": "when the section is passed"})},
-        attrs={
-            **table_attributes("section", scenario),
-            "quantities": json.dumps(returns.quantities),
-            "section": returns.section.words,
-            "period": returns.period,
-            "rule": RULE,
-            "tolerance": tolerance,
-            "outcome": found.outcome,
-            "message": found.message,
-            "state": "" if found.end is None else found.end.to_json(),
-        },
-    )
+def _period(table: object) -> float | None:
+    """Return the period of a drive's table [s]; None without one."""
+    frequency: float | None = getattr(table, "frequency", None)
+    rate = getattr(table, "rate", 0.0) or 0.0
+    grows = rate or any(getattr(table, "velocity", ()) or ()) or getattr(table, "coefficients", ())
+    if getattr(table, "time", None) is not None:
+        return None
+    if frequency is not None:
+        return None if grows else 1.0 / float(frequency)
+    if rate and not getattr(table, "coefficients", ()) and getattr(table, "motion", None) != "translation":
+        return 2.0 * math.pi / abs(float(rate))
+    return None
 
 
-def _fate(returns: Returns) -> str:
-    """Return what became of a run without a point."""
-    kept = "" if returns.outcome.name == "STOPPED" else f"; {returns.message}"
-    return f"not once in {returns.time:.6g} s{kept}"
+# --- sections as text ---------------------------------------------------------------------------------------
+
+_CROSSING = re.compile(r"(angle|rate|gap|force)[.: ]\s*(.+?)\s*=\s*([^=]+)")
+
+
+@takes()
+def section_of(text: str, direction: str = "rising", phase: float = 0.0) -> Section:
+    """Return the section that a text describes.
+
+    ``period`` is once a period of the drives, ``period=DRIVE`` of that drive, ``period=0.5 s`` of a given
+    time; ``angle.JOINT=VALUE``, ``rate.JOINT=VALUE``, ``gap.CONTACT=VALUE`` and ``force.CONTACT=VALUE`` are
+    surfaces.
+
+    Args:
+        text: The text.
+        direction: Of a crossing: ``rising``, ``falling`` or ``both``.
+        phase: Of a stroboscope [-].
+    """
+    said = text.strip()
+    if direction not in _DIRECTIONS:
+        raise UnknownNameError("section", "direction", direction, _DIRECTIONS)
+    head, equals, tail = said.partition("=")
+    if head.strip() == "period":
+        if not equals:
+            return Stroboscope(phase=phase)
+        if re.match(r"\s*[-+.\d]", tail):
+            return Stroboscope(period=quantity(bare(tail), "s", "section period"), phase=phase)
+        return Stroboscope(drive=tail.strip().removeprefix("drives."), phase=phase)
+    match = _CROSSING.fullmatch(said)
+    if match is None:
+        raise InvalidParameterError(
+            "section",
+            "text",
+            "period, period=DRIVE, period=TIME, angle.JOINT=VALUE, rate.JOINT=VALUE, gap.CONTACT=VALUE or "
+            "force.CONTACT=VALUE",
+            text,
+        )
+    if phase:
+        raise InvalidParameterError("section", "phase", "left out for a crossing, which has none", phase)
+    kind, name, value = match.groups()
+    units = {"angle": ("rad", "m"), "rate": ("rad/s", "m/s"), "gap": ("m",), "force": ("N",)}[kind]
+    number = quantity(bare(value), units if len(units) > 1 else units[0], f"section {kind}.{name}")
+    kinds: dict[str, Callable[[str, float], Callable[[Moment], float]]]
+    kinds = {"angle": Angle, "rate": Rate, "gap": Gap, "force": Force}
+    return Crossing(when=kinds[kind](name, number), direction=_DIRECTIONS[direction], name=said)

@@ -1,117 +1,139 @@
-"""Several components of a vector, or several joints, each in its own panel, runs against the ideal one."""
+"""Runs that a figure draws, their curves over time, and panels of these compared with the ideal run."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from antenna_pin.analysis import is_round_off, round_off_scales
-from antenna_pin.plot._runs import LabelledRun
-from antenna_pin.plot._style import (
-    MANY,
-    Array,
-    explain_linear,
-    few_ticks,
-    legend_above,
-    letters,
-    linear_then_log,
-    literal,
-    new_figure,
-    panel_title,
-    prefixed,
+from antenna_pin.plot._kinds import TOUCHING, JointKind, RunKind, choose_joint, none_with
+from antenna_pin.plot._runs import (
+    LabelledRun,
+    Run,
+    Runs,
+    labelled,
+    left_out,
+    long_enough,
+    styles,
+    too_short,
+    with_reference,
 )
+from antenna_pin.plot._style import Array, Width
+from antenna_pin.plot._thinned import Columns, closer, thinned_beside
+from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, in_rows, size_of
+from antenna_pin.trajectory import names_along
 
 #: Share of a panel's height within which lines cannot be told apart [-].
 COINCIDE = 0.01
 # More rows than these are folded into half as many: panels that are lower, and twice as many in a row.
 _TALL = 4
-# Windows between whose spikes a size is looked for, and samples in each.
-_WINDOWS, _IN_WINDOW = 50, 41
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curve:
-    """One line of a panel.
+class Picked:
+    """Runs of a figure.
 
     Attributes:
-        label: Name in the legend.
-        time: [s], (n,).
-        value: (n,).
-        style: How it is drawn.
-        smooth: Whether it is the ideal run's: its size is what must stay legible beside spikes.
-        many: Whether it is of so many samples that it is drawn as pixels in a vector file.
+        every: As they were given.
+        drawn: Those that the figure shows, the one to compare with last, so that it lies on top.
+        reference: The run to compare with, if there is one.
+        why: Reason that the others are left out for.
+        joint: The joint that the figure is of.
     """
 
-    label: str
-    time: Array
-    value: Array
-    style: dict[str, Any]
-    smooth: bool = False
-    many: bool = False
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Panel:
-    """One panel: its title, its value axis, its lines, the ideal run's last.
-
-    Attributes:
-        title: What it shows.
-        label: Of the value axis, without a unit.
-        unit: Of the values, SI.
-        curves: Its lines.
-        apart: Whether it shows a deviation, with a scale of its own.
-    """
-
-    title: str
-    label: str
-    unit: str
-    curves: Sequence[Curve]
-    apart: bool = False
+    every: list[LabelledRun]
+    drawn: list[LabelledRun]
+    reference: LabelledRun | None = None
+    why: str = ""
+    joint: str = ""
 
     @property
-    def largest(self) -> float:
-        """Largest size of all values."""
-        return max((_largest(curve) for curve in self.curves), default=0.0)
+    def styled(self) -> list[tuple[LabelledRun, dict[str, Any]]]:
+        """The runs with the looks of their lines."""
+        return list(zip(self.drawn, styles(self.drawn, self.reference), strict=True))
 
     @property
-    def core(self) -> float:
-        """Size of what is smooth: of the ideal run, and of every other between its spikes."""
-        return max(
-            (
-                _largest(curve) if curve.smooth else between_spikes(curve.time, curve.value)
-                for curve in self.curves
-            ),
-            default=0.0,
-        )
+    def notes(self) -> tuple[str, str]:
+        """Notes on the runs that are not drawn."""
+        return too_short(self.every), left_out(self.every, self.drawn, self.why) if self.why else ""
+
+    def names(self, dimension: str) -> list[str]:
+        """Return the names along a dimension in the runs."""
+        return list(dict.fromkeys(name for run in self.drawn for name in names_along(run.data, dimension)))
+
+    def thinned(self, columns: Columns) -> Picked:
+        """Return the runs with as few samples as show what is drawn of them."""
+        drawn, reference = thinned_beside(self.drawn, self.reference, columns)
+        return replace(self, drawn=drawn, reference=reference)
+
+    def closer(self, window: tuple[float, float] | None, columns: Columns) -> Picked:
+        """Return the runs with all samples that a close view shows."""
+        near = [closer(run, window, columns) for run in self.drawn]
+        same = [new for new, old in zip(near, self.drawn, strict=True) if old is self.reference]
+        return replace(self, drawn=near, reference=same[0] if same else self.reference)
+
+    def curves(self, values: Callable[[LabelledRun], Array | None]) -> list[Curve]:
+        """Return a quantity of the runs that have it over time."""
+        found = ((run, look, values(run)) for run, look in self.styled)
+        return [
+            Curve(run.legend, run.time, one, look, run is self.reference, run.many)
+            for run, look, one in found
+            if one is not None
+        ]
+
+    def deviations(self, of: Callable[[LabelledRun], tuple[Array, Array] | None]) -> list[Curve]:
+        """Return times and deviations from the ideal run, of the runs that can be compared with it."""
+        looks = {run.label: (run, look) for run, look in self.styled}
+        found = [(run, look, of(run)) for run, look in looks.values() if run is not self.reference]
+        return [Curve(run.label, *one, look, many=run.many) for run, look, one in found if one is not None]
 
 
-def between_spikes(time: Array, value: Array) -> float:
-    """Return the size that a quantity comes to where it has no spikes.
-
-    The largest, over fifty windows of equal length, of the size that it is below for half of the window: what
-    lasts shorter is a spike. So a slow oscillation counts whole, whatever impacts stand on it.
+def pick(
+    runs: Runs,
+    kind: RunKind | Callable[[LabelledRun], bool] | None = None,
+    ideal: Run | None = None,
+    *,
+    compared: bool = True,
+    joint: tuple[JointKind, str | None] | None = None,
+    why: str = "",
+) -> Picked:
+    """Return the runs that a figure is to draw.
 
     Args:
-        time: Of samples, (n,) [s]; they may stand closer around impacts.
-        value: (n,).
+        runs: As the figure is given them.
+        kind: Of the runs to be drawn; all if left out.
+        ideal: As the figure is given it.
+        compared: Whether one run is the one to compare with.
+        joint: Kind and name of the joint that the figure is of, if it is of one.
+        why: Reason that others are left out for, if it is to be said; by a kind of runs its own.
+
+    Raises:
+        InvalidParameterError: No run is of the kind.
     """
-    known = np.isfinite(value)
-    time, size = time[known], np.abs(value[known])
-    if time.size < 2 or not time[-1] > time[0]:
-        return float(size.max(initial=0.0))
-    even = even_instants(time)
-    return float(np.median(np.interp(even, time, size).reshape(_WINDOWS, _IN_WINDOW), axis=1).max())
+    every, reference = with_reference(runs, ideal) if compared else (labelled(runs), None)
+    name = choose_joint(joint[0], every, joint[1]) if joint is not None else ""
+    holds = kind.holds if isinstance(kind, RunKind) else kind
+    drawn = [run for run in long_enough(every) if holds is None or holds(run)]
+    if isinstance(kind, RunKind):
+        why = why or f"without {kind.words}"
+        if not drawn:
+            raise none_with(kind, every)
+    return Picked(every, sorted(drawn, key=lambda run: run is reference), reference, why, name)
 
 
-def even_instants(time: Array) -> Array:
-    """Return the instants at which :func:`between_spikes` looks at samples at some times, (n,) [s]."""
-    return np.linspace(time[0], time[-1], _WINDOWS * _IN_WINDOW)
+def pick_touching(runs: Runs, joint: str | None) -> Picked:
+    """Return the runs that have play in a joint, and that joint."""
+    every = labelled(runs)
+    name = choose_joint(TOUCHING, every, joint)
+    drawn = [run for run in long_enough(every) if name in run.clearance_joints]
+    return Picked(every, drawn, None, "no clearance in this joint", name)
+
+
+# --- panels ---
 
 
 def above_round_off(panels: Sequence[Panel], runs: Iterable[LabelledRun]) -> tuple[list[Panel], str]:
@@ -123,7 +145,7 @@ def above_round_off(panels: Sequence[Panel], runs: Iterable[LabelledRun]) -> tup
     shown = [
         panel
         for panel in panels
-        if panel.largest != 0.0 and not is_round_off(panel.largest, panel.unit, scales)
+        if panel.largest != 0.0 and not is_round_off(panel.largest, panel.y.unit or "", scales)
     ]
     if not shown:
         return list(panels), "all of it is zero to round-off"
@@ -137,93 +159,54 @@ def with_differences(panels: Sequence[Panel]) -> list[Panel]:
     Lines coincide that a line's width covers: a hundredth of the height. Between its samples the first is
     straight, for across impacts no curve is better.
     """
-    found: list[Panel] = []
-    for panel in panels:
-        found.append(panel)
-        apart = _less_the_first(panel)
-        if apart is not None:
-            found.append(apart)
-    return found
+    return [one for panel in panels for one in (panel, _less_the_first(panel)) if one is not None]
 
 
 def _less_the_first(panel: Panel) -> Panel | None:
-    """Return what the lines of a panel are less its first one; None where they can be told apart."""
+    """Return the lines of a panel less the first; None where they are distinguishable."""
     if panel.apart or len(panel.curves) < 2:
         return None
     first, *others = panel.curves
-    less = [replace(one, value=less_another(one, first)) for one in others]
-    values = np.concatenate([one.value[np.isfinite(one.value)] for one in panel.curves])
+    less = [replace(one, y=less_another(one, first)) for one in others]
+    values = np.concatenate([one.y[np.isfinite(one.y)] for one in panel.curves])
     seen = COINCIDE * float(np.ptp(values)) if values.size else 0.0
-    sizes = [_largest(one) for one in less]
-    if not 0.0 < max(sizes) < seen:
+    if not 0.0 < max(size_of(one.y) for one in less) < seen:
         return None
-    title = f"{panel.title}: less that of {first.label}"
-    return Panel(title, "difference", panel.unit, less, True)
+    return Panel(
+        f"{panel.title}: less that of {first.label}", less, Axis("difference", panel.y.unit), apart=True
+    )
 
 
 def less_another(one: Curve, first: Curve) -> Array:
     """Return a line less another, at its own instants; NaN while the other does not last."""
-    own, index = np.unique(first.time, return_index=True)
-    return np.asarray(one.value - np.interp(one.time, own, first.value[index], left=np.nan, right=np.nan))
+    own, index = np.unique(first.x, return_index=True)
+    return np.asarray(one.y - np.interp(one.x, own, first.y[index], left=np.nan, right=np.nan))
 
 
-def _largest(curve: Curve) -> float:
-    return float(np.nanmax(np.abs(curve.value), initial=0.0))
-
-
-def panels_figure(panels: Sequence[Panel], width: str, columns: int, *, spikes: bool = False) -> Figure:
-    """Return a figure of the panels, row by row.
+def panels_sheet(
+    panels: Sequence[Panel], width: Width, columns: int, notes: Sequence[str] = (), *, spikes: bool = False
+) -> Sheet:
+    """Return panels over time row by row; those of one vector share their unit where sizes are comparable.
 
     Args:
         panels: What to draw.
         width: Named width.
         columns: Panels in a row of a page; a column of print has one. Of more than four rows twice as many.
+        notes: Below them.
         spikes: Whether scales are linear as far as the smooth lines reach, and logarithmic beyond.
     """
     columns = columns if width == "page" else 1
     small = -(-len(panels) // columns) > _TALL
-    columns = 2 * columns if small else columns
-    rows = -(-len(panels) // columns)
-    figure = new_figure(width, 12.0 + (34.0 if small else 42.0) * rows)
-    grid = figure.add_gridspec(rows, columns)
     overall = max((panel.largest for panel in panels if not panel.apart), default=0.0)
-    # A last panel across its row has a time axis of its own scale: those above it need their label, too.
-    labelled_rows = rows - 1 - (columns > 1 and len(panels) % columns == 1)
-    drawn: list[Axes] = []
-    marked = False
-    for number, (letter, panel) in enumerate(zip(letters(), panels, strict=False)):
-        # The last of an odd number has its row to itself.
-        alone = number == len(panels) - 1 and number % columns == 0
-        axes = figure.add_subplot(grid[number // columns, :] if alone else grid[divmod(number, columns)])
-        drawn.append(axes)
-        marked |= _draw(axes, panel, overall, spikes, small)
+    shown = []
+    for panel in panels:
+        alone = panel.apart or panel.largest < 1e-2 * overall
+        # As long as a panel is high; of many small ones the titles say what they show.
+        y = replace(panel.y, largest=panel.largest if alone else overall)
+        y = replace(y, label="", ticks=4) if small else replace(y, wrap=22)
         title = textwrap.fill(panel.title, 19, initial_indent="(a) ")[4:] if small else panel.title
-        panel_title(axes, letter if len(panels) > 1 else "", title)
-        if number // columns >= labelled_rows or number + columns >= len(panels):
-            axes.set_xlabel("time [s]")
-    figure.align_ylabels()
-    legend_above(figure, drawn)
-    if marked:
-        explain_linear(figure)
-    return figure
-
-
-def _draw(axes: Axes, panel: Panel, overall: float, spikes: bool, small: bool) -> bool:
-    """Draw a panel; those of one vector share their unit where their sizes are comparable.
-
-    Returns:
-        Whether dotted lines mark where its scale is linear.
-    """
-    alone = panel.apart or panel.largest < 1e-2 * overall
-    factor, printed = prefixed(panel.unit, panel.largest if alone else overall)
-    for curve in panel.curves:
-        many = curve.many or curve.time.size > MANY
-        axes.plot(curve.time, factor * curve.value, label=curve.label, rasterized=many, **curve.style)
-    # As long as a panel is high; of many small ones the titles say what they show.
-    label = f"[{printed}]" if small else literal(textwrap.fill(f"{panel.label} [{printed}]", 22))
-    limit = linear_then_log([axes], factor * panel.core, factor * panel.largest) if spikes else None
-    if limit is not None and all(np.nanmin(curve.value, initial=0.0) >= 0.0 for curve in panel.curves):
-        axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(label)
-    few_ticks(axes, 4 if small else 6, 4 if small else 5)
-    return limit is not None
+        shown.append(
+            replace(panel, title=title, y=y, x=replace(panel.x, ticks=4 if small else 6), spiky=spikes)
+        )
+    rows = in_rows(shown, 2 * columns if small else columns)
+    return Sheet(rows, width, 12.0 + (34.0 if small else 42.0) * len(rows), notes)

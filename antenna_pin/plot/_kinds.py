@@ -1,48 +1,20 @@
-"""Of which joints and of which runs there are figures: the words, and how to find them."""
+"""Kinds of joints and runs that there are figures of, and the figure of runs that the catalogue declares."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from antenna_pin.analysis import gears_of, is_round_off, shakes_of, stops_and_latches
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._runs import LabelledRun, long_enough
+from antenna_pin.plot._runs import LabelledRun, Runs, long_enough
+from antenna_pin.plot._style import Width
 from antenna_pin.trajectory import names_along
-
-__all__ = [
-    "CLOSED",
-    "CONTROLLED",
-    "COUPLED",
-    "FLEXIBLE",
-    "FORCED",
-    "FREE_BASE",
-    "GEARED",
-    "GUIDED",
-    "LOOPED",
-    "MOVING",
-    "PLAYLESS",
-    "POINTED",
-    "PRESCRIBED",
-    "RANDOM",
-    "SHAKEN",
-    "SLIDING",
-    "STOPPED",
-    "SWEPT",
-    "TOUCHING",
-    "TRACED",
-    "TURNING",
-    "JointKind",
-    "RunKind",
-    "choose_joint",
-    "joints_of",
-    "none_with",
-    "wanted_joints",
-]
-
 
 # Samples at which a joint is looked at to tell whether it moves.
 _LOOKS = 500
@@ -89,7 +61,7 @@ def _described(run: LabelledRun, table: str) -> list[str]:
 
 
 def _sweeps(run: LabelledRun) -> bool:
-    """Whether the base is swept; one sine has one piece, without growth."""
+    """Return whether the base is swept; one sine has one piece, without growth."""
     found = [one["shakes"].get("pieces", ()) for one in shakes_of(run.data).values()]
     return any(len(pieces) > 1 for pieces in found)
 
@@ -100,7 +72,7 @@ def _with_play(run: LabelledRun) -> list[str]:
 
 
 def _moves(run: LabelledRun, joint: str) -> bool:
-    """Whether a joint's angle or position changes, by more than round-off."""
+    """Return whether a joint's angle or position changes by more than round-off."""
     for dim, variable, unit in (("joint", "motion_angle", "rad"), ("sliding_joint", "slide_position", "m")):
         if joint in names_along(run.data, dim) and variable in run.data:
             some = run.data[variable].isel(time=slice(None, None, max(1, run.time.size // _LOOKS)))
@@ -182,7 +154,7 @@ def joints_of(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
 
 
 def wanted_joints(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
-    """Return the joints of a kind that have figures where none is asked for by name."""
+    """Return the joints of a kind that have figures by default."""
     found = joints_of(kind, runs)
     if kind.asked and not any(name in _with_play(run) for run in runs for name in found):
         return []
@@ -207,3 +179,54 @@ def choose_joint(kind: JointKind, runs: Sequence[LabelledRun], joint: str | None
     if not any("joint" in run.data.coords for run in runs):
         raise FileFormatError("figure: the runs record no joint's motion; are they antenna_pin results?")
     raise none_with(kind, runs)
+
+
+@dataclass(frozen=True, slots=True)
+class RunFigure:
+    """A figure of runs.
+
+    Attributes:
+        name: What it is asked for by, and its file without a format.
+        title: What it shows; "{joint}" stands for the joint.
+        function: Draws it, from runs, ``options``, the joint if it is of one, and a width.
+        options: Arguments of the function that make it this figure.
+        of: The joints that there is one each of; None for one of whole runs.
+        needs: Runs that it takes; None for all.
+        compares: Whether every run in it stands beside the ideal one.
+        standard: Whether it is drawn where none is asked for by name.
+        reported: Whether it is in a report.
+    """
+
+    name: str
+    title: str
+    function: Callable[..., Figure]
+    options: Mapping[str, Any] = field(default_factory=dict)
+    of: JointKind | None = None
+    needs: RunKind | None = None
+    compares: bool = True
+    standard: bool = True
+    reported: bool = True
+
+    @property
+    def touching(self) -> bool:
+        """Return whether the figure is of runs with contact only."""
+        return self.of is TOUCHING
+
+    @property
+    def needed(self) -> str:
+        """Requirement on a run of the figure; empty where there is none."""
+        kind = self.of or self.needs
+        return kind.words if kind is not None else ""
+
+    def draw(self, runs: Runs, *, joint: str | None = None, width: Width = "page", **options: Any) -> Figure:
+        """Return the figure.
+
+        Args:
+            runs: Trajectories, or pairs of a label and a dataset or trajectory.
+            joint: Name of the joint; the one that the runs are about if left out. Of no meaning for a figure
+                of whole runs.
+            width: "column" (88 mm) or "page" (180 mm).
+            **options: Further arguments of the function, such as ``zoom``.
+        """
+        of_joint = {} if self.of is None else {"joint": joint}
+        return self.function(runs, **self.options, **of_joint, width=width, **options)

@@ -1,4 +1,4 @@
-"""What a figure needs to know of a run: its label, its samples, whether its joint is ideal."""
+"""Runs as figures see them: label, samples, whether joints are ideal, blows of a joint."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ class Recorded(Protocol):
 
 
 Run: TypeAlias = Recorded | tuple[str, xr.Dataset | Recorded]
+Runs: TypeAlias = Iterable[Run] | Run
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +55,7 @@ class LabelledRun:
 
     @property
     def many(self) -> bool:
-        """Whether its lines are drawn as pixels in a vector file."""
+        """Return whether lines of the run are drawn as pixels in a vector file."""
         return int(self.whole.data.sizes["time"]) > MANY
 
     @property
@@ -109,7 +110,7 @@ class LabelledRun:
 
 
 def _backlash(data: xr.Dataset) -> bool:
-    """Whether a gear has play: where flanks touch is not one deflection."""
+    """Return whether a gear has play: flanks touch at two deflections."""
     gears = [one["numbers"] for place, one in elements_of(data).items() if place.startswith("gears.")]
     return any(one["plus"] > one["minus"] for one in gears if {"plus", "minus"} <= set(one))
 
@@ -120,8 +121,8 @@ def samples_of(run: Run) -> xr.Dataset:
     return given if isinstance(given, xr.Dataset) else given.data
 
 
-def labelled(runs: Iterable[Run] | Run) -> list[LabelledRun]:
-    """Return runs with labels that tell them apart; a run whose label is taken gets a number.
+def labelled(runs: Runs) -> list[LabelledRun]:
+    """Return runs with distinct labels; repeated labels get numbers.
 
     Raises:
         InvalidParameterError: If there is no run, or none that holds two samples.
@@ -162,9 +163,7 @@ def long_enough(runs: Sequence[LabelledRun]) -> list[LabelledRun]:
     return [run for run in runs if run.time.size > 1]
 
 
-def with_reference(
-    runs: Iterable[Run] | Run, ideal: Run | None
-) -> tuple[list[LabelledRun], LabelledRun | None]:
+def with_reference(runs: Runs, ideal: Run | None) -> tuple[list[LabelledRun], LabelledRun | None]:
     """Return the runs and the one to compare with: the one given, else the first without contact.
 
     A reference of a single sample is none.
@@ -201,3 +200,121 @@ def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str
     shown = {run.label for run in drawn}
     names = [run.label for run in runs if run.label not in shown and run.time.size > 1]
     return f"not drawn, {why}: {', '.join(names)}" if names else ""
+
+
+# --- blows: which peaks are marked, and the strongest ---
+
+#: A peak that is wider at half its height than so many samples is smooth: the line shows it by itself.
+_SMOOTH = 10.0
+# A blow is in view while its force is more than this share of its peak.
+_SEEN = 0.03
+# No more of a blow is in view than this on either side of its peak, over its width at half the height.
+_LONGEST = 4.0
+# What is seen before and behind a blow, over its length.
+_MARGIN = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class Blow:
+    """The strongest blow of a joint in a run.
+
+    Attributes:
+        contact: Name of the contact that takes most.
+        time: Of the largest force [s].
+        force: That force [N].
+        window: What of the run shows it [s].
+        touching: Names of the contacts that exert a force in the window.
+    """
+
+    contact: str
+    time: float
+    force: float
+    window: tuple[float, float]
+    touching: tuple[str, ...]
+
+
+def episodes_of(run: LabelledRun, contacts: list[str]) -> NDArray[np.bool_]:
+    """Return which contact episodes of a run are of some contacts, (episodes,)."""
+    if run.data.sizes.get("episode", 0) == 0:
+        return np.zeros(0, dtype=bool)
+    index = run.values("episode_contact").astype(int)
+    return np.isin(index, [run.contacts.index(name) for name in contacts])
+
+
+def sharp(run: LabelledRun, curve: LabelledRun) -> NDArray[np.bool_]:
+    """Return which contact episodes have a peak that a line over the whole run hides, (episodes,).
+
+    A lasting contact's smooth maximum, at half its height wider than ten samples, needs no mark: the line
+    shows it.
+
+    Args:
+        run: All of it.
+        curve: As its lines are drawn.
+    """
+    if run.data.sizes.get("episode", 0) == 0:
+        return np.zeros(0, dtype=bool)
+    peak, at = run.values("peak_force"), run.values("peak_time")
+    found = np.isfinite(peak) & np.isfinite(at)
+    if "normal_force" not in curve.data:
+        return found
+    index = run.values("episode_contact").astype(int)
+    time, force = curve.time, curve.values("normal_force")
+    half = 0.5 * _SMOOTH * float(np.median(np.diff(run.time[:MANY])))
+    for contact in np.unique(index[found]):
+        mine = np.flatnonzero(found & (index == contact))
+        found[mine] = _narrow(time, force[:, contact], at[mine], half, 0.5 * peak[mine])
+    return found
+
+
+def _narrow(time: Array, force: Array, at: Array, half: float, level: Array) -> NDArray[np.bool_]:
+    """Return whether a force is below a level somewhere within half a width before and behind an instant."""
+    first = np.searchsorted(time, at - half)
+    middle = np.searchsorted(time, at)
+    last = np.searchsorted(time, at + half, side="right")
+    sides = zip(first, middle, last, level, strict=True)
+    return np.array(
+        [
+            force[a:b].min(initial=np.inf) < limit and force[b:c].min(initial=np.inf) < limit
+            for a, b, c, limit in sides
+        ],
+        dtype=bool,
+    )
+
+
+def strongest_blow(run: LabelledRun, curve: LabelledRun, joint: str) -> Blow | None:
+    """Return the blow with the largest normal force of one contact of a joint; None if it took none.
+
+    Args:
+        run: All of it.
+        curve: As its lines are drawn.
+        joint: The joint with play.
+    """
+    names = run.contacts_of(joint)
+    blows = np.flatnonzero(episodes_of(run, names) & sharp(run, curve)) if names else np.empty(0, int)
+    if not blows.size or "normal_force" not in curve.data:
+        return None
+    peaks = run.values("peak_force")[blows]
+    hardest = blows[int(np.argmax(peaks))]
+    contact = run.contacts[int(run.values("episode_contact")[hardest])]
+    at, peak = float(run.values("peak_time")[hardest]), float(peaks.max())
+    time, force = curve.time, curve.values("normal_force", contact=contact)
+    width = np.subtract(*_above(time, force, at, 0.5 * peak)[::-1])
+    start, end = _above(time, force, at, _SEEN * peak)
+    start, end = max(start, at - _LONGEST * width), min(end, at + _LONGEST * width)
+    if not end > start:  # the force was not sampled while it lasted
+        return None
+    room = _MARGIN * (end - start)
+    window = max(start - room, float(time[0])), min(end + room, float(time[-1]))
+    seen = (time >= window[0]) & (time <= window[1])
+    touching = tuple(name for name in names if np.any(curve.values("normal_force", contact=name)[seen] > 0.0))
+    return Blow(contact, at, peak, window, touching)
+
+
+def _above(time: Array, force: Array, at: float, level: float) -> tuple[float, float]:
+    """Return from when to when a force is above a level without a break around an instant [s]."""
+    middle = int(np.searchsorted(time, at))
+    low = np.flatnonzero(force < level)
+    before, behind = low[low < middle], low[low > middle]
+    first = int(before[-1]) if before.size else 0
+    last = int(behind[0]) if behind.size else time.size - 1
+    return float(time[first]), float(time[last])

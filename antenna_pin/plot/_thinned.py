@@ -15,17 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import LONG, blocks
-from antenna_pin.plot._compared import even_instants
 from antenna_pin.plot._runs import LabelledRun
 from antenna_pin.plot._style import Array
-
-__all__ = ["Columns", "closer", "telling", "thinned", "thinned_beside", "turning"]
 
 #: Returns what is to be drawn of a part of a run: arrays over its samples, (m,) or (m, k).
 Columns = Callable[[LabelledRun], Iterable[Array]]
 _Indices = NDArray[np.int_]
 
 _PARTS = 4096
+# Windows between whose spikes a size is looked for, and samples in each.
+_WINDOWS, _IN_WINDOW = 50, 41
 
 
 def thinned(run: LabelledRun, columns: Columns) -> LabelledRun:
@@ -81,7 +80,7 @@ def thinned_beside(
 
 
 def turning(angle: Array) -> Array:
-    """Return a column that has a sample kept wherever an angle has turned on by a radian.
+    """Return a column that has samples wherever an angle has turned by another radian.
 
     Between two samples that are kept an angle may then turn no further than half a turn, and it goes on where
     it would jump by a whole one (``numpy.unwrap``), as it does with all samples.
@@ -147,3 +146,26 @@ def _telling(values: Array, starts: _Indices) -> list[_Indices]:
         found.append(hits[np.unique(stretch[hits], return_index=True)[1]])
     edges = np.flatnonzero(np.diff(np.isnan(values)))
     return [*found, edges, edges + 1]
+
+
+def between_spikes(time: Array, value: Array) -> float:
+    """Return the size that a quantity comes to where it has no spikes.
+
+    The largest, over fifty windows of equal length, of the size that it is below for half of the window: what
+    lasts shorter is a spike. So a slow oscillation counts whole, whatever impacts stand on it.
+
+    Args:
+        time: Of samples, (n,) [s]; they may stand closer around impacts.
+        value: (n,).
+    """
+    known = np.isfinite(value)
+    time, size = time[known], np.abs(value[known])
+    if time.size < 2 or not time[-1] > time[0]:
+        return float(size.max(initial=0.0))
+    even = even_instants(time)
+    return float(np.median(np.interp(even, time, size).reshape(_WINDOWS, _IN_WINDOW), axis=1).max())
+
+
+def even_instants(time: Array) -> Array:
+    """Return the times at which :func:`between_spikes` evaluates samples, (n,) [s]."""
+    return np.linspace(time[0], time[-1], _WINDOWS * _IN_WINDOW)

@@ -1,37 +1,31 @@
-"""Energy and momentum audits of runs: where the work went, and by how little the books fail to close."""
+"""Energy and momentum audits of runs, and one small picture of what runs came to."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 
-from antenna_pin.base.arguments import takes
-from antenna_pin.plot._kinds import FREE_BASE, none_with
-from antenna_pin.plot._layout import blocks, without_empty
-from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, labelled, too_short
-from antenna_pin.plot._style import (
-    COLOURS,
-    IDEAL,
-    Array,
-    Width,
-    distinct,
-    few_ticks,
-    footnote,
-    legend_above,
-    new_figure,
-    panel_title,
-    prefixed,
-    styled,
-)
+from antenna_pin.plot._compared import Picked, pick
+from antenna_pin.plot._kinds import FREE_BASE, SLIDING, TOUCHING, TURNING, RunFigure, choose_joint, none_with
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, labelled, long_enough, too_short, with_reference
+from antenna_pin.plot._style import COLOURS, IDEAL, MANY, Array, Width, distinct
 from antenna_pin.plot._thinned import Columns, thinned
+from antenna_pin.plot.grammar import (
+    TIME,
+    Axis,
+    ByHand,
+    Curve,
+    Panel,
+    Sheet,
+    figure,
+    in_blocks,
+    largest_of,
+    size_of,
+)
 
 # Below this an error is round-off of round-off; the logarithmic scale ends there.
 _FLOOR = 1e-18
@@ -57,107 +51,83 @@ _LOST = (
 _MOMENTA = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale"))
 
 
-@takes()
-@styled
-def figure_energy(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
+@figure()
+def figure_energy(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return the energy ledger of each run: work and stored energy, losses, and the error of their balance.
 
     Gravity's energy is drawn from its start, since its zero is a matter of choice. Of the error, the largest
     so far is drawn, relative to the drives' gross work over the run, the integral of the
     absolute power.
-
-    Args:
-        runs: Trajectories, or pairs of a label and a dataset.
-        width: "column" (88 mm) or "page" (180 mm).
     """
     every = labelled(runs)
-    drawn = [thinned(run, _ledger) for run in every if run.time.size > 1]
-    figure, grid, letter = blocks(len(drawn), [True] * 3, width, 38.0)
-    titles = ("energy", "losses", "largest error so far")
-    none: dict[str, list[str]] = {}
-    for row, parts in enumerate((_STORED, _LOST)):
-        books = [{entry[0]: _total(run, entry[0]) for entry in parts} for run in drawn]
+    drawn = [thinned(run, _ledger) for run in long_enough(every)]
+    rows: list[list[Panel | None]] = []
+    notes: list[str] = []
+    for title, parts in (("energy", _STORED), ("losses", _LOST)):
+        books = [{name: _total(run, name) for name, _, _ in parts} for run in drawn]
         for book in books:
             if "gravity_energy" in book:
                 book["gravity_energy"] = book["gravity_energy"] - book["gravity_energy"][0]
-        largest = max(float(np.nanmax(np.abs(v), initial=0.0)) for book in books for v in book.values())
-        factor, printed = prefixed("J", largest)
-        for axes, run, book in zip(grid[row], drawn, books, strict=True):
-            if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
-                axes.set_ylabel(f"energy [{printed}]")
-            for name, label, colour in parts:
-                if np.any(book[name]):
-                    style = {**IDEAL, "zorder": 3} if colour == "black" else {"color": colour}
-                    axes.plot(run.time, factor * book[name], label=label, **style)
-            if not any(np.any(v) for v in book.values()):
-                none.setdefault(titles[row], []).append(run.label)
-                continue
-            axes.set_xlim(run.time[0], run.time[-1])
-            few_ticks(axes, 5)
-    for axes, run in zip(grid[2], drawn, strict=True):
+        y = Axis("energy", "J", largest_of([v for book in books for v in book.values()]), shared=title)
+        rows.append([])
+        for run, book in zip(drawn, books, strict=True):
+            lines = [
+                Curve(label, run.time, book[name], _look(colour))
+                for name, label, colour in parts
+                if np.any(book[name])
+            ]
+            x = replace(TIME, limits=(float(run.time[0]), float(run.time[-1])))
+            rows[-1].append(Panel(f"{run.label}, {title}", lines, y, x) if lines else None)
+        none = [run.label for run, one in zip(drawn, rows[-1], strict=True) if one is None]
+        notes += [f"no {title}: {', '.join(none)}"] if none else []
+    errors = []
+    for run in drawn:
         # A run without drives has its largest energy as the measure.
         gross = sum(float(_total(run, name)[-1]) for name in ("drive_gross_work", "force_gross_work"))
-        reference = gross if gross > 0.0 else float(np.nanmax(_total(run, "kinetic_energy"), initial=0.0))
-        error = np.abs(run.values("energy_error")) / (reference or 1.0)
-        _log_line(axes, run, error, {"linewidth": 0.7, "color": COLOURS[0]}, "")
-        if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
-            axes.set_ylabel("error / gross work [-]" if gross > 0.0 else "error / largest energy [-]")
-        axes.set_xlabel("time [s]")
-        few_ticks(axes, 5)
-    _share_decades(grid[2])
-    for panels, title in zip(grid, titles, strict=True):
-        for axes, run in zip(panels, drawn, strict=True):
-            if axes.lines:
-                panel_title(axes, letter[axes], f"{run.label}, {title}")
-    without_empty(figure)
-    figure.align_ylabels()
-    legend_above(figure, figure.axes)
-    footnote(figure, *(f"no {what}: {', '.join(names)}" for what, names in none.items()), too_short(every))
-    return figure
+        measure = gross if gross > 0.0 else size_of(_total(run, "kinetic_energy"))
+        error = np.abs(run.values("energy_error")) / (measure or 1.0)
+        line = _so_far("", run, error, {"linewidth": 0.7, "color": COLOURS[0]})
+        y = Axis("error / gross work [-]" if gross > 0.0 else "error / largest energy [-]", shared="error")
+        errors.append(Panel(f"{run.label}, largest error so far", [line], y))
+    rows.append([*_in_decades(errors)])
+    sheet = in_blocks(rows, width)
+    return Sheet(sheet, width, 12.0 + 38.0 * len(sheet), (*notes, too_short(every)))
 
 
-@takes()
-@styled
-def figure_momentum(runs: Iterable[Run] | Run, *, width: Width = "page") -> Figure:
+def _look(colour: str) -> dict[str, Any]:
+    return {**IDEAL, "zorder": 3} if colour == "black" else {"color": colour}
+
+
+@figure()
+def figure_momentum(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return the drift of linear and angular momentum of all runs with a free base.
 
     Drawn is the largest change so far, relative to the largest sum, over the run, of the momentum magnitudes
     of the bodies other than the base: the whole system's own momentum may be zero. What forces on links have
     brought in, by their impulses, is taken off.
-
-    Args:
-        runs: Trajectories, or pairs of a label and a dataset.
-        width: "column" (88 mm) or "page" (180 mm).
     """
     every = labelled(runs)
-    drawn = [
-        thinned(run, _drifting(run)) for run in every if run.time.size > 1 and "base_position" in run.data
-    ]
+    drawn = [thinned(run, _drifting(run)) for run in long_enough(every) if FREE_BASE.holds(run)]
     if not drawn:
         raise none_with(FREE_BASE, every)
-    page = width == "page"
-    figure = new_figure(width, 66.0 if page else 110.0)
-    panels = figure.subplots(1 if page else 2, 2 if page else 1, sharey=True, squeeze=False).ravel()
-    for letter, axes, (name, scale_name) in zip("ab", panels, _MOMENTA, strict=True):
-        for run, look in zip(drawn, _looks(drawn), strict=True):
+    numbers = itertools.count()
+    looks = [IDEAL if run.ideal else {**distinct(next(numbers)), "linewidth": 0.7} for run in drawn]
+    panels = []
+    for name, scale_name in _MOMENTA:
+        lines = []
+        for run, look in zip(drawn, looks, strict=True):
             momentum = _kept(run, name)
-            scale = float(np.nanmax(run.values(scale_name), initial=0.0))
+            scale = size_of(run.values(scale_name))
             drift = np.linalg.norm(momentum - momentum[0], axis=1) / (scale or 1.0)
-            _log_line(axes, run, drift, look, run.legend)
-        panel_title(axes, letter, name.replace("_", " "))
-        axes.set_xlabel("time [s]")
-        few_ticks(axes, 6)
-    for axes in panels[:1] if page else panels:
-        axes.set_ylabel("largest relative drift so far [-]")
-    _share_decades(list(panels))
-    legend_above(figure, figure.axes)
-    fixed = [run.label for run in every if "base_position" not in run.data]
-    footnote(
-        figure,
-        too_short(every),
-        f"fixed base, momentum not conserved: {', '.join(fixed)}" if fixed else "",
-    )
-    return figure
+            lines.append(_so_far(run.legend, run, drift, look))
+        y = Axis("largest relative drift so far [-]", shared="drift")
+        panels.append(Panel(name.replace("_", " "), lines, y, replace(TIME, ticks=6)))
+    panels = _in_decades(panels)
+    fixed = [run.label for run in every if not FREE_BASE.holds(run)]
+    notes = (too_short(every), f"fixed base, momentum not conserved: {', '.join(fixed)}" if fixed else "")
+    page = width == "page"
+    rows = [panels] if page else [[one] for one in panels]
+    return Sheet(rows, width, 66.0 if page else 110.0, notes, every=True)
 
 
 def _kept(run: LabelledRun, name: str) -> Array:
@@ -168,7 +138,7 @@ def _kept(run: LabelledRun, name: str) -> Array:
 
 
 def _drifting(run: LabelledRun) -> Columns:
-    """Return what tells how far momenta have come from those at a run's start."""
+    """Return the deviation of momenta from those at a run's start."""
     start = replace(run, data=run.data.isel(time=slice(0, 1)))
 
     def columns(part: LabelledRun) -> list[Array]:
@@ -194,37 +164,92 @@ def _total(run: LabelledRun, name: str) -> Array:
     return values if values.ndim == 1 else np.asarray(values.sum(axis=1), dtype=float)
 
 
-def _log_line(axes: Axes, run: LabelledRun, value: Array, style: dict[str, Any], label: str) -> None:
-    """Draw the largest of the values so far on a logarithmic scale; exact zeros lie on its floor."""
-    many = run.many
+def _so_far(label: str, run: LabelledRun, value: Array, look: dict[str, Any]) -> Curve:
+    """Return the largest of the values so far, for a logarithmic scale; exact zeros lie on its floor."""
     so_far = np.fmax.accumulate(np.maximum(value, _FLOOR))
-    axes.plot(run.time, so_far, label=label or None, rasterized=many, **style)
-    axes.set_yscale("log")
+    return Curve(label, run.time, so_far, look, many=run.many)
 
 
-def _share_decades(panels: list[Axes]) -> None:
-    """Give logarithmic panels the same whole decades, at most some seven of them with a tick."""
-    values = np.concatenate([np.asarray(line.get_ydata()) for axes in panels for line in axes.lines])
+def _in_decades(panels: Sequence[Panel]) -> list[Panel]:
+    """Return logarithmic panels with the same whole decades, at most some seven of them with a tick."""
+    values = np.concatenate([line.y for panel in panels for line in panel.curves])
     values = values[np.isfinite(values) & (values > _FLOOR)]
-    if not values.size:
-        return
-    low = max(int(np.floor(np.log10(np.quantile(values, 0.02)))), -18)
-    high = int(np.floor(np.log10(values.max()))) + 1
-    for axes in panels:
-        axes.set_ylim(10.0 ** min(low, high - 2), 10.0**high)
-        axes.yaxis.set_major_locator(LogLocator(numticks=7))
-        axes.yaxis.set_minor_locator(NullLocator())
+    limits = None
+    if values.size:
+        low = max(int(np.floor(np.log10(np.quantile(values, 0.02)))), -18)
+        high = int(np.floor(np.log10(values.max()))) + 1
+        limits = 10.0 ** min(low, high - 2), 10.0**high
+    return [replace(one, y=replace(one.y, scale="log", limits=limits, ticks=7)) for one in panels]
 
 
-def _looks(runs: list[LabelledRun]) -> list[dict[str, Any]]:
-    """Return the look of each run's line: that of ideal runs for all that are."""
-    numbers = itertools.count()
-    return [IDEAL if run.ideal else {**distinct(next(numbers)), "linewidth": 0.7} for run in runs]
+# --- at a glance ---
+
+
+@figure()
+def figure_glance(runs: Iterable[Run], *, joint: str | None = None) -> Sheet:
+    """Return the position of a joint in all runs and, where it has play, the peak force of every contact.
+
+    It is of a column's width (88 mm), for the head of a page. A ball joint has no position, but peaks.
+    """
+    every, reference = with_reference(runs, None)
+    if joint is not None and not any(joint in (*run.joints, *run.sliding_joints) for run in every):
+        name = choose_joint(TOUCHING, every, joint)
+        drawn = [run for run in long_enough(every) if _peaks(run, name)[0].size]
+        if not drawn:
+            raise none_with(TOUCHING, every)
+        ends = min(run.time[0] for run in drawn), max(run.time[-1] for run in drawn)
+        blows = _blows(Picked(every, drawn, reference, joint=name))
+        return Sheet([[replace(blows, x=replace(blows.x, limits=ends))]], "column", 44.0)
+    turns = any(run.joints for run in every) if joint is None else False
+    slides = any(joint in run.sliding_joints for run in every) if joint is not None else not turns
+    kind, variable, dimension, word, unit = (
+        (SLIDING, "slide_position", "sliding_joint", "position", "m")
+        if slides
+        else (TURNING, "motion_angle", "joint", "angle", "rad")
+    )
+    picked = pick(runs, joint=(kind, joint))
+    name = picked.joint
+    picked = replace(picked, drawn=[run for run in picked.drawn if name in kind.names(run)])
+
+    def value(run: LabelledRun) -> Array:
+        return run.values(variable, **{dimension: name})
+
+    picked = picked.thinned(lambda run: [value(run)])
+    x = replace(TIME, ticks=6, shared="time")
+    y = Axis(word, unit, ticks=3) if unit == "m" else Axis(f"{word} [{unit}]", ticks=3)
+    panels = [Panel(f"{name}, {word}", picked.curves(value), y, x)]
+    struck = any(_peaks(run, name)[0].size for run in picked.drawn)
+    if struck:
+        panels.append(replace(_blows(picked), x=x, named=False))
+    return Sheet([[one] for one in panels], "column", 58.0 if struck else 44.0, letters=False)
+
+
+def _blows(picked: Picked) -> Panel:
+    """Return the peak of every contact in a joint as a line from zero."""
+    peaks = [(*_peaks(run, picked.joint), run, look) for run, look in picked.styled]
+
+    def stems(axes: Any, _: float, up: float) -> None:
+        for time, force, run, look in peaks:
+            looks = {"colors": look["color"], "linewidth": 0.6, "rasterized": time.size > MANY}
+            axes.vlines(time, 0.0, up * force, label=run.legend, **looks)
+
+    y = Axis("force", "N", largest_of([force for _, force, _, _ in peaks]), (0.0, None), ticks=3)
+    x = replace(TIME, ticks=6)
+    return Panel(f"{picked.joint}, peak of every contact", [ByHand(stems)], y, x)
+
+
+def _peaks(run: LabelledRun, joint: str) -> tuple[Array, Array]:
+    """Return times [s] and sizes [N] of the peaks of the contacts in a joint."""
+    if joint not in run.clearance_joints or run.whole.data.sizes.get("episode", 0) == 0:
+        return np.empty(0), np.empty(0)
+    mine = [run.contacts.index(name) for name in run.contacts_of(joint)]
+    its = np.isin(run.values("episode_contact").astype(int), mine)
+    time, force = run.values("peak_time")[its], run.values("peak_force")[its]
+    known = np.isfinite(time) & np.isfinite(force)
+    return time[known], force[known]
 
 
 FIGURES = (
-    RunFigure(
-        name="energy", title="Energy: work, storage and losses", function=figure_energy, compares=False
-    ),
-    RunFigure(name="momentum", title="Drift of momentum", function=figure_momentum, needs=FREE_BASE),
+    RunFigure("energy", "Energy: work, storage and losses", figure_energy, compares=False),
+    RunFigure("momentum", "Drift of momentum", figure_momentum, needs=FREE_BASE),
 )

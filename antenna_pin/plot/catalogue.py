@@ -14,60 +14,24 @@ from matplotlib.figure import Figure
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.plot import (
-    audit,
-    base,
-    between_runs,
-    bodies,
-    bore,
-    closures,
-    control,
-    eccentricity,
-    elastic,
-    forces,
-    gears,
-    hysteresis,
-    loads,
-    motion,
-    orbit,
-    pointing,
-    scenarios,
-    shaken,
-    spectra,
-    stops,
-)
-from antenna_pin.plot import joint as joint_figures
-from antenna_pin.plot._kinds import MOVING, choose_joint, joints_of, wanted_joints
-from antenna_pin.plot._run_figure import RunFigure
+from antenna_pin.plot import against_ideal, audit, contacts, elements, exerted, journal, motion, spectra
+from antenna_pin.plot._kinds import MOVING, RunFigure, choose_joint, joints_of, wanted_joints
 from antenna_pin.plot._runs import Run, labelled, long_enough
 from antenna_pin.plot._style import Width
-
-__all__ = ["CATALOGUE", "Allowed", "allowed_figures", "run_figure"]
 
 #: Every figure of runs by its name, in the order in which they are shown.
 CATALOGUE: dict[str, RunFigure] = {
     figure.name: figure
     for figure in (
         *motion.FIGURES,
-        *joint_figures.FIGURES,
-        *between_runs.FIGURES,
-        *forces.FIGURES,
-        *orbit.FIGURES,
-        *bore.FIGURES,
-        *eccentricity.FIGURES,
-        *scenarios.FIGURES,
-        *loads.FIGURES,
-        *closures.FIGURES,
-        *control.FIGURES,
-        *stops.FIGURES,
-        *gears.FIGURES,
-        *elastic.FIGURES,
-        *hysteresis.FIGURES,
+        *against_ideal.JOINT_FIGURES,
+        *contacts.FORCE_FIGURES,
+        *journal.FIGURES,
+        *contacts.FIGURES,
+        *exerted.FIGURES,
+        *elements.FIGURES,
         *spectra.FIGURES,
-        *shaken.FIGURES,
-        *base.FIGURES,
-        *bodies.FIGURES,
-        *pointing.FIGURES,
+        *against_ideal.FIGURES,
         *audit.FIGURES,
     )
 }
@@ -81,7 +45,7 @@ class Allowed(NamedTuple):
 
     @property
     def title(self) -> str:
-        """What it shows."""
+        """Title of the figure."""
         return self.figure.title.format(joint=self.joint)
 
     def draw(self, runs: Iterable[Run], *, width: Width = "page") -> Figure:

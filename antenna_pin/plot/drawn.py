@@ -17,8 +17,6 @@ from matplotlib.path import Path
 from antenna_pin.base.arguments import takes
 from antenna_pin.plot._style import Array
 
-__all__ = ["Drawn", "drawn_numbers"]
-
 _LETTER = re.compile(r"\$\\bf\{(\([a-z]+\))\}\$")
 # Cells of a coloured field that are numbers still; of a larger one the picture has to do.
 _CELLS = 20_000
@@ -26,7 +24,7 @@ _CELLS = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drawn:
-    """What one line, cloud of points or set of bars shows.
+    """Numbers of one line, cloud of points or set of bars.
 
     Attributes:
         panel: Title of its panel.
@@ -132,7 +130,7 @@ def _of_boxes(panel: str, names: tuple[str, str], label: str, every: list[Array]
 
 
 def _is_part(one: Drawn, whole: Drawn) -> bool:
-    """Whether all that is drawn is a stretch of what another panel shows of the same quantity."""
+    """Return whether a line is part of a line of the same quantity in another panel."""
     if one.label != whole.label or len(one.columns) != 2 or len(whole.columns) != 2:
         return False
     x, count = one.columns[0], one.columns[0].size

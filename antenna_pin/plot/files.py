@@ -153,7 +153,7 @@ def save_figure(figure: Figure, path: str | Path, formats: Sequence[str] = ("png
 
 @takes()
 def folder_for_figures(folder: str | Path) -> Path:
-    """Make the folder, or say why it cannot be made."""
+    """Make the folder, or refuse with the reason."""
     folder = Path(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)

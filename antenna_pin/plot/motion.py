@@ -5,53 +5,46 @@ As in the Figures 7 to 10 of Bai and Zhao (2020): the whole span, and a close vi
 
 from __future__ import annotations
 
-import dataclasses
+import itertools
 from collections.abc import Iterable, Sequence
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from antenna_pin.analysis import is_round_off, round_off_scales
-from antenna_pin.base.arguments import takes
+from antenna_pin.analysis import LONG, beside, is_round_off, resampled, round_off_scales
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot._compared import between_spikes
-from antenna_pin.plot._kinds import SLIDING, TURNING, choose_joint
-from antenna_pin.plot._motion_curves import (
-    MotionCurve,
-    MotionQuantity,
-    Span,
-    curves_of,
-    drawn_columns,
-    from_rest,
-    less_the_first,
-    seen_from_near_only,
-    zoom_of,
-)
-from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import Run, long_enough, too_short, with_reference
-from antenna_pin.plot._style import (
-    IDEAL,
-    MANY,
-    SHADE,
-    Array,
-    Width,
-    explain_linear,
-    few_ticks,
-    footnote,
-    legend_above,
-    letters,
-    linear_then_log,
-    literal,
-    new_figure,
-    panel_title,
-    prefixed,
-    styled,
-)
-from antenna_pin.plot._thinned import closer, thinned_beside
+from antenna_pin.plot._compared import COINCIDE, pick
+from antenna_pin.plot._kinds import SLIDING, TURNING, JointKind, RunFigure
+from antenna_pin.plot._runs import LabelledRun, Run, too_short
+from antenna_pin.plot._style import IDEAL, Array, Width, distinct, prefixed
+from antenna_pin.plot._thinned import Columns, between_spikes
+from antenna_pin.plot.grammar import ZERO, Axis, Curve, Panel, Sheet, close_view, figure, size_of
 
 Quantity = Literal["angle", "rate", "acceleration", "position", "slide rate", "slide acceleration"]
+Span = tuple[float, float]
+
+# Share of the height from which on a deviation is seen without a close view [-].
+_SEEN = 0.05
+
+
+class MotionQuantity(NamedTuple):
+    """A quantity of a joint's motion."""
+
+    variable: str
+    unit: str
+    derivative: str | None
+    of: JointKind
+    # Largest half width of the zoom, as a share of the whole span.
+    half_width: float = 0.05
+    spiky: bool = False  # as accelerations are in contact: a strip each, and closer
+
+    @property
+    def dim(self) -> str:
+        """Along which the joints are."""
+        return "sliding_joint" if self.of is SLIDING else "joint"
+
 
 MOTIONS: dict[Quantity, MotionQuantity] = {
     "angle": MotionQuantity("motion_angle", "rad", "motion_rate", TURNING),
@@ -62,13 +55,14 @@ MOTIONS: dict[Quantity, MotionQuantity] = {
     "slide acceleration": MotionQuantity("slide_acceleration", "m/s^2", None, SLIDING, 0.01, True),
 }
 
-
 #: Those of joints that turn.
 QUANTITIES: tuple[Quantity, ...] = tuple(name for name, what in MOTIONS.items() if what.of is TURNING)
 
 
-@takes()
-@styled
+@figure(
+    quantity='"angle", "rate" or "acceleration" of a joint that turns; "position", "slide rate" or "slide '
+    'acceleration" of one that slides.'
+)
 def figure_motion(
     runs: Iterable[Run],
     quantity: Quantity = "angle",
@@ -77,243 +71,296 @@ def figure_motion(
     ideal: Run | None = None,
     zoom: Span | None = None,
     width: Width = "page",
-) -> Figure:
+) -> Sheet:
     """Return the motion of one joint in all runs: whole span, close view, deviation from the ideal joint.
 
     The close view lies around the largest deviation from the ideal run, if the whole span does not show it.
     What runs that coincide are less the first of them has a panel of its own. For the acceleration, whose
     contact spikes dwarf the ideal curve, each run has a strip of its own with a scale that is linear as far
     as the motion between spikes reaches and logarithmic beyond, and the deviation is left out.
-
-    Args:
-        runs: Trajectories, or pairs of a label and a dataset; of any lengths.
-        quantity: "angle", "rate" or "acceleration" of a joint that turns; "position", "slide rate" or "slide
-            acceleration" of one that slides.
-        joint: Name of the joint; the first one with clearance if left out.
-        ideal: The run to compare with; the first run without any contact if left out.
-        zoom: Start and end of the close view [s].
-        width: "column" (88 mm) or "page" (180 mm).
     """
     if quantity not in MOTIONS:
         raise UnknownNameError("figure", "quantity", quantity, MOTIONS)
-    every, reference = with_reference(runs, ideal)
     what = MOTIONS[quantity]
-    name = choose_joint(what.of, every, joint)
-    given = None if zoom is None else _check_zoom(zoom)
-    columns = drawn_columns(reference, name, what)
-    drawn, reference = thinned_beside(long_enough(every), reference, columns)
-    curves = curves_of(drawn, reference, name, what)
+    picked = pick(runs, ideal=ideal, joint=(what.of, joint))
+    if zoom is not None and not zoom[0] < zoom[1]:
+        raise InvalidParameterError("figure", "zoom", "a start before its end [s]", zoom)
+    columns = drawn_columns(picked.reference, picked.joint, what)
+    picked = picked.thinned(columns)
+    drawn, reference, name = picked.drawn, picked.reference, picked.joint
+    curves = _curves_of(drawn, reference, name, what)
 
-    def seen(windows: Sequence[Span | None]) -> list[MotionCurve]:
+    def seen(windows: Sequence[Span | None]) -> list[_MotionCurve]:
         """Return the curves with all samples in close views."""
         if all(run.kept is None for run in drawn):
             return curves
-        near = drawn
+        near = picked
         for window in windows:
-            near = [closer(run, window, columns) for run in near]
-        return curves_of(near, reference, name, what)
+            near = replace(near.closer(window, columns), reference=reference)
+        return _curves_of(near.drawn, reference, name, what)
 
     unit = drawn[0].unit(what.variable, what.unit)
-    label = f"{literal(name.replace('_', ' '))} {quantity.removeprefix('slide ')}"
+    label = f"{name.replace('_', ' ')} {quantity.removeprefix('slide ')}"
+    short = too_short(picked.every)
     if what.spiky and any(not c.is_ideal for c in curves):
-        windows = [given or zoom_of([from_rest(c)], what) for c in curves if not c.is_ideal]
-        figure, still = _strips(seen(windows), windows, label, unit, width), ""
-    else:
-        scales = round_off_scales(*(run.whole.data for run in drawn)) if len(drawn) > 1 else {}
-        plain, still = _without_round_off(curves, unit, scales)
-        window = given or (zoom_of(plain, what) if not still and seen_from_near_only(plain) else None)
-        shown, _ = _without_round_off(seen([window]), unit, scales)
-        first, less = less_the_first(shown)
-        if less and is_round_off(max(map(_size, less)), unit, scales):
-            less, still = [], "; ".join(filter(None, (still, f"less that of {first}: zero to round-off")))
-        figure = _panels(shown, window, label, unit, width, (first, less))
-    footnote(figure, still, too_short(every))
-    return figure
-
-
-def _size(curve: MotionCurve) -> float:
-    return float(np.nanmax(np.abs(curve.value), initial=0.0))
-
-
-def _without_round_off(
-    curves: Sequence[MotionCurve], unit: str, scales: dict[str, float]
-) -> tuple[list[MotionCurve], str]:
-    """Return curves without deviations that are zero to round-off in all runs, and that in words."""
-    sizes = [float(np.nanmax(np.abs(c.deviation), initial=0.0)) for c in curves if c.deviation is not None]
-    if not sizes or not is_round_off(max(sizes), unit, scales):
-        return list(curves), ""
-    bare = [dataclasses.replace(curve, deviation=None) for curve in curves]
-    return bare, "deviation from the ideal joint: zero to round-off"
-
-
-def _check_zoom(zoom: Span) -> Span:
-    if not zoom[0] < zoom[1]:
-        raise InvalidParameterError("figure", "zoom", "a start before its end [s]", zoom)
-    return float(zoom[0]), float(zoom[1])
-
-
-def _draw(
-    axes: Axes, curve: MotionCurve, values: Array, span: Span | None = None, thin: bool = False
-) -> None:
-    """Draw one curve, or the part of it in a span (with one sample more on either side)."""
-    time = curve.time
-    if span is not None:
-        first = max(int(np.searchsorted(time, span[0])) - 1, 0)
-        last = int(np.searchsorted(time, span[1], side="right")) + 1
-        time, values = time[first:last], values[first:last]
-    style = IDEAL if curve.is_ideal else {**curve.look, "linewidth": 0.6 if thin else curve.linewidth}
-    many = time.size > MANY or (span is None and curve.many)
-    axes.plot(time, values, label=curve.label, rasterized=many, **style)
-
-
-def _widened(curves: Sequence[MotionCurve]) -> list[MotionCurve]:
-    """Return the curves, the ones below wider: of runs that nearly coincide, all are seen."""
-    others = sum(not curve.is_ideal for curve in curves)
-    return [
-        curve if curve.is_ideal else dataclasses.replace(curve, linewidth=0.9 + 0.5 * (others - 1 - k))
-        for k, curve in enumerate(curves)
-    ]
+        windows = [zoom or _zoom_of([_from_rest(c)], what) for c in curves if not c.is_ideal]
+        return _strips(seen(windows), windows, f"{label} [{prefixed(unit, 1.0)[1]}]", width, short)
+    scales = round_off_scales(*(run.whole.data for run in drawn)) if len(drawn) > 1 else {}
+    plain, still = _without_round_off(curves, unit, scales)
+    window = zoom or (_zoom_of(plain, what) if not still and _seen_from_near_only(plain) else None)
+    shown, _ = _without_round_off(seen([window]), unit, scales)
+    first, less = _less_the_first(shown)
+    if less and is_round_off(max(size_of(one.value) for one in less), unit, scales):
+        less, still = [], "; ".join(filter(None, (still, f"less that of {first}: zero to round-off")))
+    panels = _panels(shown, window, Axis(label, unit), width, (first, less))
+    whole, *rest = panels
+    if width == "page" and rest:  # the first has a row to itself
+        return Sheet([[whole], rest], width, 108.0, (still, short))
+    return Sheet([[one] for one in panels], width, 12.0 + 46.0 * len(panels), (still, short), every=True)
 
 
 def _panels(
-    curves: Sequence[MotionCurve],
+    curves: Sequence[_MotionCurve],
     window: Span | None,
-    label: str,
-    unit: str,
+    y: Axis,
     width: Width,
-    differences: tuple[str, Sequence[MotionCurve]],
-) -> Figure:
-    """Draw the whole span, the close view, the deviation, and what runs that coincide are less the first."""
-    deviating = [curve for curve in curves if curve.deviation is not None]
+    differences: tuple[str, Sequence[_MotionCurve]],
+) -> list[Panel]:
+    """Return the whole span, the close view, the deviation, and the differences of runs that coincide."""
+    others = sum(not curve.is_ideal for curve in curves)
+    # Those below are wider: of runs that nearly coincide, all are seen.
+    wide = {curve.label: 0.9 + 0.5 * (others - 1 - k) for k, curve in enumerate(curves)}
+    y = replace(y, largest=max((size_of(curve.value) for curve in curves), default=0.0))
+    shades = [close_view(window)] if window is not None else []
+    lines = [curve.line(curve.value, wide[curve.label]) for curve in curves]
+    deviating = [(c, c.deviation) for c in curves if c.deviation is not None]
     first, less = differences
-    count = 1 + (window is not None) + bool(deviating) + bool(less)
-    figure, whole, rest = _places(width, count)
-    largest = max(map(_size, curves), default=0.0)
-    factor, printed = prefixed(unit, largest)
-    for curve in _widened(curves):
-        _draw(whole, curve, factor * curve.value)
-    panel_title(whole, "a" if rest else "", "whole span")
-    whole.set_ylabel(f"{label} [{printed}]")
-    few_ticks(whole, 10 if width == "page" else 6)
-    panels = zip(rest, "bcd", strict=False)
+    long = Axis("time [s]", ticks=10 if width == "page" else 6)
+    if width == "page" and (window is not None or deviating or less):
+        long = replace(long, labelled=False)
+    panels = [Panel("whole span", [*lines, *shades], y, long)]
     if window is not None:
-        near, letter = next(panels)
-        for curve in _widened(curves):
-            _draw(near, curve, factor * curve.value, window)
-        near.set_xlim(window)
-        _mark(whole, window)
-        panel_title(near, letter, "close view of the shaded span")
-        near.set_ylabel(f"{label} [{printed}]")
-        few_ticks(near, 5)
+        near = [curve.line(curve.value, wide[curve.label], window) for curve in curves]
+        panels.append(Panel("close view of the shaded span", near, y, Axis("time [s]", limits=window)))
     if deviating:
-        axes, letter = next(panels)
-        shown = [dataclasses.replace(c, value=_known(c.deviation)) for c in _widened(deviating)]
-        _apart(axes, shown, "deviation", unit)
-        panel_title(axes, letter, "deviation from the ideal joint")
+        thin = len(deviating) < 2
+        apart = [curve.line(d, 0.6 if thin else wide[curve.label]) for curve, d in deviating]
+        panels.append(Panel("deviation from the ideal joint", [*apart, ZERO], Axis("deviation", y.unit)))
     if less:
-        axes, letter = next(panels)
-        _apart(axes, less, "difference", unit)
-        panel_title(axes, letter, f"less that of {first}")
-    for axes in (whole, *rest) if width == "column" or not rest else rest:
-        axes.set_xlabel("time [s]")
-    legend_above(figure, [whole])
-    return figure
-
-
-def _known(values: Array | None) -> Array:
-    assert values is not None
-    return values
-
-
-def _places(width: Width, count: int) -> tuple[Figure, Axes, list[Axes]]:
-    """Return a figure, its first panel and the others: of a page the first has a row to itself."""
-    if width == "page" and count > 1:
-        figure = new_figure(width, 108.0)
-        grid = figure.add_gridspec(2, count - 1)
-        return (
-            figure,
-            figure.add_subplot(grid[0, :]),
-            [figure.add_subplot(grid[1, i]) for i in range(count - 1)],
-        )
-    figure = new_figure(width, 12.0 + 46.0 * count)
-    whole, *rest = figure.subplots(count, 1, squeeze=False)[:, 0]
-    return figure, whole, rest
-
-
-def _apart(axes: Axes, curves: Sequence[MotionCurve], label: str, unit: str) -> None:
-    """Draw how far lines are from another, on a scale of their own."""
-    largest = max(map(_size, curves))
-    factor, printed = prefixed(unit, largest)
-    for curve in curves:
-        _draw(axes, curve, factor * curve.value, thin=len(curves) < 2)
-    axes.axhline(0.0, **{**IDEAL, "linewidth": 0.6})
-    axes.set_ylabel(f"{label} [{printed}]")
-    few_ticks(axes, 5)
+        apart = [curve.line(curve.value, 0.6 if len(less) < 2 else 1.0) for curve in less]
+        panels.append(Panel(f"less that of {first}", [*apart, ZERO], Axis("difference", y.unit)))
+    return panels
 
 
 def _strips(
-    curves: Sequence[MotionCurve], windows: Sequence[Span | None], label: str, unit: str, width: Width
-) -> Figure:
-    """Draw one strip per run with the ideal run on top: spikes of several runs would hide each other."""
-    ideal = next((curve for curve in curves if curve.is_ideal), None)
+    curves: Sequence[_MotionCurve], windows: Sequence[Span | None], label: str, width: Width, note: str
+) -> Sheet:
+    """Return one strip per run with the ideal run on top: spikes of several runs would hide each other."""
+    ideal = [curve for curve in curves if curve.is_ideal][:1]
     others = [curve for curve in curves if not curve.is_ideal]
-    columns = 1 if all(window is None for window in windows) else 2
-    height = 34.0 if len(others) > 1 else 58.0
-    figure = new_figure(width, 20.0 + height * len(others))
-    panels = figure.subplots(
-        len(others),
-        columns,
-        squeeze=False,
-        sharey=True,
-        width_ratios=[1.5, 1.0][:columns] if width == "page" else None,
-    )
-    largest = max(map(_size, others))
+    columns, page = 1 if all(window is None for window in windows) else 2, width == "page"
     core = max(between_spikes(c.time, c.value) for c in others)
-    if ideal is not None:
-        core = max(core, _size(ideal))
-    limit = linear_then_log(list(panels.flat), core, largest)
-    letter = letters()
-    for row, curve, window in zip(panels, others, windows, strict=True):
-        for axes, span in zip(row, (None, window), strict=False):
-            _draw(axes, curve, curve.value, span, thin=span is None)
-            if ideal is not None:
-                _draw(axes, ideal, ideal.value, span)
-        if window is not None and columns == 2:
-            row[1].set_xlim(window)
-            _mark(row[0], window)
-        panel_title(row[0], next(letter) if len(panels.flat) > 1 else "", curve.label)
-        if columns == 2:
-            panel_title(row[1], next(letter), "close view" + " of the shaded span" * (width == "page"))
-    for axes in panels[-1]:
-        axes.set_xlabel("time [s]")
-    for axes in panels.flat:
-        few_ticks(axes, 5)
-    if width == "column" and columns == 2:
-        # Times of a close view have more digits.
-        for whole, near in panels:
-            few_ticks(whole, 3)
-            few_ticks(near, 2)
-            near.tick_params(axis="x", labelsize=6.0)
-    _, printed = prefixed(unit, 1.0)
-    figure.supylabel(f"{label} [{printed}]", fontsize=7.5)
-    if limit is not None:
-        explain_linear(figure)
-    legend_above(figure, panels[:, 0])
-    return figure
+    core = max([core, *(size_of(one.value) for one in ideal)])
+    span = core, max(size_of(one.value) for one in others)
+    # Times of a close view have more digits.
+    ticks = (3, 2) if columns == 2 and not page else (5, 5)
+
+    def finish(axes: Axes) -> None:
+        if not page:
+            axes.tick_params(axis="x", labelsize=6.0)
+
+    rows: list[list[Panel]] = []
+    for curve, window in zip(others, windows, strict=True):
+        marked = window is not None and columns == 2
+        rows.append([])
+        for part, title, count in zip(
+            (None, window)[:columns],
+            (curve.label, "close view" + " of the shaded span" * page),
+            ticks,
+            strict=False,
+        ):
+            lines = [
+                curve.line(curve.value, 0.6 if part is None else 1.0, part),
+                *(one.line(one.value, 1.0, part) for one in ideal),
+            ]
+            shades = [close_view(window)] if marked and window and not rows[-1] else []
+            x = Axis("time [s]", ticks=count, limits=part)
+            y = Axis(shared="all", labelled=False)
+            panel = Panel(title, [*lines, *shades], y, x, span=span, named=not rows[-1])
+            rows[-1].append(panel if not rows[-1] else replace(panel, finish=finish))
+    height = 20.0 + (34.0 if len(others) > 1 else 58.0) * len(others)
+    return Sheet(rows, width, height, (note,), [1.5, 1.0][:columns] if page else None, label=label)
 
 
-def _mark(axes: Axes, window: Span) -> None:
-    """Shade the span that the close view shows; its edges keep a narrow one visible."""
-    axes.axvspan(*window, facecolor=SHADE, edgecolor="#888888", linewidth=0.5, zorder=0.5)
+# --- curves ---
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _MotionCurve:
+    """Line of a run: times [s], values, and the deviation from the ideal run (None without one)."""
+
+    label: str
+    time: Array
+    value: Array
+    deviation: Array | None
+    is_ideal: bool
+    look: dict[str, Any]  # colour and dashes; the ideal run has its own
+    spacing: float  # the run's commonest one of samples [s]
+    many: bool = False
+
+    def line(self, values: Array, linewidth: float, span: Span | None = None) -> Curve:
+        """Return the line of some values, or the part in a span (with one sample more on either side)."""
+        time, many = self.time, self.many
+        if span is not None:
+            first = max(int(np.searchsorted(time, span[0])) - 1, 0)
+            last = int(np.searchsorted(time, span[1], side="right")) + 1
+            time, values, many = time[first:last], values[first:last], False
+        look = IDEAL if self.is_ideal else {**self.look, "linewidth": linewidth}
+        return Curve(self.label, time, values, look, self.is_ideal, many)
+
+
+def _curves_of(
+    runs: Sequence[LabelledRun], reference: LabelledRun | None, joint: str, what: MotionQuantity
+) -> list[_MotionCurve]:
+    """Return what is to be drawn, the ideal run last so that it lies on top."""
+    curves: list[_MotionCurve] = []
+    numbers = itertools.count()
+    for run in runs:
+        if joint not in what.of.names(run):
+            continue
+        is_ideal = _is(run, reference)
+        value = run.values(what.variable, **{what.dim: joint})
+        label, look = (run.legend, {}) if is_ideal else (run.label, distinct(next(numbers)))
+        spacing = float(np.median(np.diff(run.whole.time[:LONG])))  # of a long run that of its first samples
+        deviation = deviation_of(run, value, reference, joint, what)
+        curves.append(_MotionCurve(label, run.time, value, deviation, is_ideal, look, spacing, run.many))
+    return sorted(curves, key=lambda curve: curve.is_ideal)
+
+
+def drawn_columns(reference: LabelledRun | None, joint: str, what: MotionQuantity) -> Columns:
+    """Return what is drawn of a run: its motion, its deviation, and the motion less that."""
+
+    def columns(run: LabelledRun) -> list[Array]:
+        if joint not in what.of.names(run):
+            return []
+        value = run.values(what.variable, **{what.dim: joint})
+        deviation = deviation_of(run, value, reference, joint, what)
+        return [value] if deviation is None else [value, deviation, value - deviation]
+
+    return columns
+
+
+def _is(run: LabelledRun, reference: LabelledRun | None) -> bool:
+    return reference is not None and run.source is reference.source
+
+
+def deviation_of(
+    run: LabelledRun, value: Array, reference: LabelledRun | None, joint: str, what: MotionQuantity
+) -> Array | None:
+    """Return a run's motion less that of the smooth one, NaN outside its span; None if there is no such."""
+    if reference is None or _is(run, reference) or joint not in what.of.names(reference):
+        return None
+    place, smooth, time = {what.dim: joint}, reference.whole, run.time
+    known = what.derivative is not None and what.derivative in smooth.data
+    base = np.empty_like(value)
+    for some, data in beside(smooth.data, time):
+        part = replace(smooth, data=data)
+        slope = part.values(what.derivative, **place) if known and what.derivative else None
+        base[some] = resampled(part.time, part.values(what.variable, **place), time[some], slope)
+    return value - base
+
+
+def _without_round_off(
+    curves: Sequence[_MotionCurve], unit: str, scales: dict[str, float]
+) -> tuple[list[_MotionCurve], str]:
+    """Return curves without deviations that are zero to round-off in all runs, and that in words."""
+    sizes = [size_of(c.deviation) for c in curves if c.deviation is not None]
+    if not sizes or not is_round_off(max(sizes), unit, scales):
+        return list(curves), ""
+    bare = [replace(curve, deviation=None) for curve in curves]
+    return bare, "deviation from the ideal joint: zero to round-off"
+
+
+def _from_rest(curve: _MotionCurve) -> _MotionCurve:
+    """Return a curve with its deviation, from zero if there is no ideal run to deviate from."""
+    return curve if curve.deviation is not None else replace(curve, deviation=curve.value)
+
+
+def _zoom_of(curves: Sequence[_MotionCurve], what: MotionQuantity) -> Span | None:
+    """Return the span around the largest deviation in which that deviation is a good part of the height."""
+    spread = _spread(curves)
+    if spread is None:
+        return None
+    curve, deviation = spread
+    known = np.where(np.isfinite(deviation), deviation, 0.0)
+    size = np.abs(known)
+    at = int(np.argmax(size))
+    if size[at] <= 0.0:
+        return None
+    start, end = float(curve.time[0]), float(curve.time[-1])
+    half = what.half_width * (end - start)
+    smallest = min(5.0 * curve.spacing, half)
+    smooth = curve.value - known
+    while half > smallest:
+        near = smooth[np.abs(curve.time - curve.time[at]) <= half]
+        if np.ptp(near) <= 6.0 * size[at]:
+            break
+        half /= 1.25
+    half = max(half, smallest)
+    # The close view keeps its width at the ends of the span.
+    centre = min(max(float(curve.time[at]), start + half), end - half)
+    return centre - half, centre + half
+
+
+def _seen_from_near_only(curves: Sequence[_MotionCurve]) -> bool:
+    """Return whether the largest deviation is less than a twentieth of the height."""
+    spread = _spread(curves)
+    if spread is None:
+        return False
+    values = [curve.value[np.isfinite(curve.value)] for curve in curves]
+    height = max(float(v.max()) for v in values) - min(float(v.min()) for v in values)
+    return size_of(spread[1]) < _SEEN * height
+
+
+def _less(one: _MotionCurve, first: _MotionCurve) -> Array:
+    """Return the motion of a run less that of another, at its own instants."""
+    own, index = np.unique(first.time, return_index=True)
+    return np.asarray(one.value - np.interp(one.time, own, first.value[index], left=np.nan, right=np.nan))
+
+
+def _less_the_first(curves: Sequence[_MotionCurve]) -> tuple[str, list[_MotionCurve]]:
+    """Return runs with play less the first of them, and its name; none where distinguishable.
+
+    They are told apart by their deviations from the ideal run where there is one.
+    """
+    others = [curve for curve in curves if not curve.is_ideal]
+    if len(others) < 2:
+        return "", []
+    values = [curve.value if curve.deviation is None else curve.deviation for curve in others]
+    height = max(float(np.ptp(v[np.isfinite(v)])) if np.isfinite(v).any() else 0.0 for v in values)
+    first, *rest = others
+    less = [replace(one, value=_less(one, first)) for one in rest]
+    largest = max(size_of(one.value) for one in less)
+    return first.label, less if 0.0 < largest < COINCIDE * height else []
+
+
+def _spread(curves: Sequence[_MotionCurve]) -> tuple[_MotionCurve, Array] | None:
+    """Return the curve that deviates most, and by how much: from the ideal run, else from the first run."""
+    compared = [
+        (c, c.deviation) for c in curves if c.deviation is not None and np.isfinite(c.deviation).any()
+    ]
+    if not compared:
+        compared = [(other, _less(other, curves[0])) for other in curves[1:]]
+    return max(compared, key=lambda pair: size_of(pair[1])) if compared else None
 
 
 FIGURES = tuple(
     RunFigure(
-        name=what.variable,
-        title=f"{quantity.removeprefix('slide ').capitalize()} of {{joint}}",
-        function=figure_motion,
-        options={"quantity": quantity},
-        of=what.of,
+        what.variable,
+        f"{quantity.removeprefix('slide ').capitalize()} of {{joint}}",
+        figure_motion,
+        {"quantity": quantity},
+        what.of,
     )
     for quantity, what in MOTIONS.items()
 )

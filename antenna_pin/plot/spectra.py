@@ -1,68 +1,71 @@
-"""What frequencies the accelerations and the joint's force hold, over all the run and as it goes on."""
+"""Spectra of runs, what a shaken base makes of what it carries, and frequency responses of small motions."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import matplotlib
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from antenna_pin.analysis import (
     LONG,
     base_motion,
+    base_quantity,
     joint_loads,
     long_spectrogram,
     long_spectrum,
+    power_density,
+    quantity,
+    shaken_target,
+    shakes_of,
+    shock_spectrum,
     spectrogram,
     spectrum,
+    swept_response,
 )
-from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import printed_unit
+from antenna_pin.elements import density_at
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._kinds import MOVING, choose_joint
-from antenna_pin.plot._run_figure import RunFigure
-from antenna_pin.plot._runs import (
-    LabelledRun,
-    Run,
-    labelled,
-    left_out,
-    long_enough,
-    styles,
-    too_short,
-    with_reference,
-)
-from antenna_pin.plot._style import (
-    SHADE,
-    Array,
-    Width,
-    few_ticks,
-    footnote,
-    legend_above,
-    letters,
-    new_figure,
-    panel_title,
-    styled,
-)
+from antenna_pin.plot._compared import pick
+from antenna_pin.plot._kinds import MOVING, RANDOM, SHAKEN, SWEPT, RunFigure
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, too_short
+from antenna_pin.plot._style import COLOURS, SHADE, Array, Width
 from antenna_pin.plot._thinned import telling
+from antenna_pin.plot.grammar import (
+    TIME,
+    Axis,
+    Band,
+    ByHand,
+    Curve,
+    Ground,
+    Mark,
+    Panel,
+    Rule,
+    Sheet,
+    figure,
+    in_rows,
+)
 
 Signal = Literal["acceleration", "base acceleration", "force"]
-SIGNALS: tuple[Signal, ...] = ("acceleration", "base acceleration", "force")
+SIGNALS: tuple[Signal, ...] = get_args(Signal)
 _UNITS = {"acceleration": "rad/s^2", "base acceleration": "m/s^2", "force": "N"}
 
 # What is this much smaller than the largest is not drawn [decades of the density].
 _SPECTRUM_DECADES = 8
 _SPECTROGRAM_DECADES = 5
+_DENSITY_DECADES = 7
+_RESPONSE_DECADES = 8
 # Above this share of the sample rate impacts are not resolved by the samples.
 _RESOLVED = 0.2
 _ABOVE = "above a fifth of the sample rate, impacts not resolved"
+_FREQUENCY = Axis("frequency [Hz]", scale="log")
 
 
 class _Density(NamedTuple):
@@ -75,163 +78,117 @@ class _Density(NamedTuple):
     window: str = ""  # of a long run: which windows it is the mean over
 
 
-@takes()
-@styled
+@figure()
 def figure_spectra(
-    runs: Iterable[Run] | Run,
-    *,
-    joint: str | None = None,
-    ideal: Run | None = None,
-    width: Width = "page",
-) -> Figure:
+    runs: Runs, *, joint: str | None = None, ideal: Run | None = None, width: Width = "page"
+) -> Sheet:
     """Return the amplitude densities of the joint's and the base's acceleration and of the joint's force.
 
     Of a vector, the root of the sum over its components. The mean over three windows, half of the run each;
     of a run of fewer than 32 samples one, all of it. Above a fifth of the sample rate, shaded, samples do not
     resolve impacts.
-
-    Args:
-        runs: Trajectories, or pairs of a label and a dataset.
-        joint: Name of the joint; the first one with clearance if left out.
-        ideal: The run whose line is black and dashed; the first without any contact if left out.
-        width: "column" (88 mm) or "page" (180 mm).
     """
-    every, reference = with_reference(runs, ideal)
-    joint = choose_joint(MOVING, every, joint)
-    drawn = sorted(long_enough(every), key=lambda run: run is reference)
-    looks = dict(zip([run.label for run in drawn], styles(drawn, reference), strict=True))
-    found = {kind: _densities(drawn, kind, joint) for kind in SIGNALS}
-    kinds = [kind for kind in SIGNALS if found[kind]]
-    if not kinds:
-        raise InvalidParameterError(
-            "figure", "runs", "at least one run of 16 samples or more", ", ".join(run.label for run in every)
-        )
-    page = width == "page"
-    figure = new_figure(width, 66.0 if page else 12.0 + 46.0 * len(kinds))
-    panels = figure.subplots(1 if page else len(kinds), len(kinds) if page else 1, squeeze=False).ravel()
-    for letter, axes, kind in zip(letters(), panels, kinds, strict=False):
-        largest = max(float(each.density.max()) for each in found[kind])
-        for each in found[kind]:
-            axes.plot(each.frequency, each.density, label=each.run.legend, **looks[each.run.label])
-        rate = max(each.rate for each in found[kind])
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_xlim(min(float(each.frequency[0]) for each in found[kind]), 0.5 * rate)
-        top = 10.0 ** np.ceil(np.log10(1.2 * largest))
-        axes.set_ylim(top / 10.0**_SPECTRUM_DECADES, top)
-        axes.yaxis.set_major_locator(LogLocator(numticks=6))
-        axes.yaxis.set_minor_locator(NullLocator())
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.axvspan(_RESOLVED * rate, 0.5 * rate, facecolor=SHADE, zorder=0.5)
-        panel_title(axes, letter if len(kinds) > 1 else "", _words(kind, joint))
-        axes.set_ylabel(_label(kind))
-        if page or axes is panels[-1]:
-            axes.set_xlabel("frequency [Hz]")
-    legend_above(figure, panels)
-    drawn_ones = [each.run for kind in kinds for each in found[kind]]
-    footnote(
-        figure,
+    picked = pick(runs, ideal=ideal, joint=(MOVING, joint))
+    looks = {run.label: look for run, look in picked.styled}
+    found = {kind: _densities(picked.drawn, kind, picked.joint) for kind in SIGNALS}
+    every = [one for of_kind in found.values() for one in of_kind]
+    if not every:
+        rule = "at least one run of 16 samples or more"
+        raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in picked.every))
+    panels = []
+    for kind, mine in found.items():
+        if not mine:
+            continue
+        lines = [Curve(one.run.legend, one.frequency, one.density, looks[one.run.label]) for one in mine]
+        rate = max(one.rate for one in mine)
+        top = 10.0 ** np.ceil(np.log10(1.2 * max(float(one.density.max()) for one in mine)))
+        shade = Ground(_RESOLVED * rate, 0.5 * rate, {"facecolor": SHADE, "zorder": 0.5})
+        x = replace(_FREQUENCY, limits=(min(float(one.frequency[0]) for one in mine), 0.5 * rate))
+        y = Axis(_label(kind), limits=(top / 10.0**_SPECTRUM_DECADES, top), scale="log", ticks=6)
+        panels.append(Panel(_words(kind, picked.joint), [*lines, shade], y, x))
+    notes = (
         f"shaded: {_ABOVE}",
-        "; ".join(dict.fromkeys(each.window for kind in kinds for each in found[kind] if each.window)),
-        too_short(every),
-        left_out(every, drawn_ones, "no such signal or fewer than 16 samples"),
+        "; ".join(dict.fromkeys(one.window for one in every if one.window)),
+        too_short(picked.every),
+        left_out(picked.every, [one.run for one in every], "no such signal or fewer than 16 samples"),
     )
-    return figure
+    if width == "page":
+        return Sheet([panels], width, 66.0, notes)
+    return Sheet([[one] for one in panels], width, 12.0 + 46.0 * len(panels), notes)
 
 
-@takes()
-@styled
+@figure(
+    signal='"acceleration" of the joint, "base acceleration", or "force" through the joint; if left out the '
+    "acceleration, or the force of a joint that turns in no run about an axis, such as a ball's."
+)
 def figure_spectrogram(
-    runs: Iterable[Run] | Run,
-    signal: Signal | None = None,
-    *,
-    joint: str | None = None,
-    width: Width = "page",
-) -> Figure:
+    runs: Runs, signal: Signal | None = None, *, joint: str | None = None, width: Width = "page"
+) -> Sheet:
     """Return how the spectral density of a signal changes over the run, one panel per run with contact.
 
     Runs without any contact are drawn if there is no other. What samples do not resolve of impacts, above a
     fifth of the sample rate, is not drawn.
-
-    Args:
-        runs: Trajectories, or pairs of a label and a dataset.
-        signal: "acceleration" of the joint, "base acceleration", or "force" through the joint; if left out
-            the acceleration, or the force of a joint that turns in no run about an axis, such as a ball's.
-        joint: Name of the joint; the first one with clearance if left out.
-        width: "column" (88 mm) or "page" (180 mm).
     """
     if signal is not None and signal not in SIGNALS:
         raise UnknownNameError("figure", "signal", signal, SIGNALS)
-    every = labelled(runs)
-    joint = choose_joint(MOVING, every, joint)
-    if signal is None:
-        signal = "acceleration" if any(joint in run.joints for run in every) else "force"
-    candidates = [run for run in long_enough(every) if not run.ideal] or long_enough(every)
+    picked = pick(runs, compared=False, joint=(MOVING, joint))
+    name = picked.joint
+    turns = any(name in run.joints for run in picked.every)
+    kind = signal or ("acceleration" if turns else "force")
+    candidates = [run for run in picked.drawn if not run.ideal] or picked.drawn
     drawn, maps, windows = [], [], []
     for run in candidates:
-        if run.time.size > LONG:
-            read = _reader(run, signal, joint)
-            if read is None:
-                continue
-            of_long = long_spectrogram(run.time, read)
+        shown, window = _map(run, kind, name)
+        if shown is not None:
             drawn.append(run)
-            maps.append(
-                (*(of_long[name].values for name in ("time", "frequency")), np.sqrt(of_long["power"].values))
-            )
-            windows.append(_windows(run, of_long, " around each instant"))
-            continue
-        values = _signal(run, signal, joint)
-        try:
-            parts = [] if values is None else [_spectrogram(run, part) for part in values.T]
-        except AntennaPinError:  # too few samples
-            parts = []
-        if parts:
-            drawn.append(run)
-            power = sum(np.asarray(part["power"].values) for part in parts)
-            maps.append((parts[0]["time"].values, parts[0]["frequency"].values, np.sqrt(power)))
+            maps.append(shown)
+            windows.append(window)
     if not drawn:
-        rule = f"at least one of 64 samples or more with {_words(signal, joint)}"
-        raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in every))
-    columns = min(len(drawn), 3 if width == "page" else 1)
-    rows = -(-len(drawn) // columns)
-    figure = new_figure(width, 8.0 + rows * 52.0)
-    panels = list(figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel())
-    for axes in panels[len(drawn) :]:
-        axes.remove()
+        rule = f"at least one of 64 samples or more with {_words(kind, name)}"
+        raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in picked.every))
     largest = max(float(density.max()) for _, _, density in maps) or 1.0
     norm = LogNorm(largest / 10.0**_SPECTROGRAM_DECADES, largest)
     colours = matplotlib.colormaps["Blues"]  # none is white, much is dark
-    for letter, axes, run, (time, frequency, density) in zip(letters(), panels, drawn, maps, strict=False):
+    panels = []
+    for run, (time, frequency, density) in zip(drawn, maps, strict=True):
         known = frequency <= 2.0 * _RESOLVED * frequency[-1]  # the last is half the sample rate
-        frequency, shown = frequency[known], np.maximum(density[known], float(norm.vmin or 0.0))
-        axes.set_ylim(0.0, frequency[-1])
-        axes.pcolormesh(time, frequency, shown, norm=norm, cmap=colours, shading="nearest", rasterized=True)
-        axes.grid(visible=False)
-        axes.set_xlim(time[0], time[-1])
-        few_ticks(axes, 5)
-        panel_title(axes, letter if len(drawn) > 1 else "", f"{run.label}, {_words(signal, joint)}")
-        place = axes.get_subplotspec()
-        if place is not None and place.is_first_col():
-            axes.set_ylabel("frequency [Hz]")
-        if panels.index(axes) + columns >= len(drawn):
-            axes.set_xlabel("time [s]")
-            axes.tick_params(labelbottom=True)
-    bar = figure.colorbar(
-        ScalarMappable(norm, colours),
-        ax=panels[: len(drawn)],
-        label=_label(signal),
-        aspect=30.0 * rows,
-        pad=0.02,
-    )
-    bar.outline.set_linewidth(0.4)
-    footnote(
-        figure,
-        f"not drawn: {_ABOVE}",
-        *windows,
-        too_short(every),
-        left_out(candidates, drawn, "no such signal or fewer than 64 samples"),
-    )
-    return figure
+        seen, values = frequency[known], np.maximum(density[known], float(norm.vmin or 0.0))
+
+        def field(
+            axes: Axes, *_: float, time: Array = time, seen: Array = seen, values: Array = values
+        ) -> None:
+            looks: dict[str, Any] = {"shading": "nearest", "rasterized": True}
+            axes.pcolormesh(time, seen, values, norm=norm, cmap=colours, **looks)
+            axes.grid(visible=False)
+
+        x = replace(TIME, limits=(time[0], time[-1]), shared="time")
+        y = Axis("frequency [Hz]", limits=(0.0, seen[-1]), shared="frequency")
+        panels.append(Panel(f"{run.label}, {_words(kind, name)}", [ByHand(field)], y, x))
+    rows = in_rows(panels, min(len(drawn), 3 if width == "page" else 1), alone=False)
+    bar = (ScalarMappable(norm, colours), _label(kind), {"aspect": 30.0 * len(rows), "pad": 0.02})
+    left = left_out(candidates, drawn, "no such signal or fewer than 64 samples")
+    notes = (f"not drawn: {_ABOVE}", *windows, too_short(picked.every), left)
+    return Sheet(rows, width, 8.0 + 52.0 * len(rows), notes, bar=bar)
+
+
+def _map(run: LabelledRun, kind: Signal, joint: str) -> tuple[tuple[Array, Array, Array] | None, str]:
+    """Return times, frequencies and densities of a signal, and a note on its windows; None if it has none."""
+    if run.time.size > LONG:
+        read = _reader(run, kind, joint)
+        if read is None:
+            return None, ""
+        found = long_spectrogram(run.time, read)
+        time, frequency = (found[name].values for name in ("time", "frequency"))
+        return (time, frequency, np.sqrt(found["power"].values)), _windows(run, found, " around each instant")
+    values = _signal(run, kind, joint)
+    try:
+        parts = [] if values is None else [_spectrogram(run, part) for part in values.T]
+    except AntennaPinError:  # too few samples
+        parts = []
+    if not parts:
+        return None, ""
+    power = sum(np.asarray(part["power"].values) for part in parts)
+    return (parts[0]["time"].values, parts[0]["frequency"].values, np.sqrt(power)), ""
 
 
 def _spectrum(run: LabelledRun, values: Array) -> xr.Dataset:
@@ -332,14 +289,200 @@ def _windows(run: LabelledRun, found: xr.Dataset, where: str = "") -> str:
     return f"{run.label}: mean over the windows of {segment:.3g} s{where}, {count} in all"
 
 
+# --- a shaken base ---
+
+_PLAIN = Axis("frequency [Hz]", scale="plain")
+_GIVEN: dict[str, Any] = {"color": "#555555", "linestyle": ":", "linewidth": 1.0}
+_TARGET = "Name of a quantity; the acceleration of the URDF's last link if left out."
+
+
+@figure(
+    target=_TARGET,
+    linear="Response of small motions beside it (:func:`antenna_pin.linear.frequency_response`), of its "
+    "first target.",
+    periods="Length of the windows [periods].",
+)
+def figure_swept(
+    runs: Runs,
+    target: str | None = None,
+    *,
+    linear: xr.Dataset | None = None,
+    periods: float = 10.0,
+    width: Width = "page",
+) -> Sheet:
+    """Return gain and distortion over frequency of what a swept base makes, a colour for each run.
+
+    The way up is a full line, the way down a dashed one: where they differ, play or friction makes the answer
+    depend on what was before.
+    """
+    picked = pick(runs, SWEPT, compared=False)
+    name, unit = "", ""
+    gains: list[Mark] = []
+    distortions: list[Mark] = []
+    for run, look in picked.styled:
+        found = swept_response(run.data, target or shaken_target(run.data), periods=periods)
+        name, unit = str(found.attrs["target"]), str(found["gain"].attrs["units"])
+        ways = np.asarray(found["way"].values)
+        for way, line in ((1, "-"), (-1, "--")):
+            here = np.flatnonzero(ways == way)
+            if not here.size:
+                continue
+            order = here[np.argsort(found["frequency"].values[here], kind="stable")]
+            frequency, gain, distortion = (
+                np.asarray(found[one].values)[order] for one in ("frequency", "gain", "distortion")
+            )
+            own = {**look, "linestyle": line}
+            label = run.legend if way == 1 or not (ways == 1).any() else ""
+            gains.append(Curve(label, frequency, gain, own))
+            distortions.append(Curve("", frequency, 100.0 * distortion, own))
+    if linear is not None:
+        look = {"color": "#777777", "linewidth": 0.7, "zorder": 0.8}
+        gain = np.abs(np.asarray(linear["response"].values[:, 0]))
+        gains.append(Curve("small motions", linear["frequency"].values, gain, look))
+        name = name or str(linear["target"].values[0])
+    unit = "" if unit == "(m/s^2)/(m/s^2)" else unit
+    x = replace(_PLAIN, shared="frequency")
+    panels = [
+        Panel(name, gains, Axis(f"gain [{printed_unit(unit) or '-'}]", scale="plain"), x),
+        Panel(
+            "what does not follow the sweep, over what does",
+            distortions,
+            Axis("distortion [%]", limits=(0.0, None), ticks=0),
+            x,
+        ),
+    ]
+    notes = ("over the base's acceleration; full: swept up, dashed: down", *picked.notes)
+    return Sheet([[one] for one in panels], width, 100.0, notes, heights=[1.6, 1.0])
+
+
+@figure(target=_TARGET, segment="Length of a window [s]; an eighth of the run if left out.")
+def figure_density(
+    runs: Runs, target: str | None = None, *, segment: float | None = None, width: Width = "page"
+) -> Sheet:
+    """Return power spectral densities of what a base shaken at random makes, with 95 % confidence."""
+    picked = pick(runs, RANDOM, compared=False)
+    marks: list[Mark] = []
+    top, name, unit = 0.0, "", ""
+    for k, run in enumerate(picked.drawn):
+        one = quantity(run.data, target or shaken_target(run.data))
+        found = power_density(one.time, one.values, segment=segment, units=one.units)
+        frequency, power, low, high = (
+            np.asarray(found[key].values)[1:] for key in ("frequency", "power", "lower", "upper")
+        )
+        colour = COLOURS[k % len(COLOURS)]
+        marks.append(Band(frequency, low, high, {"color": colour, "alpha": 0.2}))
+        marks.append(Curve(run.legend, frequency, power, {"color": colour, "linewidth": 0.8}))
+        top, name, unit = max(top, float(high.max())), one.name, str(found["power"].attrs["units"])
+    marks += _prescribed(picked.drawn[0])
+    limits = top / 10.0**_DENSITY_DECADES, 2.0 * top
+    y = Axis(f"density [{printed_unit(unit)}]", limits=limits, scale="log", ticks=0)
+    notes = ("shaded: interval of 95 % confidence", *picked.notes)
+    return Sheet([[Panel(name, marks, y, _PLAIN)]], width, 80.0, notes)
+
+
+def _prescribed(run: LabelledRun) -> list[Curve]:
+    """Return the prescribed density of a run's base."""
+    for one in shakes_of(run.data).values():
+        about = one["shakes"]
+        if "density" in about:
+            at, given = tuple(about["frequency"]), tuple(about["density"])
+            frequency = np.geomspace(at[0], at[-1], 200)
+            frequency[0], frequency[-1] = at[0], at[-1]
+            return [Curve("asked of the base", frequency, density_at(frequency, at, given), _GIVEN)]
+    return []
+
+
+@figure(target=_TARGET, quality="Q of the oscillators.")
+def figure_shock(
+    runs: Runs, target: str | None = None, *, quality: float = 10.0, width: Width = "page"
+) -> Sheet:
+    """Return shock response spectra of an acceleration: the largest of an oscillator, over its frequency."""
+    picked = pick(runs, SHAKEN, compared=False)
+    every = [
+        (run.legend, quantity(run.data, target or shaken_target(run.data)), look)
+        for run, look in picked.styled
+    ]
+    _, last, _ = every[-1]
+    base = quantity(picked.drawn[0].data, base_quantity(picked.drawn[0].data))
+    if base.name != last.name:
+        every.append(("base", base, _GIVEN))
+    lines = []
+    for label, one, look in every:
+        found = shock_spectrum(one.time, one.values, quality=quality, units=one.units)
+        lines.append(Curve(label, found["frequency"].values, found["maximum"].values, look))
+    y = Axis(f"largest acceleration [{printed_unit(last.units)}]", scale="log", ticks=0)
+    x = replace(_PLAIN, label="natural frequency [Hz]")
+    panel = Panel(f"{last.name}, Q = {quality:g}", lines, y, x)
+    return Sheet([[panel]], width, 80.0, picked.notes)
+
+
+# --- small motions ---
+
+
+@figure(response="``response`` over ``frequency`` and ``target``, with ``unit`` of each target.")
+def figure_response(response: xr.Dataset, *, width: Width = "page") -> Sheet:
+    """Return magnitude and phase of a frequency response (:func:`antenna_pin.linear.frequency_response`).
+
+    Targets of one unit share a panel of magnitudes; thin lines stand at the undamped natural frequencies.
+    """
+    frequency = np.asarray(response["frequency"].values)
+    ends = float(frequency[0]), float(frequency[-1])
+    marks = sorted({float(f) for f in response.attrs["resonances"] if ends[0] <= f <= ends[1]})
+    thin = {"color": "#BBBBBB", "linewidth": 0.5, "zorder": 0.6}
+    rules: list[Mark] = [Rule(mark, thin, "x") for mark in marks]
+    x = replace(_PLAIN, limits=ends, shared="frequency")
+    of_unit: dict[str, list[Curve]] = {}
+    phases = []
+    for k, name in enumerate(str(name) for name in response["target"].values):
+        values, look = response["response"].values[:, k], {"color": f"C{k}"}
+        unit = str(response["unit"].values[k])
+        of_unit.setdefault(unit, []).append(Curve(name, frequency, np.abs(values), look))
+        phases.append(Curve(name, frequency, np.degrees(_wrapped(values)), look))
+    panels = []
+    for unit, lines in of_unit.items():
+        largest = max(float(one.y.max(initial=0.0)) for one in lines)
+        limits = None
+        if largest > 0.0:
+            lowest = min(float(one.y.min()) for one in lines if one.y.any())
+            limits = max(0.5 * lowest, largest / 10.0**_RESPONSE_DECADES), 2.0 * largest
+        y = Axis(f"magnitude [{printed_unit(unit)}]", limits=limits, scale="log", ticks=0)
+        panels.append(Panel(f"over {response.attrs['source']}", [*lines, *rules], y, x))
+    named = {float(n): f"{n}".replace("-", "\N{MINUS SIGN}") for n in (-180, -90, 0, 90, 180)}
+    y = Axis("phase [deg]", limits=(-190.0, 190.0), named=named)
+    panels.append(Panel("", [*phases, *rules], y, x, lettered=False))
+    heights = [1.4] * len(of_unit) + [1.0]
+    note = "thin lines: natural frequencies, undamped" if marks else ""
+    height = 16.0 + 44.0 * len(of_unit) + 34.0
+    return Sheet([[one] for one in panels], width, height, (note,), heights=heights)
+
+
+def _wrapped(values: Array) -> Array:
+    """Return phases in (-pi, pi] that do not join across the jump [rad]."""
+    phase = np.angle(values)
+    jumps = np.abs(np.diff(phase, prepend=phase[:1])) > np.pi
+    return np.where(jumps, np.nan, phase)
+
+
 FIGURES = (
-    RunFigure(name="spectra", title="Spectra, {joint}", function=figure_spectra, of=MOVING),
+    RunFigure("spectra", "Spectra, {joint}", figure_spectra, of=MOVING),
     RunFigure(
-        name="spectrogram",
-        title="Spectrogram, {joint}",
-        function=figure_spectrogram,
-        of=MOVING,
+        "spectrogram", "Spectrogram, {joint}", figure_spectrogram, of=MOVING, compares=False, reported=False
+    ),
+    RunFigure("swept_response", "Response to the swept base", figure_swept, needs=SWEPT, compares=False),
+    RunFigure(
+        "random_density",
+        "Power spectral density on the shaken base",
+        figure_density,
+        needs=RANDOM,
         compares=False,
+    ),
+    RunFigure(
+        "shock_spectrum",
+        "Shock response spectrum on the shaken base",
+        figure_shock,
+        needs=SHAKEN,
+        compares=False,
+        standard=False,
         reported=False,
     ),
 )

@@ -7,42 +7,37 @@ out, and a footnote says how many.
 
 from __future__ import annotations
 
+import json
 import math
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
-from antenna_pin.plot._study import broken, cell_edges, label_axis, left_out, names_of, quantity_of
-from antenna_pin.plot._style import (
-    COLOURS,
-    PEAK,
-    SEQUENTIAL,
-    Width,
-    few_ticks,
-    footnote,
-    legend_above,
-    literal,
-    new_figure,
-    styled,
+from antenna_pin.errors import UnknownNameError
+from antenna_pin.plot._style import COLOURS, PEAK, SEQUENTIAL, Array, Width, literal, prefixed
+from antenna_pin.plot.grammar import (
+    Axis,
+    ByHand,
+    Curve,
+    DatasetFigure,
+    Mark,
+    Panel,
+    Scale,
+    Sheet,
+    colour_bar,
+    figure,
 )
-
-__all__ = [
-    "QUANTILES",
-    "StudyFigure",
-    "study_distribution",
-    "study_figures",
-    "study_map",
-    "study_response",
-    "study_scatter",
-    "study_sensitivities",
-]
 
 #: Quantiles that a distribution is marked with [-].
 QUANTILES = (0.05, 0.5, 0.95, 0.997)
@@ -55,63 +50,139 @@ _MOST_SCATTERED = 6
 _LIGHTEST = 0.7
 
 
+StudyFigure = DatasetFigure
+
+
+# --- parameters and responses: a value for each run, in a unit that suits it ---
+
+# Values of a parameter that its axis has room for.
+_MOST_TICKS = 7
+
+
 @dataclass(frozen=True, slots=True)
-class StudyFigure:
-    """A figure that a study allows.
+class Quantity:
+    """A parameter or response of all runs, in a unit that suits it.
 
     Attributes:
-        name: As its file is called.
-        title: What it shows.
-        draw: Draws it; takes ``width``.
+        name: Its name.
+        label: What its axis is called, with the unit.
+        values: Of all runs, (runs,).
+        texts: Of a parameter that is words.
+        ticks: The values of a parameter that has few.
+        logarithmic: Whether it is a parameter whose values are spaced by factors.
     """
 
     name: str
-    title: str
-    draw: Callable[..., Figure]
+    label: str
+    values: Array
+    texts: tuple[str, ...] = ()
+    ticks: tuple[float, ...] = ()
+    logarithmic: bool = False
 
 
-@takes()
-@styled
-def study_response(study: xr.Dataset, response: str, parameter: str, *, width: Width = "column") -> Figure:
-    """Draw a response against a parameter: lines over a grid of two parameters at most, else a point a run.
+def names_of(study: xr.Dataset, what: str) -> list[str]:
+    """Return the names of a study's ``parameters`` or ``responses``."""
+    return [str(name) for name in json.loads(study.attrs[what])]
 
-    Args:
-        study: What :func:`antenna_pin.open_study` returns.
-        response: Name of the response.
-        parameter: Name of the parameter.
-        width: "column" or "page".
-    """
+
+def quantity_of(study: xr.Dataset, name: str) -> Quantity:
+    """Return a parameter or response, one value for each run, (runs,)."""
+    known = [*names_of(study, "parameters"), *names_of(study, "responses")]
+    if name not in known:
+        raise UnknownNameError("study", "parameter or response", name, known)
+    found = study[name]
+    like = study["outcome"]
+    text = str(found.attrs.get("long_name", name))
+    text = text[:1].upper() + text[1:]
+    if found.dtype.kind not in "fi":
+        words = [str(value) for value in found.values]
+        numbers = xr.DataArray(np.arange(len(words), dtype=float), dims=found.dims)
+        return Quantity(
+            name, text, np.ravel(numbers.broadcast_like(like).transpose(*like.dims).values), tuple(words)
+        )
+    values = np.ravel(found.broadcast_like(like).transpose(*like.dims).values).astype(float)
+    sizes = np.abs(values[np.isfinite(values)])
+    chosen = name in names_of(study, "parameters")
+    by_factors = chosen and is_spaced_by_factors(values)
+    # On a logarithmic axis the middle is what is read, on another its end.
+    size = float(np.median(sizes) if by_factors else sizes.max()) if sizes.size else 0.0
+    factor, unit = prefixed(str(found.attrs.get("units", "")), size)
+    label = f"{text} [{unit}]" if unit not in ("", "-", "1") else text
+    own = np.unique(factor * values[np.isfinite(values)])
+    ticks = tuple(own.tolist()) if chosen and own.size <= _MOST_TICKS else ()
+    return Quantity(name, label, factor * values, ticks=ticks, logarithmic=by_factors)
+
+
+def is_spaced_by_factors(values: Array) -> bool:
+    """Return whether values are spaced more evenly by their logarithms, over a decade or nearly so."""
+    own = np.unique(values[np.isfinite(values)])
+    if own.size < 3 or own[0] <= 0.0 or own[-1] < 8.0 * own[0]:
+        return False
+    steps, factors = np.diff(own), np.diff(np.log(own))
+    return bool(np.std(factors) / np.mean(factors) < np.std(steps) / np.mean(steps))
+
+
+def cell_edges(values: Array, logarithmic: bool) -> Array:
+    """Return the edges of cells around ascending values, halfway between two, by factors or not."""
+    own = np.log(values) if logarithmic else values
+    middles = 0.5 * (own[1:] + own[:-1])
+    if not middles.size:
+        edges = own[0] + max(0.5 * abs(own[0]), 0.5) * np.array([-1.0, 1.0])
+    else:
+        edges = np.concatenate([[2.0 * own[0] - middles[0]], middles, [2.0 * own[-1] - middles[-1]]])
+    found: Array = np.exp(edges) if logarithmic else edges
+    return found
+
+
+def left_out(*quantities: Quantity) -> tuple[Any, str]:
+    """Return which runs have all the numbers, and the words for those that have not."""
+    there = np.logical_and.reduce([np.isfinite(one.values) for one in quantities])
+    missing = int(np.count_nonzero(~there))
+    return there, f"{missing} of {there.size} runs without a result are not drawn" if missing else ""
+
+
+# --- figures ---
+
+_STUDY = "As :func:`antenna_pin.open_study` returns it."
+_RESPONSE = "Name of the response."
+
+
+def _broken(label: str, length: int = 32) -> str:
+    """Return a label in lines that an axis has room for; a title may be a sentence."""
+    return "\n".join(textwrap.wrap(label, length))
+
+
+def _axis(quantity: Quantity, ticks: int = 0) -> Axis:
+    """Return the axis of a quantity; a parameter of words, or of few values, has them as ticks."""
+    named = {value: f"{value:.4g}" for value in quantity.ticks}
+    named |= {float(k): literal(text) for k, text in enumerate(quantity.texts)}
+    scale: Scale = "log" if quantity.logarithmic else "linear"
+    return Axis(_broken(quantity.label), scale=scale, ticks=ticks, named=named or None)
+
+
+@figure(study=_STUDY, response=_RESPONSE, parameter="Name of the parameter.")
+def study_response(study: xr.Dataset, response: str, parameter: str, *, width: Width = "column") -> Sheet:
+    """Draw a response against a parameter: lines over a grid of two parameters, else a point a run."""
     x, y = quantity_of(study, parameter), quantity_of(study, response)
     there, said = left_out(x, y)
-    figure = new_figure(width, 66.0)
-    axes = figure.add_subplot()
     others = [dim for dim in study["outcome"].dims if dim != study[parameter].dims[0]]
     lines = _lines(study, [str(dim) for dim in others])
     if lines is None:
-        axes.plot(x.values[there], y.values[there], ".", markersize=3.0, alpha=0.7)
-        axes.margins(x=0.03)
+        dots = {"linestyle": "none", "marker": ".", "markersize": 3.0, "alpha": 0.7}
+        marks = [Curve("", x.values[there], y.values[there], dots)]
     else:
-        several = len(lines) > 1
+        marks = []
         for k, (label, mine) in enumerate(lines):
             chosen = mine & there
             order = np.argsort(x.values[chosen], kind="stable")
+            several = len(lines) > 1
             colour = SEQUENTIAL(_LIGHTEST * k / max(len(lines) - 1, 1)) if several else COLOURS[0]
-            axes.plot(
-                x.values[chosen][order],
-                y.values[chosen][order],
-                "o-",
-                markersize=3.0,
-                color=colour,
-                label=label if several else None,
-            )
-        axes.margins(x=0.03)
-        legend_above(figure, [axes])
-    label_axis(axes, x, "x")
-    label_axis(axes, y, "y")
-    if not x.texts and not x.ticks:
-        few_ticks(axes)
-    footnote(figure, said)
-    return figure
+            look = {"marker": "o", "markersize": 3.0, "color": colour}
+            points = x.values[chosen][order], y.values[chosen][order]
+            marks.append(Curve(label if several else "", *points, look))
+    few = not x.texts and not x.ticks
+    panel = Panel("", marks, _axis(y, 5 if few else 0), _axis(x, 6 if few else 0), margins=(0.03, 0.05))
+    return Sheet([[panel]], width, 66.0, (said,))
 
 
 def _lines(study: xr.Dataset, others: Sequence[str]) -> list[tuple[str, Any]] | None:
@@ -133,66 +204,59 @@ def _lines(study: xr.Dataset, others: Sequence[str]) -> list[tuple[str, Any]] | 
     return found
 
 
-@takes()
-@styled
-def study_map(
-    study: xr.Dataset, response: str, first: str, second: str, *, width: Width = "column"
-) -> Figure:
-    """Draw a response over two parameters: a heat map with contours over a grid, else coloured points.
-
-    Args:
-        study: What :func:`antenna_pin.open_study` returns.
-        response: Name of the response.
-        first: Parameter along x.
-        second: Parameter along y.
-        width: "column" or "page".
-    """
+@figure(study=_STUDY, response=_RESPONSE, first="Parameter along x.", second="Parameter along y.")
+def study_map(study: xr.Dataset, response: str, first: str, second: str, *, width: Width = "column") -> Sheet:
+    """Draw a response over two parameters: a heat map with contours over a grid, else coloured points."""
     x, y, z = (quantity_of(study, name) for name in (first, second, response))
     there, said = left_out(x, y, z)
-    figure = new_figure(width, 70.0)
-    axes = figure.add_subplot()
-    axes.grid(False)
     dims = (study[second].dims[0], study[first].dims[0])
-    shown: Any
-    lines: Any = None
-    if dims[0] != dims[1] and set(study["outcome"].dims) == set(dims):
-        columns, rows = np.unique(x.values), np.unique(y.values)
-        field = np.full((rows.size, columns.size), np.nan)
-        field[np.searchsorted(rows, y.values), np.searchsorted(columns, x.values)] = z.values
-        edges = (cell_edges(columns, x.logarithmic), cell_edges(rows, y.logarithmic))
-        shown = axes.pcolormesh(*edges, np.ma.masked_invalid(field), cmap=SEQUENTIAL)
-        if min(field.shape) > 1 and np.isfinite(field).all() and np.ptp(field) > 0.0:
-            lines = axes.contour(columns, rows, field, levels=6, colors="white", linewidths=0.7)
-    else:
-        shown = axes.scatter(x.values[there], y.values[there], c=z.values[there], s=8.0, cmap=SEQUENTIAL)
-        axes.margins(0.03)
-    bar = figure.colorbar(shown, ax=axes, label=broken(z.label))
-    bar.outline.set_linewidth(0.4)
-    if lines is not None:
-        bar.add_lines(lines)  # their values stand there: labels on narrow contours lie over one another
-    label_axis(axes, x, "x")
-    label_axis(axes, y, "y")
-    footnote(figure, said)
-    return figure
+    grid = dims[0] != dims[1] and set(study["outcome"].dims) == set(dims)
+
+    def field(axes: Axes, *_: float) -> None:
+        lines = None
+        axes.grid(False)
+        shown: Any
+        if grid:
+            columns, rows = np.unique(x.values), np.unique(y.values)
+            values = np.full((rows.size, columns.size), np.nan)
+            values[np.searchsorted(rows, y.values), np.searchsorted(columns, x.values)] = z.values
+            edges = (cell_edges(columns, x.logarithmic), cell_edges(rows, y.logarithmic))
+            shown = axes.pcolormesh(*edges, np.ma.masked_invalid(values), cmap=SEQUENTIAL)
+            if min(values.shape) > 1 and np.isfinite(values).all() and np.ptp(values) > 0.0:
+                lines = axes.contour(columns, rows, values, levels=6, colors="white", linewidths=0.7)
+        else:
+            looks: dict[str, Any] = {"s": 8.0, "cmap": SEQUENTIAL}
+            shown = axes.scatter(x.values[there], y.values[there], c=z.values[there], **looks)
+            axes.margins(0.03)
+        assert isinstance(axes.figure, Figure)
+        bar = colour_bar(axes.figure, axes, shown, literal(_broken(z.label)), {})
+        if lines is not None:
+            bar.add_lines(lines)  # their values stand there: labels on narrow contours lie over one another
+
+    return Sheet([[Panel("", [ByHand(field)], _axis(y), _axis(x))]], width, 70.0, (said,))
 
 
-@takes()
-@styled
-def study_distribution(study: xr.Dataset, response: str, *, width: Width = "column") -> Figure:
-    """Draw how a response is distributed over the runs, with quantiles: a histogram and the share below.
-
-    Args:
-        study: What :func:`antenna_pin.open_study` returns.
-        response: Name of the response.
-        width: "column" or "page".
-    """
+@figure(study=_STUDY, response=_RESPONSE)
+def study_distribution(study: xr.Dataset, response: str, *, width: Width = "column") -> Sheet:
+    """Draw how a response is distributed over the runs, with quantiles: a histogram and the share below."""
     x = quantity_of(study, response)
     there, said = left_out(x)
     values = np.sort(x.values[there])
-    figure = new_figure(width, 66.0)
-    axes = figure.add_subplot()
-    if values.size:
-        axes.hist(values, bins=min(60, max(5, int(2.0 * math.sqrt(values.size)))), color="#A9CCE3", zorder=2)
+    y = Axis("Runs", ticks=0)
+    finish = _with_shares(values) if values.size else None
+    panel = Panel("", [ByHand(_histogram(values))] if values.size else [], y, _axis(x), finish=finish)
+    return Sheet([[panel]], width, 66.0, (said,))
+
+
+def _histogram(values: Array) -> Callable[..., object]:
+    bins = min(60, max(5, int(2.0 * math.sqrt(values.size))))
+    return lambda axes, *_: axes.hist(values, bins=bins, color="#A9CCE3", zorder=2)
+
+
+def _with_shares(values: Array) -> Callable[[Axes], None]:
+    """Return what draws the share of the runs below, and quantiles, over a histogram of ordered values."""
+
+    def finish(axes: Axes) -> None:
         above = axes.twinx()
         above.grid(False)
         above.spines["right"].set_visible(True)
@@ -211,89 +275,77 @@ def study_distribution(study: xr.Dataset, response: str, *, width: Width = "colu
             # What may be broken is what lies between two.
             marks.append(f"{100.0 * share:g} %: {number(at, digits)}".replace(" ", "\N{NO-BREAK SPACE}"))
         # Above all: quantiles of a narrow distribution lie so near one another that no text fits beside them.
-        axes.set_title(broken("; ".join(marks), 54), fontsize=6.0, color=PEAK)
+        axes.set_title(_broken("; ".join(marks), 54), fontsize=6.0, color=PEAK)
         axes.margins(x=0.02)
-    axes.set_ylabel("Runs")
-    axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
-    label_axis(axes, x, "x")
-    footnote(figure, said)
-    return figure
+        axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+
+    return finish
 
 
-@takes()
-@styled
-def study_scatter(study: xr.Dataset, names: Sequence[str]) -> Figure:
-    """Draw parameters and responses all against all, with a histogram of each, as wide as a page.
-
-    Args:
-        study: What :func:`antenna_pin.open_study` returns.
-        names: Of parameters and responses.
-    """
+@figure(study=_STUDY, names="Of parameters and responses.")
+def study_scatter(study: xr.Dataset, names: Sequence[str]) -> Sheet:
+    """Draw parameters and responses all against all, with a histogram of each, as wide as a page."""
     found = [quantity_of(study, name) for name in names]
     there, said = left_out(*found)
-    count = len(found)
-    figure = new_figure("page", 22.0 * count + 14.0)
-    panels: Any = figure.subplots(count, count, sharex="col", squeeze=False)
+    dots = {"linestyle": "none", "marker": ".", "markersize": 1.8, "alpha": 0.6}
+    rows = []
     for row, y in enumerate(found):
-        for column, x in enumerate(found):
-            axes = panels[row, column]
-            if row == column:
-                axes.hist(x.values[there], bins=20, color="#A9CCE3")
-                axes.set_yticks([])
-            else:
-                axes.plot(x.values[there], y.values[there], ".", markersize=1.8, alpha=0.6)
-                axes.yaxis.set_major_locator(MaxNLocator(3))
-            axes.margins(0.05)
-            axes.xaxis.set_major_locator(MaxNLocator(2))
-            axes.tick_params(labelleft=column == 0 and row > 0, labelsize=5.5)
-            if row == count - 1:
-                axes.set_xlabel(broken(x.label, 15), fontsize=6.0)
-            if column == 0:
-                axes.set_ylabel(broken(y.label, 15), fontsize=6.0)
-    footnote(figure, said)
-    return figure
+        rows.append([_against(x, y, there, dots, (row, k, len(found))) for k, x in enumerate(found)])
+    return Sheet(rows, "page", 22.0 * len(found) + 14.0, (said,), letters=False)
 
 
-@takes()
-@styled
-def study_sensitivities(found: xr.Dataset, title: str = "", *, width: Width = "column") -> Figure:
-    """Draw which parameters a response depends on, with the intervals of the confidence.
+def _against(
+    x: Quantity, y: Quantity, there: Any, dots: dict[str, Any], place: tuple[int, int, int]
+) -> Panel:
+    """Return a quantity against another, of one alone its histogram."""
+    row, column, count = place
 
-    Args:
-        found: What :func:`antenna_pin.sweep.sensitivities` returns.
-        title: Of the response.
-        width: "column" or "page".
-    """
+    def finish(axes: Axes) -> None:
+        if row == column:
+            axes.set_yticks([])
+        axes.tick_params(labelleft=column == 0 and row > 0, labelbottom=row == count - 1, labelsize=5.5)
+        for axis, ticks in ((axes.xaxis, 2), (axes.yaxis, 3)):
+            if axis is axes.xaxis or row != column:
+                axis.set_major_locator(MaxNLocator(ticks))
+            axis.label.set_fontsize(6.0)
+
+    mark: Mark = Curve("", x.values[there], y.values[there], dots)
+    if row == column:
+        mark = ByHand(lambda axes, *_: axes.hist(x.values[there], bins=20, color="#A9CCE3"))
+    across = Axis(_broken(x.label, 15), labelled=row == count - 1, ticks=0, shared=f"{column}")
+    up = Axis(_broken(y.label, 15), labelled=column == 0, ticks=0)
+    return Panel("", [mark], up, across, margins=(0.05, 0.05), finish=finish)
+
+
+@figure(found="As :func:`antenna_pin.sweep.sensitivities` returns it.", title="Of the response.")
+def study_sensitivities(found: xr.Dataset, title: str = "", *, width: Width = "column") -> Sheet:
+    """Draw which parameters a response depends on, with the intervals of the confidence."""
     names = [literal(str(name)) for name in found["factor"].values]
-    places = np.arange(len(names))
-    figure = new_figure(width, 22.0 + 10.0 * len(names))
-    axes = figure.add_subplot()
+    morris = found.attrs["method"] == "morris"
     bars = (
         (("mu_star", "mean size of the effect"), ("sigma", "its spread"))
-        if found.attrs["method"] == "morris"
+        if morris
         else (("first", "by itself"), ("total", "with all interactions"))
     )
-    for k, (name, label) in enumerate(bars):
-        error = found[f"{name}_conf"].values if f"{name}_conf" in found else None
-        axes.barh(
-            places + (0.2 if k else -0.2),
-            found[name].values,
-            0.36,
-            xerr=error,
-            color=COLOURS[k],
-            label=label,
-            error_kw={"linewidth": 0.8, "capsize": 2.0},
-        )
-    axes.set_yticks(places, names)
-    axes.invert_yaxis()
-    axes.grid(axis="y", visible=False)
+
+    def draw(axes: Axes, *_: float) -> None:
+        for k, (name, label) in enumerate(bars):
+            error = found[f"{name}_conf"].values if f"{name}_conf" in found else None
+            looks: dict[str, Any] = {"color": COLOURS[k], "error_kw": {"linewidth": 0.8, "capsize": 2.0}}
+            places = np.arange(len(names)) + (0.2 if k else -0.2)
+            axes.barh(places, found[name].values, 0.36, xerr=error, label=label, **looks)
+
+    def finish(axes: Axes) -> None:
+        axes.invert_yaxis()
+        axes.grid(axis="y", visible=False)
+
     unit = str(found[bars[0][0]].attrs.get("units", ""))
-    what = "Effect" if found.attrs["method"] == "morris" else "Share of the variance [-]"
-    text = f"{what}{f' [{unit}]' if unit not in ('', '1') else ''}{f': {literal(title)}' if title else ''}"
-    axes.set_xlabel(broken(text, 50))
-    legend_above(figure, [axes])
-    footnote(figure, f"bars of error: {100.0 * found.attrs['confidence']:g} % confidence")
-    return figure
+    what = "Effect" if morris else "Share of the variance [-]"
+    text = f"{what}{f' [{unit}]' if unit not in ('', '1') else ''}{f': {title}' if title else ''}"
+    y = Axis(named={float(k): name for k, name in enumerate(names)})
+    panel = Panel("", [ByHand(draw)], y, Axis(_broken(text, 50), ticks=0), finish=finish)
+    note = f"bars of error: {100.0 * found.attrs['confidence']:g} % confidence"
+    return Sheet([[panel]], width, 22.0 + 10.0 * len(names), (note,))
 
 
 @takes()
@@ -306,32 +358,20 @@ def study_figures(study: xr.Dataset) -> Iterator[StudyFigure]:
     parameters, responses = names_of(study, "parameters"), names_of(study, "responses")
     varied = [name for name in parameters if study[name].size > 1]
     sampled = _SAMPLE in study["outcome"].dims
+    draw: Callable[..., Figure]
     for response in responses:
         title = str(study[response].attrs.get("long_name", response))
         for name in varied:
-            yield StudyFigure(
-                f"{response}-over-{name}",
-                f"{title}, over {name}",
-                lambda r=response, p=name, **more: study_response(study, r, p, **more),
-            )
-        pairs = [(a, b) for i, a in enumerate(varied) for b in varied[i + 1 :]]
-        for a, b in pairs if len(varied) <= 4 else ():
+            draw = partial(study_response, study, response, name)
+            yield StudyFigure(f"{response}-over-{name}", f"{title}, over {name}", draw)
+        for a, b in combinations(varied, 2) if len(varied) <= 4 else ():
             if study[a].dims != study[b].dims or sampled:
-                yield StudyFigure(
-                    f"{response}-over-{a}-and-{b}",
-                    f"{title}, over {a} and {b}",
-                    lambda r=response, a=a, b=b, **more: study_map(study, r, a, b, **more),
-                )
+                draw = partial(study_map, study, response, a, b)
+                yield StudyFigure(f"{response}-over-{a}-and-{b}", f"{title}, over {a} and {b}", draw)
         if sampled:
-            yield StudyFigure(
-                f"{response}-distribution",
-                f"{title}: distribution",
-                lambda r=response, **more: study_distribution(study, r, **more),
-            )
+            draw = partial(study_distribution, study, response)
+            yield StudyFigure(f"{response}-distribution", f"{title}: distribution", draw)
     every = [*varied, *responses][:_MOST_SCATTERED]
     if sampled and len(every) > 1:
-        yield StudyFigure(
-            "all-against-all",
-            "parameters and responses, all against all",
-            lambda **_: study_scatter(study, every),
-        )
+        title = "parameters and responses, all against all"
+        yield StudyFigure("all-against-all", title, lambda **_: study_scatter(study, every))

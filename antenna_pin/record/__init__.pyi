@@ -1,6 +1,6 @@
-from antenna_pin.record._browser import BrowserPrograms as BrowserPrograms
-from antenna_pin.record._browser import find_browser as find_browser
 from antenna_pin.record.bending import bending_magnification as bending_magnification
+from antenna_pin.record.browser import BrowserPrograms as BrowserPrograms
+from antenna_pin.record.browser import find_browser as find_browser
 from antenna_pin.record.page import SharedHead as SharedHead
 from antenna_pin.record.page import shared_head as shared_head
 from antenna_pin.record.page import viewer_megabytes as viewer_megabytes

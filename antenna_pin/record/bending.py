@@ -1,4 +1,4 @@
-r"""Where bodies are drawn whose links bend: elastic parts at so many times their deflection.
+r"""Placements of bodies with bending links: elastic parts at a multiple of their deflection.
 
 The deflection x of an elastic part moves its body by :math:`\exp(x S)` in the hub's frame, with the unit
 twist S of its joint. Drawn is :math:`\exp(M x S)`. A shape that several parts move is moved by all of them,
@@ -45,7 +45,7 @@ def check_bending(run: Trajectory, magnify: float | None) -> float:
 
 @takes()
 def bending_magnification(run: Trajectory) -> float | None:
-    """Return a magnification at which the bending of a run is seen; None of a run without elastic parts.
+    """Return a magnification that makes the bending of a run visible; None without elastic parts.
 
     1, 2 or 5 times a power of ten, at least 1, by the largest deflections of the run.
     """

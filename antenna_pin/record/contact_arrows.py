@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.record._marking import Marking
-from antenna_pin.record.framing import nice
 from antenna_pin.record.key_frames import Impacts
-from antenna_pin.record.scene import packed_counts, packed_floats
+from antenna_pin.record.marks import Marking
+from antenna_pin.record.scene import nice, packed_counts, packed_floats
 from antenna_pin.trajectory import contact_joints
 
 __all__ = ["applied_arrows", "contact_arrows", "force_scale", "placement_of", "sparse"]

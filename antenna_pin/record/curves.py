@@ -1,4 +1,4 @@
-"""The curves under a recording's slider: series of the run, thinned so that peaks are kept."""
+"""Curves under a recording's slider: series of the run, thinned without loss of peaks."""
 
 from __future__ import annotations
 
@@ -217,7 +217,7 @@ def _moves(values: Array) -> bool:
 
 
 def _strongest(found: list[Quantity]) -> int:
-    """Return which series is shown first: the greatest force of a contact, else the first of all."""
+    """Return the first series to show: the greatest force of a contact, else the first of all."""
     forces = [k for k, one in enumerate(found) if one.name.startswith("|contact_force")]
     return max(forces, key=lambda k: float(np.nanmax(found[k].values)), default=0)
 

@@ -1,4 +1,4 @@
-"""Which samples of a run a recording keeps: a regular rate, and every impact."""
+"""Key frames of a recording: samples at a regular rate, and every impact."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Impacts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KeyFrames:
-    """The samples that a recording keeps.
+    """Samples of a recording.
 
     Attributes:
         indices: Of samples of the run, times strictly increasing, (frames,).
@@ -87,7 +87,7 @@ def impacts_of(data: xr.Dataset, start: float, end: float) -> Impacts:
 
 
 def rate_of_turns(data: xr.Dataset) -> float:
-    """Return how many key frames per second keep every body's turn between two of them small [Hz].
+    """Return the key frames per second that make every body's turn between two of them small [Hz].
 
     Args:
         data: Of a run.
@@ -100,7 +100,7 @@ def rate_of_turns(data: xr.Dataset) -> float:
 def key_frames(
     times: Array, impacts: Impacts, rate: float, start: float, end: float, most: int | None = None
 ) -> KeyFrames:
-    """Choose the samples that a recording keeps.
+    """Choose the samples of a recording.
 
     They are the samples nearest to a regular rate, and those at every onset, peak and release of a contact.
     Where that is more than ``most``, first the rate is lowered, down to a quarter of ``most``; then impacts

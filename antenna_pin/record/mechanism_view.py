@@ -13,15 +13,11 @@ from antenna_pin.analysis import closures_of, mechanism_of
 from antenna_pin.base.directions import direction
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, Urdf, frame_aligning_z
-from antenna_pin.record._gear_marks import mark_gears
-from antenna_pin.record._joint_marks import mark_joints
-from antenna_pin.record._marking import Label, Mark, Marking, rgb
-from antenna_pin.record._stop_marks import mark_stops
 from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bending
 from antenna_pin.record.contact_arrows import applied_arrows, contact_arrows, force_scale
-from antenna_pin.record.framing import camera, clearest
 from antenna_pin.record.key_frames import Impacts, KeyFrames
-from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
+from antenna_pin.record.marks import Label, Mark, Marking, mark_gears, mark_joints, mark_stops, rgb
+from antenna_pin.record.scene import Scene, camera, clearest, packed_doubles, packed_floats, triad
 from antenna_pin.record.shapes import (
     Cylinder,
     Geometry,
@@ -33,7 +29,6 @@ from antenna_pin.record.shapes import (
     surface,
     visual_shapes,
 )
-from antenna_pin.record.triad import triad
 from antenna_pin.trajectory import Trajectory
 
 __all__ = ["Boresight", "mechanism_view"]
@@ -57,7 +52,7 @@ _NO_SPRINGS = ("friction",)  # kinds that stand among the springs of a scenario
 
 
 def mark_springs(marking: Marking) -> Mark | None:
-    """Draw the springs of the run's scenario; a run of a system built in Python does not say which it has.
+    """Draw the springs of the run's scenario; a system built in Python names none.
 
     Args:
         marking: What it is made of.

@@ -45,7 +45,7 @@ def _deflated(text: str) -> str:
 
 
 class SharedHead(NamedTuple):
-    """What recordings need in a page's head, once."""
+    """Shared part of a page's head for recordings."""
 
     html: str  # style and scripts
     scripts: tuple[str, ...]  # contents of its script elements, for the page's `pages.policy`

@@ -21,24 +21,30 @@ from antenna_pin.base.pages import in_frame
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.geometry import LOOKS
 from antenna_pin.record import page
-from antenna_pin.record._joint_picture import JOURNAL, MARK, RIM, TRACES, Array, JointPicture, length_text
-from antenna_pin.record._journal_picture import JournalPicture
-from antenna_pin.record._profiles import arc, line, ring, solid
-from antenna_pin.record._slider_picture import SliderPicture
+from antenna_pin.record._joint_pictures import (
+    JOURNAL,
+    MARK,
+    RIM,
+    TRACES,
+    Array,
+    JointPicture,
+    JournalPicture,
+    SliderPicture,
+    length_text,
+)
 from antenna_pin.record.curves import curves_of
 from antenna_pin.record.key_frames import Impacts, KeyFrames, impacts_of, key_frames, rate_of_turns
 from antenna_pin.record.magnified import MagnifiedBall, default_magnification
 from antenna_pin.record.mechanism_view import mechanism_view
-from antenna_pin.record.scene import packed_doubles, packed_floats
-from antenna_pin.record.shapes import Mesh, Sphere, lathe
-from antenna_pin.record.triad import triad
+from antenna_pin.record.scene import packed_doubles, packed_floats, triad
+from antenna_pin.record.shapes import Mesh, Sphere, arc, lathe, line, ring, solid
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import Counts, Outcome, Trajectory, series
 
 __all__ = ["Recording", "View", "record"]
 
 
-# --- a round slider in its guide close up, drawn as :mod:`antenna_pin.record.magnified_slider` has it ---
+# --- a round slider in its guide close up, drawn as :mod:`antenna_pin.record.magnified` has it ---
 
 _SIGNS = (1.0, -1.0)
 
@@ -418,7 +424,7 @@ def _looking_in(folders: list[str], run: Trajectory) -> Trajectory:
 
 
 def _trajectory(run: Trajectory | xr.Dataset) -> Trajectory:
-    """Return a run with what its data alone tell of how it ended and where it came from."""
+    """Return a run with outcome and origin, rebuilt from its data alone."""
     if not isinstance(run, Trajectory | xr.Dataset):
         raise InvalidParameterError("recording", "run", "a Trajectory or its data", said=type(run).__name__)
     series(run.data if isinstance(run, Trajectory) else run, "recording")

@@ -1,4 +1,4 @@
-"""Shapes to draw: the visuals of a URDF, and bodies of revolution."""
+"""Shapes to draw: visuals of a URDF, and bodies of revolution."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from antenna_pin.mechanism import Urdf
 
 __all__ = [
     "Box",
+    "corners",
     "Cylinder",
     "Geometry",
+    "grid",
+    "lathe",
     "Mesh",
     "Shape",
     "Sphere",
-    "corners",
-    "grid",
-    "lathe",
     "surface",
     "visual_shapes",
 ]
@@ -98,7 +98,7 @@ Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
-    """One thing to draw on a body.
+    """Shape to draw on a body.
 
     Attributes:
         body: Name of the link.
@@ -157,7 +157,7 @@ class _NotDrawnError(Exception):
 
 
 class _MissingError(Exception):
-    """That a mesh is not there."""
+    """Warning of a missing mesh."""
 
 
 def _geometry(geometry: Any, urdf: Urdf) -> Geometry:
@@ -312,3 +312,31 @@ def grid(rows: int, columns: int) -> NDArray[np.int64]:
     a = (i * columns + k).ravel()
     b = a + columns
     return np.concatenate([np.stack([a, b, b + 1], axis=1), np.stack([a, b + 1, a + 1], axis=1)])
+
+
+# --- profiles of bodies of revolution -----------------------------------------------------------------------
+
+
+def line(radius: float, ends: Array) -> Array:
+    """Return the profile of a cylinder between two heights, (2, 2) [m]."""
+    return np.stack([np.full(2, radius), ends], axis=1)
+
+
+def solid(radius: float, low: float, high: float) -> tuple[Array, Array]:
+    """Return the inner and outer profile of a solid cylinder, (2, 2) each [m]."""
+    ends = np.array([low, high])
+    return line(0.0, ends), line(radius, ends)
+
+
+def arc(radius: float) -> Array:
+    """Return the profile of a sphere, (49, 2) [m]."""
+    angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 49)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+
+
+def ring(radius: float, height: float, thick: float) -> Mesh:
+    """Return a thin ring about the axis at a height, of a wire of the radius ``thick`` [m]."""
+    angle = np.linspace(0.0, np.pi, 9)
+    across = np.stack([thick * np.cos(angle), thick * np.sin(angle)], axis=1)
+    middle = np.array([radius, height])
+    return lathe(middle + across[:, ::-1] * [-1.0, 1.0], middle + across[:, ::-1])

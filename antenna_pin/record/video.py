@@ -25,8 +25,7 @@ from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.interruption import interruptible
 from antenna_pin.base.tables import write_csv
 from antenna_pin.errors import InvalidParameterError, MissingToolError, OutputError
-from antenna_pin.record._browser import find_browser
-from antenna_pin.record._camera import Camera, check_size, open_camera
+from antenna_pin.record.browser import Camera, check_size, find_browser, open_camera
 from antenna_pin.record.recording import Recording
 
 if TYPE_CHECKING:
@@ -98,7 +97,7 @@ def write_mp4(path: Path, pictures: Iterable[bytes], size: tuple[int, int], fps:
 
 
 def palette_of(pictures: Sequence[bytes]) -> Image:
-    """Return the colours that fit pictures best; one set for all of a GIF keeps it from flickering.
+    """Return the colours that fit pictures best; one set for all of a GIF prevents flicker.
 
     A colour counts by the square root of its pixels, else the background takes nearly all of the palette.
     """
@@ -134,7 +133,7 @@ def write_gif(path: Path, pictures: Iterable[bytes], palette: Image, fps: float)
 
 
 def _hundredths(count: int, fps: float) -> NDArray[np.int64]:
-    """Return how long each picture is shown [ms], whole hundredths of a second."""
+    """Return the display time of each picture [ms], whole hundredths of a second."""
     ends = np.round(100.0 * np.arange(count + 1) / fps).astype(np.int64)
     return 10 * np.diff(ends)
 
@@ -150,7 +149,7 @@ _PALETTE_PICTURES = 9
 
 @dataclass(frozen=True, slots=True)
 class Filmed:
-    """What came of a film.
+    """Result of filming.
 
     Attributes:
         path: The file, or the folder of frames.
@@ -164,7 +163,7 @@ class Filmed:
 
     @property
     def completed(self) -> bool:
-        """Whether it was not interrupted."""
+        """Return whether filming was completed."""
         return self.frames == self.planned
 
 

@@ -10,9 +10,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number, readable
-from antenna_pin.fit.covariance import BEYOND_CHANCE
-from antenna_pin.fit.profile_words import from_to, profile_interval
-from antenna_pin.fit.sureness import hang_together, persistence
+from antenna_pin.fit.confidence_bands import BEYOND_CHANCE
+from antenna_pin.fit.profile_likelihood import interval_text, profile_interval
+from antenna_pin.fit.uncertainty import autocorrelation, is_correlated
 from antenna_pin.plot import correlations, table_figures
 from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table
 from antenna_pin.report._runs import Finding, Judged
@@ -116,7 +116,7 @@ def _values(table: xr.Dataset) -> Iterator[Row]:
         value, error, low, high, start = (
             float(one[name]) for name in ("value", "sd", "low", "high", "start")
         )
-        interval = from_to(value, low, high, unit)
+        interval = interval_text(value, low, high, unit)
         cells = [
             _quantity(value, unit, 5),
             Cell("at its bound") if math.isnan(error) else _error(error, unit),
@@ -136,7 +136,7 @@ def _residuals(table: xr.Dataset) -> Iterator[tuple[str, NDArray[np.float64]]]:
 
 def _curves(table: xr.Dataset) -> Iterator[Row]:
     for name, mine in _residuals(table):
-        rms, again = float(np.sqrt(np.mean(mine**2))), persistence(mine)
+        rms, again = float(np.sqrt(np.mean(mine**2))), autocorrelation(mine)
         cells = (
             Cell(str(len(mine)), float(len(mine))),
             Cell(number(rms, 3), rms),
@@ -158,7 +158,7 @@ def _notes(table: xr.Dataset, names: list[str]) -> Iterator[str]:
         wider = number(float(table.attrs["wider"]), 2)
         counted = f"intervals by standard errors are up to {wider} times too narrow"
     for name, mine in _residuals(table):
-        if hang_together(mine):
+        if is_correlated(mine):
             yield (
                 f"Residuals of {name} hang together in time: {counted}. "
                 "The model lacks something, or the noise is not white."

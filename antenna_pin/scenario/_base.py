@@ -1,4 +1,4 @@
-"""What every table of a scenario shares: frozen, no unknown keys, quantities with units, one-line errors."""
+"""Base of a scenario's tables: frozen, no unknown keys, quantities with units, one-line errors."""
 
 from __future__ import annotations
 
@@ -262,7 +262,7 @@ class Spec(BaseModel):
 
     @classmethod
     def keys(cls) -> list[str]:
-        """Return the keys that a file may have, in the order in which they are told."""
+        """Return the keys that a file may have, in the order of messages."""
         return [name for name in cls.model_fields if name not in cls.carried]
 
     @model_validator(mode="before")
@@ -281,12 +281,12 @@ class Spec(BaseModel):
 
 
 def _is_of_numpy(value: Any) -> bool:
-    """Whether a value is a single one of NumPy's, which pydantic does not take for true, false or text."""
+    """Return whether a value is a NumPy scalar, which pydantic takes for no bool, text or number."""
     return hasattr(value, "item") and getattr(value, "ndim", None) == 0
 
 
 def _plain(cls: type[Spec], data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the keys given whose type says all of them, true or false or a number, and that type."""
+    """Yield the given keys of a type of true, false or numbers only, and that type."""
     for name, field in cls.model_fields.items():
         kinds = [kind for kind in get_args(field.annotation) or (field.annotation,) if kind is not type(None)]
         if kinds in ([bool], [float]) and not field.metadata and data.get(name) is not None:

@@ -1,4 +1,4 @@
-"""Tables that a file of this room has a class for by kind; the file is loaded when one is met."""
+"""Tables with a class by kind, in a file that is loaded at first use."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all tables of joints with play share: dimensions, laws, and their checks."""
+"""Base of the tables of joints with play: dimensions, laws, and their checks."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _HOLDS: dict[str, Callable[[float, float], bool]] = {
 
 
 class Clearance(Spec):
-    """What the models of a joint with play share.
+    """Base of the models of a joint with play.
 
     Attributes:
         bearing_radius: R_i, radius of the bore [m].
@@ -173,7 +173,7 @@ class Clearance(Spec):
 
     @property
     def assumed(self) -> dict[str, float | str]:
-        """What is assumed, since nothing is said of it, by its key: SI numbers, names."""
+        """Assumed values, by key: SI numbers, names."""
         return {}
 
 

@@ -1,4 +1,4 @@
-"""What pydantic found wrong in a table, in one line: file, dotted key, rule, value seen."""
+"""Messages of pydantic in one line: file, dotted key, rule, value seen."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from antenna_pin.base.units import shown
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, nearest
+from antenna_pin.scenario.toml_text import quoted
 
 __all__ = [
     "Line",
@@ -34,12 +35,12 @@ def dotted(location: Location) -> str:
         if isinstance(item, int):
             text += f"[{item}]"
         else:
-            text += ("." if text else "") + (item if _BARE_KEY.fullmatch(item) else f'"{item}"')
+            text += ("." if text else "") + (item if _BARE_KEY.fullmatch(item) else quoted(item))
     return text
 
 
 class Place(NamedTuple):
-    """Where a value stands, for a message.
+    """Place of a value, for a message.
 
     Attributes:
         text: File and dotted place, such as ``my.toml: integrator.rtol``.

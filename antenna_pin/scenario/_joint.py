@@ -1,4 +1,4 @@
-"""Tables about a joint that turns or slides: the units given tell which."""
+"""Tables of a joint that turns or slides, by the given units."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ JOINTS = {"rotation": "turning", "translation": "sliding"}
 
 
 def motion_of(value: object, units: str | tuple[str, ...]) -> Motion | None:
-    """Return the motion that a text's unit says of a joint; None if units are not those of both motions."""
+    """Return the motion implied by a text's unit; None if units do not decide."""
     if isinstance(units, str) or len(units) != len(_MOTIONS):
         return None
     unit = matching_unit(value, units)

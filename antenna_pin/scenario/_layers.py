@@ -80,7 +80,7 @@ S = TypeVar("S", bound=Spec)
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where the values come from: a file, a case laid over it, and overrides laid over both.
+    """Layers of values: a file, a case laid over it, and overrides laid over both.
 
     Attributes:
         label: How messages call the file.

@@ -8,7 +8,7 @@ __all__ = ["has_modal_file", "modal_stand_in"]
 
 
 def has_modal_file(table: object) -> bool:
-    """Whether the table of a flexible link may take its numbers from a file that it names."""
+    """Return whether the table of a flexible link may take its numbers from a file that it names."""
     return isinstance(table, Mapping) and table.get("kind") == "modal-data" and "file" in table
 
 

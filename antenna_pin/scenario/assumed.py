@@ -1,4 +1,4 @@
-"""What is assumed of a joint with play whose table does not say, and how that is told.
+"""Assumptions about joints with play, and their messages.
 
 So that a first answer needs four lines: model, bore, length and play. What is assumed is said by each run, so
 that nobody takes it for what was given.
@@ -27,14 +27,14 @@ class Assuming(Clearance):
     """A joint with play whose law and materials may be left out together."""
 
     def law(self, kind: Kind) -> LawSpec | None:
-        """Return the normal law of a kind of contact, which is assumed where nothing is said of any."""
+        """Return the assumed normal law of a kind of contact."""
         if self._says_no_law:
             return LawSpec(law=LAW, parameters={"restitution": RESTITUTION})
         return super().law(kind)
 
     @property
     def materials(self) -> tuple[str | None, str | None]:
-        """What bearing and journal are of."""
+        """Materials of bearing and journal."""
         if self.says_no_material:
             return MATERIAL, MATERIAL
         return self.bearing_material, self.journal_material
@@ -45,12 +45,12 @@ class Assuming(Clearance):
 
     @property
     def says_no_material(self) -> bool:
-        """Whether nothing is said of what decides the stiffness: a law that is given wants its own."""
+        """Return whether no key decides the stiffness; a given law has its own."""
         return self._says_no_law and self.bearing_material is None and self.journal_material is None
 
     @property
     def assumed(self) -> dict[str, float | str]:
-        """What is assumed, since nothing is said of it, by its key: SI numbers, names."""
+        """Assumed values, by key: SI numbers, names."""
         found: dict[str, float | str] = {}
         if self._says_no_law:
             found["normal"] = LAW

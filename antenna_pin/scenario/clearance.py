@@ -49,17 +49,17 @@ class IdealClearance(Clearance):
 
     @property
     def variant(self) -> Variant:
-        """What becomes of the URDF's joint."""
+        """Type that replaces the URDF's joint."""
         return "free" if self.model == "constraint" else "ideal"
 
     @property
     def urdf_types(self) -> tuple[str, ...]:
-        """Which types the joint may have in the URDF."""
+        """Types that the joint may have in the URDF."""
         return ("revolute", "continuous", "prismatic", *(("floating",) if self.model == "constraint" else ()))
 
 
 class TouchingSpec(Assuming):
-    """What the models share whose journal touches the bearing.
+    """Base of the models whose journal touches the bearing.
 
     A kind of joint with play is one class below, which says its sizes, and its place in ``ClearanceSpec``.
     """
@@ -75,12 +75,12 @@ class TouchingSpec(Assuming):
 
     @property
     def variant(self) -> Variant:
-        """What becomes of the URDF's joint."""
+        """Type that replaces the URDF's joint."""
         return self.becomes
 
     @property
     def urdf_types(self) -> tuple[str, ...]:
-        """Which types the joint may have in the URDF."""
+        """Types that the joint may have in the URDF."""
         return self.of_types
 
     @property
@@ -143,7 +143,7 @@ class TouchingSpec(Assuming):
 
 
 class PlanarClearance(TouchingSpec):
-    """A joint with radial play that keeps its plane and its axis' direction: contact at the bore only."""
+    """Planar joint with radial play: contact at the bore only."""
 
     kind = "planar"
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
@@ -206,7 +206,7 @@ class ContactClearance(TouchingSpec):
 
     @property
     def assumed(self) -> dict[str, float | str]:
-        """What is assumed, since nothing is said of it, by its key: SI numbers, names."""
+        """Assumed values, by key: SI numbers, names."""
         found = super().assumed
         if self.axial_clearance is None and self.flange_distance is None:
             found["axial_clearance"] = self.axial_play

@@ -59,7 +59,7 @@ class PlaceSpec(LinkPlaceSpec):
 
 
 class AnchorSpec(PlaceSpec):
-    """One side of a closure: a place on a link, or a frame.
+    """Side of a closure: a place on a link, or a frame.
 
     Attributes:
         frame: Or a frame of the URDF, by its link or joint: origin and z axis, or the joint's own axis.

@@ -1,4 +1,4 @@
-"""What measures and commands at instants of its own."""
+"""Sampled controllers and sensors."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _UNITS: Mapping[str, tuple[str, ...]] = {
 
 @reads(Sensor)
 class SensorSpec(MadeSpec):
-    """What a sensor makes of a number: bias, noise by seed, steps."""
+    """Errors of a sensor: bias, noise by seed, steps."""
 
 
 class _ControllerSpec(MadeSpec):

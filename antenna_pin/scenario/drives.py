@@ -1,4 +1,4 @@
-"""What acts at the joints: tables of all families, with the keys of the elements that they are made of."""
+"""Elements at the joints: tables of all families, with the keys of their elements."""
 
 from __future__ import annotations
 
@@ -226,12 +226,12 @@ def kind_in(family: str, table: Mapping[str, Any]) -> str | None:
 
 
 def is_at_joint(family: str, kind: object) -> bool:
-    """Whether elements of a kind are at one joint, which their table may be named after."""
+    """Return whether elements of a kind act at one joint, which may name their table."""
     return not isinstance(kind, str) or issubclass(FAMILY_SPECS[family].get(kind, ElementSpec), ElementSpec)
 
 
 def is_between_points(family: str, kind: object) -> bool:
-    """Whether elements of a kind are between points rather than at a joint."""
+    """Return whether elements of a kind act between points rather than at a joint."""
     return isinstance(kind, str) and issubclass(FAMILY_SPECS[family].get(kind, ElementSpec), PointsSpec)
 
 

@@ -1,4 +1,4 @@
-"""What is looked for in the middle of a run, and what happens then."""
+"""Events of a run and their actions."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _instants(value: object) -> tuple[float, ...]:
 
 
 class _Event(Spec):
-    """What all events share.
+    """Base of all events.
 
     Attributes:
         action: ``mark`` it in the result, as every event is; ``stop`` the run; ``set`` numbers; or several,
@@ -69,12 +69,12 @@ class _Event(Spec):
 
     @property
     def actions(self) -> tuple[ActionName, ...]:
-        """What is done, in order."""
+        """Actions, in order."""
         return (self.action,) if isinstance(self.action, str) else self.action
 
     @property
     def numbers(self) -> dict[str, bool | float | str]:
-        """What is set to what, as given, by key."""
+        """Numbers to set, as given, by key."""
         if self.set is None or isinstance(self.set, str):
             return {} if self.set is None or self.to is None else {self.set: self.to}
         return self.set

@@ -1,4 +1,4 @@
-"""Where the motion starts."""
+"""Start of the motion."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["InitialBaseSpec", "InitialJointSpec", "InitialSpec"]
 
 
 class InitialJointSpec(JointTable):
-    """Where a joint starts; None for zero.
+    """Start of a joint; None for zero.
 
     Attributes:
         position: Of a joint with one degree of freedom [rad] ([m]).
@@ -50,7 +50,7 @@ class InitialJointSpec(JointTable):
 
     @property
     def gives_a_rate(self) -> bool:
-        """Whether a rate of the joint, or of its journal, is given."""
+        """Return whether a rate of the joint, or of its journal, is given."""
         given = self.velocity, self.rate, self.journal_velocity, self.journal_angular_velocity
         return any(one is not None for one in given)
 
@@ -63,7 +63,7 @@ class InitialJointSpec(JointTable):
 
 
 class InitialBaseSpec(Spec):
-    """Where a free base starts.
+    """Start of a free base.
 
     Attributes:
         position: Of the base's frame in the world [m].
@@ -79,7 +79,7 @@ class InitialBaseSpec(Spec):
 
     @property
     def moves(self) -> bool:
-        """Whether a velocity of the base is given."""
+        """Return whether a velocity of the base is given."""
         return any(self.velocity) or any(self.angular_velocity)
 
     @model_validator(mode="after")
@@ -92,7 +92,7 @@ class InitialBaseSpec(Spec):
 
 
 class InitialSpec(Spec):
-    """The initial state; zero and the identity where nothing is said.
+    """Initial state; zero and the identity by default.
 
     Attributes:
         joints: By name of the joint.

@@ -1,4 +1,4 @@
-"""How the motion is computed and recorded."""
+"""Integration of the motion, and its record."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ __all__ = ["IntegratorSpec", "OutputSpec", "ScalesSpec", "settings_key"]
 
 @reads(ErrorScales)
 class ScalesSpec(MadeSpec):
-    """What an error counts as large against, per kind of quantity: ``rtol * (scale + |value|)``."""
+    """Error scale per kind of quantity: ``rtol * (scale + |value|)``."""
 
 
 @reads(RunSettings, without=("output_rate", "output_times", "output_form"), scales=ScalesSpec)
 class IntegratorSpec(MadeSpec):
-    """How the motion is integrated."""
+    """Integration of the motion."""
 
     @model_validator(mode="before")
     @classmethod
@@ -58,4 +58,4 @@ def settings_key(parameter: str) -> tuple[str, ...]:
     renamed={"output_rate": "rate", "output_times": "times", "output_form": "form"},
 )
 class OutputSpec(MadeSpec):
-    """What is recorded."""
+    """Record of the motion."""

@@ -71,7 +71,7 @@ class LawSpec(Spec):
 
 
 class LawChange(Spec):
-    """What one kind of contact, radial or axial, has different from the normal law of both.
+    """Differences of one kind of contact, radial or axial, from the normal law of both.
 
     Attributes:
         law: Another law, which then takes nothing from the common one; None for the same law.

@@ -22,12 +22,12 @@ class ShapeSpec(MadeSpec):
 
 @reads(LinkChange, shapes=dict[str, ShapeSpec])
 class LinkSpec(MadeSpec):
-    """What differs from the URDF in a link; None where nothing does."""
+    """Changes of a link; None leaves the URDF's value."""
 
 
 @reads(JointChange)
 class JointSpec(JointTable, MadeSpec):
-    """What differs from the URDF in a joint; None where nothing does.
+    """Changes of a joint; None leaves the URDF's value.
 
     Attributes:
         kind: ``ideal`` as in the URDF, ``locked``, ``free`` in all six directions without contact, or

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 from antenna_pin.base.files import is_unicode
 from antenna_pin.base.units import shown
 from antenna_pin.errors import ScenarioError
-from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text, unbounded
+from antenna_pin.scenario.toml_text import NotTomlError, quoted, read_toml_text, unbounded
 
 __all__ = ["Overrides", "merge", "read_overrides"]
 
@@ -116,13 +115,13 @@ def read_overrides(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...
 def toml_value(value: object) -> str:
     """Return a value as TOML text on one line."""
     if isinstance(value, Mapping):
-        pairs = (f"{json.dumps(name, ensure_ascii=False)} = {toml_value(v)}" for name, v in value.items())
+        pairs = (f"{quoted(name)} = {toml_value(v)}" for name, v in value.items())
         return "{" + ", ".join(pairs) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(toml_value(entry) for entry in value) + "]"
     if isinstance(value, bool):
         return "true" if value else "false"
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
+    return quoted(value) if isinstance(value, str) else repr(value)
 
 
 def _entries(overrides: Overrides) -> Iterator[tuple[str, Any]]:

@@ -1,4 +1,4 @@
-"""Where the antenna looks, where it should look, and the orbit it flies: for analysis, not for the motion."""
+"""Pointing of the antenna: boresight, target and orbit, for analysis, not for the motion."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class OrbitSpec(Spec):
 
 
 class PointingSpec(Spec):
-    """Where the antenna looks and where it should look.
+    """Boresight and target of the antenna.
 
     Attributes:
         body: Link that looks.
@@ -104,7 +104,7 @@ def _angle(a: Vector3, b: Vector3) -> float:
 
 
 def _check_second(second: Vector3 | None, first: Vector3, name: str, other: str) -> None:
-    """Refuse a second axis that says nothing beside the first."""
+    """Refuse a second axis parallel to the first."""
     if second is None:
         return
     angle = _angle(second, first)

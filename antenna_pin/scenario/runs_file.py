@@ -1,4 +1,4 @@
-"""Files that ask for runs of a scenario, found by their path or by the name of a shipped one."""
+"""Files of runs of a scenario, found by their path or by the name of a shipped one."""
 
 from __future__ import annotations
 

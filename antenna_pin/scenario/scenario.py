@@ -126,7 +126,7 @@ class Scenario(FamilyTables):
 
     @property
     def urdf_path(self) -> Path:
-        """Where the URDF was; what it refers to is found from there."""
+        """Path of the URDF, from which its references are resolved."""
         return self.folder / self.mechanism.urdf
 
     def material(self, name: str) -> Material:
@@ -209,7 +209,7 @@ class Scenario(FamilyTables):
     @model_validator(mode="before")
     @classmethod
     def _complete_tables(cls, data: Any) -> Any:
-        """Let tables be about the joint or link that they are named after, and ask for their kind."""
+        """Complete tables named after their joint or link, and require their kind."""
         if not isinstance(data, Mapping):
             return data
         done = dict(data)
@@ -325,7 +325,7 @@ def _at_its_carrier(name: str, table: object) -> object:
 
 
 def _check_choice(data: Mapping[str, Any], place: str, key: str, values: Mapping[str, type[Any]]) -> None:
-    """Refuse a table that does not say, by the value of a key, which class it is."""
+    """Refuse a table without the key that selects its class."""
     names = ", ".join(values)
     tables = data.get(place)
     for name, table in tables.items() if isinstance(tables, Mapping) else ():

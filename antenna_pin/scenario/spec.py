@@ -1,4 +1,4 @@
-"""What files made of tables are checked with, for other rooms that read such files as scenarios are read."""
+"""Checks of files made of tables, for other rooms that read such files like scenarios."""
 
 from antenna_pin.scenario._base import (
     Count,

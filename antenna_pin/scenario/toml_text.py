@@ -1,12 +1,13 @@
-"""TOML text read within bounds: nothing in it may take for ever, or be too deep or too long to be told of."""
+"""TOML text read within bounds of time, depth and length."""
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["NotTomlError", "read_toml_text", "unbounded"]
+__all__ = ["NotTomlError", "quoted", "read_toml_text", "unbounded"]
 
 _DEEPEST = 32  # tables and arrays in each other; a scenario needs eight
 _LONGEST_NUMBER = 4096  # bits of an integer; Python prints no much longer ones
@@ -35,6 +36,11 @@ def read_toml_text(text: str) -> dict[str, Any]:
     if problem:
         raise NotTomlError(problem)
     return document
+
+
+def quoted(text: str) -> str:
+    """Return a text in quotes, as a string or a key of TOML."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def unbounded(document: object) -> str:

@@ -1,4 +1,4 @@
-"""How results hang on the scenario's numbers: derivatives of all that a run gives, through its events."""
+"""Sensitivities: derivatives of a run's results over numbers of its scenario, through events."""
 
 from antenna_pin.base.lazy import exported
 

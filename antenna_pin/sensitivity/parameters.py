@@ -1,27 +1,44 @@
-"""What results are differentiated by: numbers of a scenario, and how far each may go."""
+"""Parameters of a scenario that results are differentiated by, and their effect on start states."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.assemble import initial_angles, initial_state
+from antenna_pin.base.state import State
 from antenna_pin.base.units import quantity
+from antenna_pin.dynamics import System, Workspace
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.nonlinear.coordinates import configuration_difference
 from antenna_pin.scenario import Scenario, number_of
 
-__all__ = ["GrazeError", "Parameter", "SensitivityError", "parameters_of"]
+__all__ = [
+    "GrazeError",
+    "Parameter",
+    "SensitivityError",
+    "shifted_start",
+    "check_start_keys",
+    "is_initial",
+    "parameters_of",
+]
 
-# Tables of which no motion is a differentiable function: how it is computed, and what of it is kept.
+
+# Tables of computation and output, of which no motion is a differentiable function.
 _NOT_OF_THE_MOTION = ("duration", "integrator", "output", "format")
 
 
 class SensitivityError(AntennaPinError, RuntimeError):
-    """A result has no derivative that can be told; the message says which and why."""
+    """A result without a derivative; the message gives the reason."""
 
 
 class GrazeError(SensitivityError):
-    """A contact or an event comes or goes with the smallest change of a parameter: there is no derivative.
+    """A contact or event that any perturbation adds or removes: there is no derivative.
 
     Attributes:
         time: When, about; NaN if that is not known [s].
@@ -34,7 +51,7 @@ class GrazeError(SensitivityError):
 
 
 class Parameter(NamedTuple):
-    """A number of a scenario that results are differentiated by.
+    """Number of a scenario that results are differentiated by.
 
     Attributes:
         key: Where it stands.
@@ -85,3 +102,64 @@ def parameters_of(
             raise InvalidParameterError(place, key, rule, said="0" if scale is None else f"{scale}")
         found.append(Parameter(key, number.value, number.unit, size))
     return tuple(found)
+
+
+# --- states that a run continues from -----------------------------------------------------------------------
+
+
+def is_initial(key: str) -> bool:
+    """Return whether a key belongs to the first state."""
+    return key.split(".")[0] == "initial"
+
+
+def check_start_keys(keys: tuple[str, ...], system: System) -> None:
+    """Refuse keys of the first state where a run continues under constraints."""
+    if system.plan is None:
+        return
+    for key in keys:
+        if is_initial(key):
+            rule = "none of initial.* where a run of closed loops or motions goes on from a state (start)"
+            raise InvalidParameterError("sensitivities", "key", rule, said=key)
+
+
+def shifted_start(start: State, scenario: Scenario, other: Scenario, system: System) -> State:
+    """Return a state shifted as the start of one scenario is from another's.
+
+    What differs in a joint's place and rate differs in the state: along the joint's axis, of a joint with
+    play in its bearing's axes, of the base in the world's, its velocities in its own.
+
+    Args:
+        start: The state.
+        scenario: The scenario.
+        other: One that differs from it in its start, ``initial``.
+        system: Of both.
+    """
+    here, there = (
+        system.state(*initial_state(one, system), initial_angles(one, system)) for one in (scenario, other)
+    )
+    model, mechanism = system.model, system.mechanism
+    nq, nv = model.nq, model.nv
+    way, change = configuration_difference(system, here[:nq], there[:nq]), (there - here)[nq : nq + nv]
+    free = [(slice(0, 7), slice(0, 6), False)] if mechanism.base == "free" else []
+    free += [
+        (slot.q, slot.v, True)
+        for slot in (mechanism.joint(one.name) for one in system.clearances)
+        if slot.kind == "floating"
+    ]
+    for q, v, play in free:
+        turn = _rotation(start.q[q]).T @ _rotation(here[q])
+        first = v.start
+        way[first : first + 3] = turn @ way[first : first + 3]
+        if play:
+            change[first : first + 3] = turn @ change[first : first + 3]
+            change[first + 3 : first + 6] = turn @ change[first + 3 : first + 6]
+    y = start.y
+    Workspace(system).retract(y, way)
+    y[nq : nq + nv] += change
+    system.turn_on(y)
+    return dataclasses.replace(start, q=y[:nq].copy(), v=y[nq : nq + nv].copy(), x=y[nq + nv :].copy())
+
+
+def _rotation(pose: np.ndarray) -> np.ndarray:
+    """Return the rotation of a pose, (7,)."""
+    return np.asarray(Rotation.from_quat(pose[3:7]).as_matrix())

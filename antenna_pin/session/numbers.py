@@ -1,4 +1,4 @@
-"""What a session is asked for by name: one number of its present state each.
+"""Numbers of a session's present state, by name.
 
 Three kinds of names::
 
@@ -34,7 +34,7 @@ _SHOWN = 6  # names that a message offers
 
 
 def slides(run: Run, joint: str) -> bool:
-    """Whether a joint slides along its axis."""
+    """Return whether a joint slides along its axis."""
     return run.system.mechanism.joint(joint).kind == "prismatic"
 
 

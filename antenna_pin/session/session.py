@@ -61,7 +61,7 @@ def sought(goal: Event | Callable[[Moment], float]) -> Event:
 
 
 def looked_to(ready: PreparedRun, run: Run, end: float) -> float:
-    """Refuse to go to a time at which an element or a motion knows nothing, or leaves its limits.
+    """Refuse a time beyond the data of an element or motion, or beyond its limits.
 
     Args:
         ready: What the run is made of.
@@ -227,7 +227,7 @@ class Commands(MutableMapping[str, float]):
         raise InvalidParameterError("session", "command", "set, not removed", name)
 
     def __contains__(self, name: object) -> bool:
-        """Whether something of this name can be commanded."""
+        """Return whether a name can be commanded."""
         return name in self._places
 
     def __iter__(self) -> Iterator[str]:
@@ -235,7 +235,7 @@ class Commands(MutableMapping[str, float]):
         return iter(self._places)
 
     def __len__(self) -> int:
-        """How much can be commanded."""
+        """Number of things that can be commanded."""
         return len(self._places)
 
     def __repr__(self) -> str:
@@ -244,7 +244,7 @@ class Commands(MutableMapping[str, float]):
 
 
 class EndedError(AntennaPinError, RuntimeError):
-    """A session that has ended is told to go on."""
+    """Session that has ended and is continued."""
 
 
 @takes(angles="rad", record="s")
@@ -260,7 +260,7 @@ def start(
     controllers: Mapping[str, Controller] = MappingProxyType({}),
     record: bool | float = True,
 ) -> Session:
-    """Begin a run that is told from outside how far to go, and what to change on its way.
+    """Begin a run whose end and changes are commanded from outside.
 
     Args:
         model: What to run; or the name of a shipped scenario, or a path, whose default case is run.
@@ -282,7 +282,7 @@ def start(
 
 
 class Session(Exclusive):
-    """A run that goes as far as it is told.
+    """Run to a commanded time.
 
     Its numbers are those of one :func:`antenna_pin.simulate` in which events set at the same times what was
     commanded (:attr:`events`), bit for bit, however long the steps between: the integrator's own steps are
@@ -449,7 +449,7 @@ class Session(Exclusive):
 
     @property
     def time(self) -> float:
-        """Where the session stands [s]."""
+        """Present time of the session [s]."""
         return self._open.time
 
     @property
@@ -470,12 +470,12 @@ class Session(Exclusive):
 
     @property
     def system(self) -> System:
-        """What is run."""
+        """Scenario of the session."""
         return self._ready.system
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What was commanded so far, as events of a run from its beginning, with the same numbers."""
+        """Commands so far, as events of a run from its beginning, with the same numbers."""
         return tuple(
             Event(name=f"command {k}: {action.place}", when=Time(t), action=action)
             for k, (t, action) in enumerate(self._commanded, 1)

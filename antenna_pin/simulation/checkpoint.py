@@ -68,10 +68,12 @@ Array = NDArray[np.float64]
 _MAY_DIFFER = {"name", "description", "overrides", "folder", "duration"}
 
 # Names that its arrays may have.
-_ARRAYS = re.compile("|".join(("about", *SAMPLED, *LATE, "book_[a-z]+", "tick_(times|values)_[0-9]+")))
+_ARRAYS = re.compile(
+    "|".join(("about", *SAMPLED, *LATE, "touches", "book_[a-z]+", "tick_(times|values)_[0-9]+"))
+)
 
 #: Identifies the file format; others are refused.
-FORMAT = "antenna_pin checkpoint 4"
+FORMAT = "antenna_pin checkpoint 5"
 
 
 class _Singular(BaseModel):
@@ -88,6 +90,10 @@ class _Singular(BaseModel):
     apart: bool
     time: float
     way: float
+
+
+# Fields of a ``ModeChange``.
+_Changed = tuple[str, str, str, float, str, float, float, float, float, float, float, float, float]
 
 
 class _About(BaseModel):
@@ -115,7 +121,7 @@ class _About(BaseModel):
     gap_difference: float
     paced: tuple[int, float]
     happened: list[tuple[str, float, float]]
-    changed: list[tuple[str, str, str, float, str, float, float, float, float, float, float]]
+    changed: list[_Changed]
     singular: _Singular | None
     handed: float | None
     before: list[tuple[int, int]]
@@ -185,6 +191,7 @@ class Checkpoint:
         run.contacts.take_up_all(
             {name.removeprefix("book_"): array for name, array in self.numbers.items() if "book_" in name}
         )
+        run.actions.modes.peaks.numbers[:] = self.numbers["touches"]
         run.controllers.take_up_record(self.numbers)
         samples = run.samples
         samples.take_up(chunk_of(self.numbers, base))
@@ -300,6 +307,7 @@ def _arrays_of(run: Run) -> dict[str, NDArray[Any]]:
         **numbers_of(run.samples.held, run.system.program),
         **late_numbers(run.samples.late, run.system.manifold.size, len(run.contacts)),
         **{f"book_{name}": array for name, array in run.contacts.numbers().items()},
+        "touches": run.actions.modes.peaks.numbers,
         **run.controllers.numbers(),
     }
 

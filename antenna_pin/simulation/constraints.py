@@ -24,7 +24,7 @@ from antenna_pin.dynamics import (
     kernels,
 )
 from antenna_pin.elements import CallableMotion, Motion, PrescribedMotion
-from antenna_pin.elements.term_jumps import continued
+from antenna_pin.elements.prescribed import continued
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.simulation.events import Event, Set, Time
 

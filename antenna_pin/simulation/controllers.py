@@ -160,7 +160,7 @@ class ControllerRecord(NamedTuple):
 
 
 class _ControlLoop:
-    """One controller of a run, with its queue of delayed commands."""
+    """Controller of a run, with its queue of delayed commands."""
 
     def __init__(self, name: str, controller: Controller, places: Mapping[str, str]) -> None:
         self.name, self.controller = name, controller

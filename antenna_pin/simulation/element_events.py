@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, kernels
-from antenna_pin.dynamics.acting import Acting
+from antenna_pin.dynamics.adjust import Acting
 from antenna_pin.elements import Change, Met, Modal
 from antenna_pin.engine.watch_kernels import WEIGHED
 from antenna_pin.simulation.events import GRAZE, Angle, Edge, Event, Kink, Moment, Rate, Stop, Switch, Time
@@ -162,6 +162,8 @@ class ModeChange:
         loss: Energy lost in the impulse [J].
         impulse: Impulse on the child [N m s] ([N s]).
         energy: Energy of the joint's motion before, for elements that use it [J]; else NaN.
+        peak_effort: Largest effort of the touch that ends [N m] ([N]); else NaN.
+        peak_time: Time of the largest effort [s]; else NaN.
     """
 
     name: str
@@ -175,6 +177,8 @@ class ModeChange:
     loss: float
     impulse: float
     energy: float = math.nan
+    peak_effort: float = math.nan
+    peak_time: float = math.nan
 
 
 def mode_events(system: System) -> tuple[Event, ...]:
@@ -282,7 +286,7 @@ class EventEffect(NamedTuple):
 
     @property
     def together(self) -> bool:
-        """Whether several impulses of the event interact, so that their order matters."""
+        """Return whether several impulses of the event interact, so that their order matters."""
         return any(isinstance(one, ImpulseEffect) and len(one.struck) > 1 for one in self.done)
 
 

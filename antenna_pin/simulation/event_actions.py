@@ -129,12 +129,12 @@ class Actions:
 
     @property
     def _is_new(self) -> bool:
-        """Whether the present time belongs to this run's record."""
+        """Return whether the present time belongs to this run's record."""
         return self._stepper.t > self._after
 
     @property
     def _counts(self) -> bool:
-        """Whether users' events are recorded now; settings at time zero are not."""
+        """Return whether users' events are recorded now; settings at time zero are not."""
         return self._is_new and self._stepper.t > 0.0
 
     def _edge(self, action: Edge) -> bool:
@@ -320,8 +320,11 @@ class Actions:
 
     def command(self, numbers: Mapping[str, float]) -> None:
         """Write commands, by place; stored energy does not depend on them."""
+        peaks, here = self.modes.peaks, (self._stepper.t, self._here)
+        peaks.command(self._workspace.program, *here)
         for place, value in numbers.items():
             self.adjustments.set(place, value)
+        peaks.command(self._workspace.program, *here)
         self._renew()
         self._stepper.refresh()
         self._watch.renew()

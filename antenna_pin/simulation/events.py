@@ -564,7 +564,7 @@ class Event:
 
     @property
     def changes(self) -> bool:
-        """Whether the event may change the motion or end the run."""
+        """Return whether the event may change the motion or end the run."""
         return self.has(Set, Jump, Stop, Switch, Edge)
 
     def counts(self, side: float) -> bool:

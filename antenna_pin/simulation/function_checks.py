@@ -23,7 +23,7 @@ from antenna_pin.compiled.given_functions import address_of, is_compiled
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.contact.normal import normal_questions
 from antenna_pin.dynamics import Workspace, acting_in, kernels
-from antenna_pin.dynamics.acting import Acting
+from antenna_pin.dynamics.adjust import Acting
 from antenna_pin.dynamics.links import desk_in, written_by
 from antenna_pin.elements import CallableElement, CallableForce, Element
 from antenna_pin.errors import FunctionError
@@ -456,7 +456,7 @@ _AGES = 8  # calls stored besides the first: of ages 1, 2, 4, ... checks
 
 
 class _FunctionHistory:
-    """One function, with arguments of several ages and the results."""
+    """Function with arguments of several ages and their results."""
 
     def __init__(self, function: UserFunction) -> None:
         self._function = function

@@ -378,7 +378,7 @@ class Audit:
 
     @property
     def at_rest(self) -> bool:
-        """Whether all motion is round-off of the energies present."""
+        """Return whether all motion is round-off of the energies present."""
         return not self._most["kinetic"] > self.round_off
 
     def conservation(self) -> dict[str, Any]:

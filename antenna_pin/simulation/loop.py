@@ -198,7 +198,8 @@ class Run:
             self._start(start)
 
     def _parts(self) -> LoopParts:
-        return LoopParts(self.control, self.samples, self.contacts, self.search, self.watch, self.singular)
+        parts = self.control, self.samples, self.contacts, self.search, self.watch, self.singular
+        return LoopParts(*parts, self.actions.modes.peaks.numbers)
 
     def _start(self, y: Array) -> None:
         self.stepper.restart(0.0, y)

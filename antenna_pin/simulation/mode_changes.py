@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from antenna_pin.constraints import rows_that_share
 from antenna_pin.dynamics import (
     Adjustments,
     Push,
+    System,
     Workspace,
     acting_in,
     apart,
@@ -20,8 +22,8 @@ from antenna_pin.dynamics import (
     kernels,
     push_apart,
 )
-from antenna_pin.dynamics.acting import Acting
-from antenna_pin.dynamics.restraints import check_restraint
+from antenna_pin.dynamics.adjust import Acting
+from antenna_pin.dynamics.impulse import check_restraint
 from antenna_pin.elements import (
     FAMILIES,
     GROSS_WORK,
@@ -34,6 +36,7 @@ from antenna_pin.elements import (
     StickingFriction,
 )
 from antenna_pin.elements.modal import AFTER, BLOW, CAPTURE
+from antenna_pin.engine.touch_kernels import TOUCH
 from antenna_pin.errors import MechanismError
 from antenna_pin.simulation.element_events import (
     CoincidentChange,
@@ -210,6 +213,84 @@ class Impacts:
         return Met(t, float(angle), float(rate), 0.0)
 
 
+# --- largest efforts so far ---------------------------------------------------------------------------------
+
+
+class RunningPeaks:
+    """Largest efforts so far: of elements in touch side by side, and of drives at commands.
+
+    The compiled loop updates those of touches in each accepted step
+    (:mod:`antenna_pin.engine.touch_kernels`). A drive's effort may jump where a command changes; between
+    commands the samples tell (:class:`antenna_pin.simulation.recorder.EffortPeaks`).
+
+    Args:
+        system: System.
+        acting: Elements with modes, by place.
+
+    Attributes:
+        numbers: TOUCH, (sides + drives,); the drives have no side.
+    """
+
+    def __init__(self, system: System, acting: Mapping[str, Acting]) -> None:
+        """Begin without touch."""
+        self._nq = system.model.nq
+        self._sides = [
+            (place, name, 1 << k)
+            for place, element in ((place, one.element) for place, one in acting.items())
+            if isinstance(element, Modal) and "touch" in element.change_names and not element.holds
+            for k, name in enumerate(element.sides)
+        ]
+        blocks = [acting[place].block for place, _, _ in self._sides]
+        self.numbers = np.zeros(len(blocks) + len(system.drives), TOUCH)
+        self.numbers["block"] = [*blocks, *system.drive_blocks.values()]
+        self.numbers["side"][: len(blocks)] = [bit for _, _, bit in self._sides]
+        self._prescribed = [isinstance(drive, Motion) for drive in system.drives.values()]
+
+    @property
+    def drives(self) -> NDArray[Any]:
+        """Largest efforts of the drives at commands, TOUCH, (drives,)."""
+        own: NDArray[Any] = self.numbers[len(self._sides) :]
+        return own
+
+    def command(self, program: Array, t: float, y: Array) -> None:
+        """Update the largest efforts of the drives at the present commands."""
+        for own, prescribed in zip(self.drives, self._prescribed, strict=True):
+            if not prescribed:
+                effort = abs(float(kernels.element_state(program, int(own["block"]), t, y, self._nq)[0]))
+                if effort > own["effort"]:
+                    own["effort"], own["time"] = effort, t
+
+    def change(self, place: str, before: int, after: int, t: float) -> tuple[float, float]:
+        """Begin and end touches by a change of mode.
+
+        Returns:
+            Largest effort [N m] ([N]) and its time [s], of the touch that ends; NaN if none does.
+        """
+        found = math.nan, math.nan
+        for own, (owner, _, bit) in zip(self.numbers, self._sides, strict=False):
+            if owner == place and bit & (before ^ after):
+                if bit & before:
+                    found = float(own["effort"]), float(own["time"])
+                own["effort"], own["time"] = 0.0, t
+        return found
+
+    def with_open(self, changed: Sequence[ModeChange], modes: Mapping[str, int]) -> list[ModeChange]:
+        """Return recorded changes, with the peaks so far at the onsets of touches that last.
+
+        Args:
+            changed: Recorded changes of mode, in order.
+            modes: Present modes, by place.
+        """
+        found = list(changed)
+        for own, (place, name, bit) in zip(self.numbers, self._sides, strict=False):
+            mine = [k for k, one in enumerate(found) if one.element == place and one.what.startswith(name)]
+            if modes[place] & bit and mine:
+                found[mine[-1]] = replace(
+                    found[mine[-1]], peak_effort=float(own["effort"]), peak_time=float(own["time"])
+                )
+        return found
+
+
 # --- changes of mode ----------------------------------------------------------------------------------------
 
 # Changes at one time, per element, beyond which they count as endless.
@@ -229,6 +310,7 @@ class ModeChanges:
 
     Attributes:
         changed: Recorded changes of mode, in order.
+        peaks: Largest efforts so far of elements in touch, and of drives at commands.
         effects: Effects at the present time, to be applied to perturbed states.
         grazed: Functions located at the last event that do not pass: places of the elements, and
             their numbers.
@@ -245,6 +327,7 @@ class ModeChanges:
         self._holds = [one.name for one in system.holds]
         self._due = CoincidentEvents(workspace, adjustments, self._acting)
         self.changed: list[ModeChange] = []
+        self.peaks = RunningPeaks(system, self._acting)
         self.effects: list[ModeEffect | ImpulseEffect] = []
         self.grazed: set[tuple[str, int]] = set()
         self._rest = RestingJoints(workspace, adjustments, self._acting)
@@ -418,7 +501,8 @@ class ModeChanges:
             changes = _by_function(numbers[place]) if place in numbers else _by_letting_go
             self.effects.append(ModeEffect(place, before[place], changes))
             what = one.change.what or self._element(place).change_said(before[place].mode)
-            self._record(place, one, t, y, what)
+            peak = self.peaks.change(place, before[place].mode, self._element(place).mode, t)
+            self._record(place, one, t, y, what, peak)
         if struck:
             self.effects.append(ImpulseEffect(self._workspace.program.copy(), struck, alone))
 
@@ -432,7 +516,21 @@ class ModeChanges:
             self.effects.append(ModeEffect(place, before, _by_sticking))
         return bool(shifts)
 
-    def _record(self, place: str, result: ChangeResult, t: float, y: Array, what: str) -> None:
+    def recorded(self) -> list[ModeChange]:
+        """Return the recorded changes, with the peaks so far at the onsets of touches that last."""
+        return self.peaks.with_open(
+            self.changed, {place: self._element(place).mode for place in self._acting}
+        )
+
+    def _record(
+        self,
+        place: str,
+        result: ChangeResult,
+        t: float,
+        y: Array,
+        what: str,
+        peak: tuple[float, float] = (math.nan, math.nan),
+    ) -> None:
         """Record the change of an element, if it has a name."""
         if not what:
             return
@@ -450,6 +548,8 @@ class ModeChanges:
                 loss=change.loss + loss,
                 impulse=change.impulse + blow,
                 energy=met.energy if element.weighs else math.nan,
+                peak_effort=peak[0],
+                peak_time=peak[1],
             )
         )
 

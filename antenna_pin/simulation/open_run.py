@@ -45,6 +45,7 @@ class RecordSnapshot:
         self._samples, self._contacts = run.samples.snapshot(), run.contacts.snapshot()
         self._singular: Any = None if run.singular is None else run.singular.value()
         self._happened, self._changed = len(run.actions.happened), len(run.actions.modes.changed)
+        self._touches = run.actions.modes.peaks.numbers.copy()
         self._ticks = run.controllers.counts()
         self._ended = run.outcome, run.message, run.left
 
@@ -56,6 +57,7 @@ class RecordSnapshot:
         if run.singular is not None:
             run.singular.take_up(self._singular)
         del run.actions.happened[self._happened :], run.actions.modes.changed[self._changed :]
+        run.actions.modes.peaks.numbers[:] = self._touches
         run.controllers.cut(self._ticks)
         run.outcome, run.message, run.left = self._ended
 

@@ -46,9 +46,9 @@ __all__ = ["Recorder", "at_present", "labelled_at", "open_ledger", "result_data"
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 
-# --- largest efforts of prescribed motions ------------------------------------------------------------------
+# --- largest efforts of drives ------------------------------------------------------------------------------
 
-_MOST = 4  # candidates per motion
+_MOST = 4  # candidates per drive
 _STEPS = 200  # trial steps between two samples
 _LOOKS = np.linspace(0.0, 1.0, 5)  # within a step, at first
 _BESIDE = 0.1  # of the time between samples: a vertex nearer to a sample is searched on both sides of it
@@ -85,7 +85,7 @@ class _RepeatedStep(NamedTuple):
         time: Begin of the step [s].
         state: State at the begin, [q, v, x].
         size: Size of the step [s].
-        sizes: Sizes of efforts within the step [N m] ([N]), (points, motions).
+        sizes: Sizes of efforts within the step [N m] ([N]), (points, drives).
     """
 
     time: float
@@ -95,22 +95,22 @@ class _RepeatedStep(NamedTuple):
 
 
 class EffortPeaks:
-    """Largest efforts of prescribed motions, located between the samples.
+    """Largest efforts of drives, located between the samples.
 
     Around the samples that exceed their neighbours, the four of the highest parabolas, the run is integrated
     again from the sample before, by its own method, and the largest size is searched in the dense output. A
-    maximum without a sign in the samples, faster than the effort itself, is not found.
+    maximum without a sign in the samples, faster than the effort itself, is not found. Commands of sampled
+    controllers, at which an effort jumps, are seen besides (:class:`mode_changes.RunningPeaks`).
 
     Args:
         run: Run.
-        motions: Whether each drive is a motion, (drives,).
         between: Whether the samples are consecutive, so that the run can be repeated between them.
     """
 
-    def __init__(self, run: Run, motions: NDArray[np.bool_], *, between: bool) -> None:
+    def __init__(self, run: Run, *, between: bool) -> None:
         """Begin before the first sample."""
-        self._run, self._motions, self._between = run, motions, between
-        count = int(np.count_nonzero(motions))
+        self._run, self._between = run, between
+        count = len(run.system.drives)
         self._largest, self._times = np.full(count, -np.inf), np.full(count, np.nan)
         self._places: list[list[_PeakCandidate]] = [[] for _ in range(count)]
         self._before: tuple[Chunk, Array] | None = None
@@ -118,7 +118,7 @@ class EffortPeaks:
     def add(self, block: SampleBlock) -> None:
         """Add the samples of a block."""
         chunk = Chunk(block.times, block.states, block.memories, list(block.programs))
-        sizes = np.abs(block.found.effort["effort"][:, self._motions])
+        sizes = np.abs(block.found.effort["effort"])
         if self._before is not None:
             chunk, sizes = (
                 Chunk.joined([self._before[0], chunk]),
@@ -143,9 +143,9 @@ class EffortPeaks:
             self._places[m] = sorted(places, key=lambda one: -one.most)[:_MOST]
 
     def located(self) -> tuple[Array, Array]:
-        """Return the largest effort [N m] ([N]) and its time [s], (motions,) each."""
+        """Return the largest effort [N m] ([N]) and its time [s], (drives,) each."""
         if any(self._places):
-            again = _Reintegration(self._run, self._motions)
+            again = _Reintegration(self._run)
             for m, places in enumerate(self._places):
                 coarse = any(place.bound == math.inf for place in places)
                 able = [place for place in places if coarse or place.bound > self._largest[m]]
@@ -154,7 +154,11 @@ class EffortPeaks:
                 if size > self._largest[m]:
                     self._largest[m], self._times[m] = size, time
             self._places = [[] for _ in self._places]
-        return self._largest.copy(), self._times.copy()
+        commanded = self._run.actions.modes.peaks.drives
+        later = commanded["effort"] > self._largest
+        return np.where(later, commanded["effort"], self._largest), np.where(
+            later, commanded["time"], self._times
+        )
 
 
 class _Reintegration:
@@ -162,19 +166,18 @@ class _Reintegration:
 
     Args:
         run: Run.
-        motions: Whether each drive is a motion, (drives,).
     """
 
-    def __init__(self, run: Run, motions: NDArray[np.bool_]) -> None:
+    def __init__(self, run: Run) -> None:
         """Allocate once."""
-        self._system, self._motions = run.system, motions
+        self._system = run.system
         self._workspace, settings = Workspace(run.system), run.settings
         method = method_named(settings.method)
         self._stepper = stepper_of(self._workspace, method, run.stepper.scales, settings)
         self._made: dict[float, list[_RepeatedStep]] = {}
 
     def largest(self, m: int, between: Sequence[Chunk]) -> tuple[float, float]:
-        """Return size and time of a motion's largest effort between pairs of samples.
+        """Return size and time of a drive's largest effort between pairs of samples.
 
         Minus infinity if there are changes between all of them.
         """
@@ -245,11 +248,11 @@ class _Reintegration:
         return times, states
 
     def _sizes(self, times: Array, states: Array, ends: Chunk) -> Array:
-        """Return sizes of efforts, (n, motions); minus infinity where undefined."""
+        """Return sizes of efforts, (n, drives); minus infinity where undefined."""
         count = len(times)
         memories, programs = ends.memories[:1].repeat(count, axis=0), [ends.programs[0]] * count
         efforts = observed(self._system, times, states, memories, programs).effort["effort"]
-        sizes = np.abs(efforts[:, self._motions])
+        sizes = np.abs(efforts)
         return np.where(np.isfinite(sizes), sizes, -np.inf)
 
     def _in_step(self, m: int, step: _RepeatedStep, ends: Chunk) -> tuple[float, float]:
@@ -432,9 +435,8 @@ class Recorder:
         self._totals: dict[str, Any] = {}
         self._peaks: dict[str, Any] = {}
         self._audit = Audit(run)
-        motions = np.array([isinstance(drive, Motion) for drive in run.system.drives.values()], dtype=bool)
         # Only the run's own states are consecutive samples.
-        self._tops = EffortPeaks(run, motions, between=samples is None) if motions.any() else None
+        self._tops = EffortPeaks(run, between=samples is None) if run.system.drives else None
 
     def blocks(self) -> Iterator[tuple[int, Values]]:
         """Yield number of the first sample and series of each block, ``time`` among them."""
@@ -516,7 +518,10 @@ class Recorder:
             **controller_values(records),
         }
         if self._tops is not None:
-            values["peak_effort"], values["time_of_peak_effort"] = self._tops.located()
+            largest, times = self._tops.located()
+            values["peak_drive_effort"], values["time_of_peak_drive_effort"] = largest, times
+            motions = [isinstance(drive, Motion) for drive in self.run.system.drives.values()]
+            values["peak_effort"], values["time_of_peak_effort"] = largest[motions], times[motions]
         labels = self._labels | controller_labels(records, lean) | ({} if lean else {"time": series["time"]})
         system, singular = self.run.system, self.run.singular
         held = first.state.copy(), last.state.copy(), self._peaks["peak_residual"]

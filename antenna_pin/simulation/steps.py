@@ -328,6 +328,7 @@ class LoopParts(NamedTuple):
         search: Search for changes of contact.
         watch: Search for events.
         singular: Search for singular positions; None without constraints.
+        touches: Largest efforts of elements in touch, TOUCH, (n,).
     """
 
     control: StepControl
@@ -336,6 +337,7 @@ class LoopParts(NamedTuple):
     search: ContactSearch
     watch: EventWatch
     singular: Singularities | None
+    touches: NDArray[Any]
 
 
 class StepBatches:
@@ -404,6 +406,7 @@ class StepBatches:
             sizes=parts.control.sizes.table,
             watched=self._watched.numbers,
             works=works_in_x(parts.episodes.system),
+            touches=parts.touches,
         )
 
     def _buffers(self, capacity: int, ends: int) -> kernels.Buffers:
@@ -454,7 +457,7 @@ class StepBatches:
 
     @property
     def at_rest(self) -> bool:
-        """Whether no step is in progress."""
+        """Return whether no step is in progress."""
         return bool(self._stretch["phase"][0] == kernels.FRESH)
 
     def rest(self) -> None:
@@ -463,7 +466,7 @@ class StepBatches:
 
     @property
     def has_moved(self) -> bool:
-        """Whether the last call has accepted a step."""
+        """Return whether the last call has accepted a step."""
         return bool(self._stretch["accepted"][0] > 0)
 
     @property

@@ -38,7 +38,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, Workspace, impulse, kernels, prescribing
-from antenna_pin.dynamics.acting import Acting
+from antenna_pin.dynamics.adjust import Acting
 from antenna_pin.elements import Change, Met, RigidStop, StickingFriction, kind_of
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.limits import FREE, LOWER, UPPER

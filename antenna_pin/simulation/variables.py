@@ -431,7 +431,7 @@ def episodes_of(run: Run) -> Values:
 
 def _changes_of(run: Run) -> Values:
     """Return the recorded changes of mode."""
-    changed = [one for one in run.actions.modes.changed if one.time > run.after]
+    changed = [one for one in run.actions.modes.recorded() if one.time > run.after]
     names = {
         "change_time": "time",
         "change_angle": "angle",
@@ -440,6 +440,8 @@ def _changes_of(run: Run) -> Values:
         "change_loss": "loss",
         "change_impulse": "impulse",
         "change_energy": "energy",
+        "change_peak_effort": "peak_effort",
+        "change_peak_time": "peak_time",
     }
     return {name: np.array([getattr(one, of) for one in changed], dtype=float) for name, of in names.items()}
 

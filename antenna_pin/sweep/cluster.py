@@ -9,18 +9,22 @@ import asyncio
 import contextlib
 import importlib
 import logging
+import multiprocessing
 import os
 import queue
 import re
 import signal
 import sys
 import tempfile
+import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
+from multiprocessing.process import BaseProcess
 from pathlib import Path
+from types import ModuleType
 from typing import Any, TypeVar
 
-from antenna_pin.base.interruption import held_back
+from antenna_pin.base.interruption import held_back, sheltered_processes
 from antenna_pin.base.lazy import take_back
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError
 from antenna_pin.sweep.here import Lost
@@ -71,6 +75,37 @@ def ends_of_processes() -> Iterator[list[int]]:
         logger.propagate = before[1]
 
 
+class _WithoutDask(logging.Filter):
+    """Filter that drops tracebacks of Dask's own tasks, which fail while its processes end."""
+
+    def __init__(self, folder: str) -> None:
+        super().__init__()
+        self._folder = folder
+
+    def __eq__(self, other: object) -> bool:  # that a logger takes it once
+        return isinstance(other, _WithoutDask)
+
+    __hash__ = logging.Filter.__hash__
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        trace = record.exc_info[2] if record.exc_info else None
+        files = [frame.f_code.co_filename for frame, _ in traceback.walk_tb(trace)]
+        return not any(self._folder in text for text in (record.getMessage(), *files))
+
+
+def silence(package: ModuleType) -> None:
+    """Silence the loggers of Dask, and of its event loop where they log Dask's errors.
+
+    Errors that matter are raised as exceptions.
+    """
+    for name in [package.__name__, f"{package.__name__}.client", *logging.root.manager.loggerDict]:
+        if name.partition(".")[0] == package.__name__:
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+    without_dask = _WithoutDask(os.path.dirname(str(package.__file__)))
+    for name in ("asyncio", "tornado.application"):
+        logging.getLogger(name).addFilter(without_dask)
+
+
 def said_of_start(codes: list[int], error: str) -> str:
     """Return in words why processes did not start, and what to do.
 
@@ -98,7 +133,7 @@ def said_of_start(codes: list[int], error: str) -> str:
 
 
 def _is_unguarded() -> bool:
-    """Whether the script that runs does the same where another process reads it."""
+    """Return whether the running script is the same when imported by another process."""
     script = getattr(sys.modules.get("__main__"), "__file__", None)
     if script is None:
         return False
@@ -158,14 +193,12 @@ class Cluster:
             ) from None
         if not (workers is None or workers > 0):
             raise InvalidParameterError("Cluster", "workers", "positive", workers)
-        # What it has to say of lost connections is said here, in one line.
-        for name in ["distributed", "distributed.client", *logging.root.manager.loggerDict]:
-            if name.partition(".")[0] == "distributed":
-                logging.getLogger(name).setLevel(logging.CRITICAL)
+        silence(distributed)  # what it has to say of lost connections is said here, in one line
         self._distributed = distributed
         self._local: Any = None
         self._client: Any = None
         self._shared: tuple[Any, Any] | None = None
+        self._started: set[BaseProcess] = set()
         self._workers, self._scheduler = workers, scheduler
         if scheduler is not None:
             check_address(scheduler, tls or {})
@@ -182,16 +215,18 @@ class Cluster:
             return
         if self._scheduler is not None:
             check_scheduler(self._scheduler, self._security)
-        ended: list[int] = []
+        ended, signals = list[int](), list[int]()
         try:
             # A signal that comes while Dask starts is lost in it, or makes tracebacks.
-            with held_back(), ends_of_processes() as ended:
+            with held_back() as signals, self._starting(), ends_of_processes() as ended:
                 self._local = self._processes() if self._scheduler is None else None
                 self._client = self._connected()
             if self._scheduler is not None and not self._client.nthreads():
                 self._client.wait_for_workers(1, timeout=_PATIENCE)
         except (OSError, TimeoutError, ValueError, RuntimeError) as error:
             self.close()
+            if signals:  # which may have ended the processes, too
+                signal.raise_signal(signals[0])
             if self._scheduler is None:
                 raise ClusterLostError(
                     f"processes of this machine: must start, but {said_of_start(ended, words_of(error))}"
@@ -204,6 +239,16 @@ class Cluster:
         # What they have to load, they load while the driver makes its own trial.
         with contextlib.suppress(OSError, RuntimeError):
             self._client.run(_wake, wait=False)
+
+    @contextlib.contextmanager
+    def _starting(self) -> Iterator[None]:
+        """Shelter the processes started within the context, and list them."""
+        before = {*multiprocessing.active_children()}
+        try:
+            with sheltered_processes():
+                yield
+        finally:
+            self._started = {*multiprocessing.active_children()} - before
 
     def _processes(self) -> Any:
         """Return a cluster of processes of this machine."""
@@ -240,7 +285,7 @@ class Cluster:
 
     @property
     def width(self) -> int:
-        """How many threads the workers have in all; at least 1."""
+        """Number of threads of all workers; at least 1."""
         self.start()
         try:
             return max(1, int(sum(self._client.nthreads().values())))
@@ -266,10 +311,11 @@ class Cluster:
                     batch = again.popleft() if again else next(batches, None)
                     if batch is None:
                         break
-                    data = self._data(shared)
-                    future = _asked(self._client.submit, call, data, batch, pure=False)
-                    under_way[future] = batch, data
-                    future.add_done_callback(ready.put)
+                    with held_back():  # interrupted, Dask leaves unknown batches and tracebacks
+                        data = self._data(shared)
+                        future = _asked(self._client.submit, call, data, batch, pure=False)
+                        under_way[future] = batch, data
+                        future.add_done_callback(ready.put)
                 if not under_way:
                     return
                 future = self._finished(ready)
@@ -351,12 +397,14 @@ class Cluster:
                 if made is not None:
                     with contextlib.suppress(Exception):
                         made.close()
+            for process in self._started & {*multiprocessing.active_children()}:
+                process.kill()  # left by a close that failed
         if self._folder is not None:
             self._folder.cleanup()
 
 
 def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
-    """Return what a client answers; one whose connection was closed meanwhile says so by a RuntimeError."""
+    """Return a client's answer; raise RuntimeError for a connection that was closed meanwhile."""
     try:
         return call(*arguments, **more)
     except RuntimeError as error:

@@ -70,7 +70,7 @@ class Design:
 
     @property
     def count(self) -> int:
-        """How many runs there are."""
+        """Number of runs."""
         return int(np.prod(self.shape, dtype=np.int64))
 
     def place(self, run: int) -> dict[str, int]:

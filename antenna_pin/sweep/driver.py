@@ -1,4 +1,4 @@
-"""The driver of a study: gives runs out, keeps what comes back, and alone writes the store."""
+"""Driver of a study: distributes runs, collects results, and alone writes the store."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _TABLE_SHARE = 0.02  # of the time, at most, goes into writing the dataset
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """How far a study is.
+    """Progress of a study.
 
     Attributes:
         stage: ``check`` of what is to be run, or ``run``.
@@ -152,7 +152,7 @@ def _job(prepared: Prepared, run: int) -> Job:
 
 
 class _Driver:
-    """One command's share of a study."""
+    """Share of a study for one command."""
 
     def __init__(
         self,

@@ -11,18 +11,18 @@ T = TypeVar("T")
 
 
 class Lost(Exception):  # noqa: N818 - an answer, not an error
-    """What was given out has taken its process along, several times, or could not come back."""
+    """Failure of runs that repeatedly ended their process, or could not be returned."""
 
 
 class Executor(Protocol):
-    """Who makes the runs."""
+    """Protocol of executors of runs."""
 
     def start(self) -> None:
         """Get ready; called before anything is given out, and not where nothing will be."""
 
     @property
     def width(self) -> int:
-        """How many runs it makes at a time."""
+        """Number of runs at a time."""
 
     def each(
         self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]
@@ -39,7 +39,7 @@ class Here:
     width = 1
 
     def start(self) -> None:
-        """It is there."""
+        """Return True: the executor is always available."""
 
     def each(
         self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]

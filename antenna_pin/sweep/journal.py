@@ -26,7 +26,7 @@ _SYNC_EVERY = 1.0  # [s]
 
 
 class ReadJournal(NamedTuple):
-    """What was found in a journal.
+    """Content of a journal.
 
     Attributes:
         entries: Of the runs, by number.

@@ -1,4 +1,4 @@
-"""What a study varies: lists, ranges, distributions and tolerances, over keys of a scenario."""
+"""Parameters of a study: lists, ranges, distributions and tolerances, over keys of a scenario."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 class Value(NamedTuple):
-    """One value of a parameter.
+    """Value of a parameter.
 
     Attributes:
         set: What the scenario's key is set to, as in a file.
@@ -90,7 +90,7 @@ class ToleranceSpec(Spec):
 
 
 class ParameterSpec(Spec):
-    """One thing that a study varies. Exactly one of values, start, between, distribution, tolerance.
+    """Parameter of a study: exactly one of values, start, between, distribution, tolerance.
 
     Attributes:
         key: Key of the scenario with dots, as in ``--set``; ``mechanism.gravity[2]`` for one number of an
@@ -127,12 +127,12 @@ class ParameterSpec(Spec):
 
     @property
     def sampled(self) -> bool:
-        """Whether its values are samples."""
+        """Return whether the values are samples."""
         return self.values is None and self.start is None
 
     @property
     def length(self) -> int:
-        """How many values it has; 0 if it is sampled."""
+        """Number of values; 0 if sampled."""
         return self.count or 0 if self.values is None else len(self.values)
 
     @model_validator(mode="after")

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.errors import AntennaPinError, ScenarioError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
@@ -44,7 +45,7 @@ class Prepared:
 
     @property
     def place(self) -> str:
-        """How messages call it."""
+        """Name in messages."""
         return f"study {self.study.name}"
 
     def job(self, run: int) -> Job:
@@ -63,7 +64,7 @@ class Prepared:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What a short part of the first run has shown.
+    """Result of a short part of the first run.
 
     Attributes:
         seconds: Estimate of the time that a whole run takes on this machine [s].
@@ -108,7 +109,7 @@ def prepare(study: Study) -> Prepared:
 
 @takes()
 def trial(prepared: Prepared, run: int = 0) -> Trial:
-    """Make a short part of a run, look at its responses, and estimate the time of a whole one.
+    """Make a short part of a run, evaluate its responses, and estimate the time of a whole one.
 
     Raises:
         AntennaPinError: The run cannot be built, or a response does not exist for it.
@@ -118,9 +119,9 @@ def trial(prepared: Prepared, run: int = 0) -> Trial:
         job = prepared.job(run)
         scenario = scenario_of(prepared.work, job)
         span = scenario.duration * _TRIAL_SHARE
-        simulate(scenario, duration=span)  # loads the kernels
+        uninterrupted(simulate(scenario, duration=span))  # loads the kernels
         began = time.perf_counter()
-        made = simulate(scenario, duration=span)
+        made = uninterrupted(simulate(scenario, duration=span))
         seconds = time.perf_counter() - began
     except AntennaPinError as error:
         raise ScenarioError(f"{place}: {error}") from None
@@ -190,7 +191,7 @@ def _seconds(prepared: Prepared, run: int) -> RunTime:
     share, before, paces = _TRIAL_SHARE, (0.0, 0.0), list[float]()
     while True:
         began = time.perf_counter()
-        counts = simulate(scenario, duration=share * scenario.duration).counts
+        counts = uninterrupted(simulate(scenario, duration=share * scenario.duration)).counts
         spent = time.perf_counter() - began - counts.compile_seconds  # which is for once
         stepping = counts.wall_seconds  # without what it takes to build it
         paces.append(max((stepping - before[1]) / (share - before[0]), 0.0))
@@ -208,6 +209,6 @@ def _reference(prepared: Prepared, job: Job, span: float) -> Trajectory | None:
         scenario = Scenario.model_validate_json(text).with_overrides(values)
         if scenario.output.form == "lean":
             raise ScenarioError('output.form must be "full" for runs to be compared with it, got "lean"')
-        return simulate(scenario, duration=span)
+        return uninterrupted(simulate(scenario, duration=span))
     except AntennaPinError as error:
         raise ScenarioError(f"{prepared.place}: reference: {error}") from None

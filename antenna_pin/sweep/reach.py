@@ -1,4 +1,4 @@
-"""Whether a scheduler of Dask answers at an address: found out in a bounded time, and said in one line.
+"""Reachability of a Dask scheduler at an address: in a bounded time, with a message of one line.
 
 Dask's own client waits for ever for a peer that takes the connection and keeps silent, and asks on the
 terminal for the passphrase of a key. So its scheduler is spoken to here first.
@@ -94,7 +94,7 @@ def security_of(tls: dict[str, str]) -> Any:
 
 
 def own_security() -> Any:
-    """Return Dask's security for processes of this machine: a certificate that only they and this one know.
+    """Return Dask's security for processes of this machine: a certificate for them alone.
 
     A port of the loopback is open to every user of the machine, and what is sent to a worker is run by it.
     The certificate is made anew each time, and stands in a file only while it is loaded from there.

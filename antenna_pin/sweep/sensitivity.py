@@ -1,4 +1,4 @@
-"""Which parameters a response depends on: elementary effects of Morris, shares of variance of Sobol'.
+"""Global sensitivity of responses: elementary effects of Morris, variance shares of Sobol'.
 
 Both are SALib's, on the unit cube of where samples stand in their distributions. So an effect of Morris's is
 that of going through the whole distribution of a parameter, in the unit of the response.

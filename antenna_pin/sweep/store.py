@@ -133,7 +133,7 @@ _ABOUT, _JOURNAL, _TABLE, _RESULTS = "study.json", "journal", "runs.nc", "runs"
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Identity:
-    """What makes a study itself: its runs, what is kept of them, and what computes them.
+    """Identity of a study: its runs, their stored results, and the code that computes them.
 
     Attributes:
         digest: Of all, as hexadecimal text.
@@ -147,12 +147,12 @@ class Identity:
 
     @property
     def key(self) -> bytes:
-        """What signs the lines of the journal."""
+        """Signature of the lines of the journal."""
         return bytes.fromhex(self.digest)[:32]
 
 
 def identity_of(study: Study, design: Design, work: Work) -> Identity:
-    """Return what a study is, so that a store can be told to be its own."""
+    """Return the identity of a study, for comparison with a store."""
     values = [[list(c.keys), c.dim, [v.set for v in c.settings.values]] for c in design.columns]
     responses = {name: response.model_dump() for name, response in study.responses.items()}
     parts = {
@@ -341,7 +341,7 @@ class Store:
 
 
 def has_seal(path: Path) -> bool | None:
-    """Whether a file is as it was sealed; False if it is there without a seal, None if it is not there."""
+    """Return whether a file is as sealed; False for an unsealed file, None without the file."""
     try:
         return has_whole_seal(path) is True
     except (FileNotFoundError, ValueError):  # of a name that no file can have
@@ -351,7 +351,7 @@ def has_seal(path: Path) -> bool | None:
 
 
 def _read_about(path: Path) -> dict[str, Any] | None:
-    """Return what a store says of itself; None if that is missing or damaged."""
+    """Return a store's description of itself; None if it is missing or damaged."""
     target = path / _ABOUT
     if not has_seal(target):
         return None

@@ -1,4 +1,4 @@
-"""What is done with one run of a study, wherever it is done: data in, data out."""
+"""Work on one run of a study, in any process: data in, data out."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.errors import AntennaPinError, AssumedWarning, LedgerOpenWarning, MissingToolError
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import simulate
@@ -27,7 +28,7 @@ __all__ = ["Done", "Job", "Work", "check_jobs", "do_jobs"]
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One run: its number, what it sets over the scenario, its seed.
+    """Run of a study: its number, its overrides, its seed.
 
     Attributes:
         run: Its number.
@@ -46,7 +47,7 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """What all runs of a study share.
+    """Common part of all runs of a study.
 
     Attributes:
         base: The scenario, as JSON with all files that it names.
@@ -67,7 +68,7 @@ class Work:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """One run that was made.
+    """Finished run of a study.
 
     Attributes:
         entry: What is kept of it, as JSON takes it.
@@ -87,7 +88,7 @@ def _scenario(text: str) -> Scenario:
 def _reference(text: str, follows: str) -> Trajectory:
     scenario = _scenario(text)
     values = json.loads(follows)
-    return simulate(scenario.with_overrides(values) if values else scenario)
+    return uninterrupted(simulate(scenario.with_overrides(values) if values else scenario))
 
 
 def scenario_of(work: Work, job: Job) -> Scenario:
@@ -181,7 +182,7 @@ def _do(work: Work, job: Job) -> Done:
 
 @contextlib.contextmanager
 def _told_of(job: Job) -> Iterator[None]:
-    """Have what a run warns of say which of the study it is."""
+    """Prefix warnings of a run with its number in the study."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LedgerOpenWarning)  # such runs are counted, with their message
         warnings.simplefilter("ignore", AssumedWarning)  # alike of all runs; each result has it

@@ -48,6 +48,7 @@ LOST = Rule(least=0.0, summed=True, passive=True)
 _LACKS = Rule(lacks=True)
 _COUNT, _SHARE, _EXACT = {"form": "count"}, {"form": "share"}, {"exact": True}
 COUPLED = "torque of the coupling on its follower (a force [N] if it slides)"
+_OF_TOUCH = "largest effort (N) of the touch that ends, or lasts to the end; NaN: none"
 _HOLDS = "largest size of the torque that holds the motion, located between samples (a force [N])"
 _EFFORT = "peak_torque|peak_force: peak torque|peak force"
 _PEAK, _RMS = ": peak torque|peak force|peak", ": rms torque|rms force|rms"
@@ -81,6 +82,10 @@ SUMMARIES: tuple[Variable, ...] = rows(
     "summary: motion",
     ("peak_effort", "N m|N", _HOLDS, _EFFORT, peak("drive_torque")),
     ("time_of_peak_effort", "s", "when it was", "-"),
+    "summary: drive",
+    ("peak_drive_effort", "N m|N",
+     "largest size of the drive's torque, located between samples (a force [N])", SIZE, "-"),
+    ("time_of_peak_drive_effort", "s", "when it was", "-"),
     "summary: closure",
     ("peak_closure_force", "N", "largest force of the closure at a sample", "peak_force",
      peak("closure_force")),
@@ -149,6 +154,8 @@ EPISODES: tuple[Variable, ...] = rows(
     ("change_loss", "J", "energy lost in the impulse"),
     ("change_impulse", "N m s|N s", "impulse about the axis on the child (N s)"),
     ("change_energy", "J", "energy of a latch's joint, 1/2 I_r rate^2; NaN: no latch", _LACKS),
+    ("change_peak_effort", "N m|N", _OF_TOUCH, Rule(least=0.0, lacks=True)),
+    ("change_peak_time", "s", "when that effort was", _LACKS),
     "episodes: tick",
     ("tick_time", "s", "when the controller was asked", ORDERED),
     ("tick_controller", "1", "index of the controller among the sampled ones", SIZE),
@@ -292,7 +299,7 @@ for _one in rows(
     ("time_of_peak_torque", "s", "when it was", ": at"),
     ("rms_torque", "N m|N", "root mean square of the torque on the follower (N if it slides)", _RMS),
     "drive loads: drive",
-    ("peak_effort", "N m|N", "largest size of the effort, of a motion between samples too (N if it slides)",
+    ("peak_effort", "N m|N", "largest size of the effort, between samples too (N if it slides)",
      _PEAK),
     ("time_of_peak_effort", "s", "when it was", ": at"),
     ("rms_effort", "N m|N", "root mean square of the effort (N if it slides)", _RMS),
@@ -325,7 +332,7 @@ for _one in rows(
     *_TIMES,
     ("approach_rate", "rad/s|m/s", "rate into contact at the onset (m/s)"),
     ("rebound_rate", "rad/s|m/s", "rate out of it at the release; NaN: still touching (m/s)"),
-    ("peak_effort", "N m|N", "largest torque of samples; infinite in a blow (a force [N])",
+    ("peak_effort", "N m|N", "largest torque; infinite in a blow (a force [N])",
      ": peak torque|peak force"),
     ("impulse", "N m s|N s", "integral of the torque's size; NaN: still touching (N s)"),
     ("loss", "J", "energy lost; NaN: still touching", ": energy lost"),
@@ -346,7 +353,7 @@ for _one in rows(
     ("touches", "1", "touches", _COUNT),
     ("fastest_touch", "rad/s|m/s", "fastest approach of a touch"),
     ("fastest_rebound", "rad/s|m/s", "fastest rebound of a touch", "-: fastest rebound"),
-    ("peak_torque", "N m|N", "largest torque of samples (a force [N])", _EFFORT),
+    ("peak_torque", "N m|N", "largest torque (a force [N])", _EFFORT),
     ("largest_blow", "N m s|N s", "largest impulse", "="),
     ("captures", "1", "captures of a latch", _COUNT),
     ("refusals", "1", "refusals of a latch", _COUNT),

@@ -1,7 +1,6 @@
 """What stops and latches of a run have met: touches of stops from onset to release, what latches captured.
 
-It is read from the run's changes of mode; the torque in a touch from its samples, of which there are some at
-its onset, where the joint turns back, and at its release.
+It is read from the run's changes of mode, the torque in a touch too; of a rigid stop at rest from samples.
 """
 
 from __future__ import annotations
@@ -56,6 +55,7 @@ class ModeChange(NamedTuple):
         loss: Energy lost by it; of a release, since the onset [J].
         impulse: On the child by it; of a release, since the onset [N m s] ([N s]).
         energy: Of the joint's own motion before, of a latch [J]; NaN of others.
+        peak_effort: Largest one of the touch that ends, or lasts from here to the end [N m] ([N]); else NaN.
     """
 
     element: str
@@ -67,6 +67,7 @@ class ModeChange(NamedTuple):
     loss: float
     impulse: float
     energy: float
+    peak_effort: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,7 +81,8 @@ class Touch:
         release: Release [s]; NaN if it lasts to the end.
         approach_rate: Rate into the stop at the onset [rad/s] ([m/s]).
         rebound_rate: Rate out of it at the release [rad/s] ([m/s]); NaN if it lasts to the end.
-        peak_effort: Largest torque of samples [N m] ([N]); infinite in a blow, NaN without samples.
+        peak_effort: Largest torque [N m] ([N]); infinite in a blow. That of a rigid stop at rest, and of a
+            result of an earlier version, is the largest of samples, NaN without these.
         impulse: Size of the integral of the torque [N m s] ([N s]); NaN if it lasts to the end.
         loss: Energy lost [J]; NaN if it lasts to the end.
     """
@@ -118,7 +120,11 @@ def mode_changes(data: xr.Dataset, family: str) -> Iterator[ModeChange]:
         for table, _, name in [place.partition(".")]
         if table == family
     }
-    columns = [np.asarray(data[_OF + name].values, dtype=float) for name in ModeChange._fields[2:]]
+    count = data.sizes["change"]
+    columns = [
+        np.asarray(data[_OF + name].values if _OF + name in data else np.full(count, np.nan), dtype=float)
+        for name in ModeChange._fields[2:]
+    ]
     for k, label in enumerate(names_along(data, "change")):
         named = next((one for one in own if label.startswith(f"{one}: ")), None)
         if named is not None:
@@ -175,7 +181,10 @@ def _touch(data: xr.Dataset, begin: ModeChange, end: ModeChange | None) -> Touch
 
 
 def _peak(data: xr.Dataset, begin: ModeChange, end: ModeChange | None) -> float:
-    """Return the largest torque of the samples of a touch."""
+    """Return the largest torque of a touch: as recorded, or of its samples."""
+    recorded = (begin if end is None else end).peak_effort
+    if np.isfinite(recorded):
+        return recorded
     if is_lean(data) or "element_effort" not in data:
         return float("nan")
     time = np.asarray(data["time"].values, dtype=float)
@@ -302,9 +311,13 @@ def met_by_meshes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
         peak = None
         if not is_lean(data) and "element_effort" in data:
             peak = float(np.abs(data["element_effort"].sel(element=place).values).max(initial=0.0))
+        mine = [touch for touch in every if touch.stop == place]
+        located = [touch.peak_effort for touch in mine if np.isfinite(touch.peak_effort)]
+        if located:
+            peak = max(*located, peak or 0.0)
         own: dict[str, Any] = {"peak_force" if slides else "peak_torque": peak}
         if sides:
-            mine, spans = [touch for touch in every if touch.stop == place], mesh_spans(data, place)
+            spans = mesh_spans(data, place)
             own |= {
                 "touches": len(mine),
                 "fastest_touch": max((touch.approach_rate for touch in mine), default=0.0),

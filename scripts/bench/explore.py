@@ -15,7 +15,7 @@ from bench_tools import Report
 
 from antenna_pin import load_scenario
 from antenna_pin.live import Explored, explore
-from antenna_pin.record._browser import open_browser
+from antenna_pin.record.browser import open_browser
 from antenna_pin.session import start
 
 LONGEST = 300.0  # [ms]

@@ -22,7 +22,7 @@ from fit_coverage import FIT, TIMES, TRUTH, record, write_record
 
 from antenna_pin import Scenario, simulate
 from antenna_pin.fit import Problem, load_fit, run_fit
-from antenna_pin.fit.sensors import instants
+from antenna_pin.fit.sensors import sample_times
 from antenna_pin.simulation.inputs import settings_of
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
@@ -42,8 +42,8 @@ def over_its_run(path: Path) -> tuple[float, float]:
         Over a run that is sampled at the times that the fit asks for, and over one as the scenario has it.
     """
     problem = Problem(load_fit(path))
-    (name, record), rig = next(iter(problem.plan.records.items())), problem._prepared.rigs[0]
-    wanted = [instants(column, rig.time + record.clock_shift) for column in rig.columns.values()]
+    (name, record), rig = next(iter(problem.plan.records.items())), problem._prepared.record_tests[0]
+    wanted = [sample_times(column, rig.time + record.clock_shift) for column in rig.columns.values()]
     at = np.unique(np.concatenate(wanted))
     first = problem.scenario(name, problem.start)
     own = settings_of(first)
@@ -77,7 +77,7 @@ def main() -> int:
         scenario = problem.scenario("test", problem.start)
         simulate(scenario)
         once = min(seconds(lambda: simulate(scenario)) for _ in range(3))
-        at = problem.unknowns.searched(np.concatenate([problem.start, problem.states]))
+        at = problem.unknowns.to_search(np.concatenate([problem.start, problem.states]))
         report.add("one run of the record", once, "s")
         report.add("one Jacobian, over one run", seconds(lambda: problem.slopes(at)) / once)
         report.add(

@@ -24,11 +24,11 @@ from numpy.typing import NDArray
 
 from antenna_pin import RunSettings, System, build_system, load_scenario, simulate
 from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.scenario import Scenario, with_number
 from antenna_pin.sensitivity import sensitivities
-from antenna_pin.sensitivity.by_equation import ByEquation
+from antenna_pin.sensitivity.forward_sensitivity import ForwardSensitivity
 from antenna_pin.sensitivity.parameters import Parameter, parameters_of
 from antenna_pin.simulation.loop import Run
 
@@ -64,13 +64,13 @@ def seconds(make: Callable[[], object]) -> float:
 
 def carried_over(model: Scenario, keys: dict[str, str | float | None], span: float) -> float:
     """Return how long carrying displacements along a run takes, without builds, over the steps of the run."""
-    made = ByEquation(model, parameters_of(model, keys, "bench"), TIGHT)
+    made = ForwardSensitivity(model, parameters_of(model, keys, "bench"), TIGHT)
     flow, start = flow_of(model, TIGHT)
     end = np.array([span])
     flow.after(start, span)
-    made.carried(end, span, np.zeros(0))
+    made.tangents(end, span, np.zeros(0))
     once = min(seconds(lambda: flow.after(start, span)) for _ in range(5))
-    return min(seconds(lambda: made.carried(end, span, np.zeros(0))) for _ in range(3)) / once
+    return min(seconds(lambda: made.tangents(end, span, np.zeros(0))) for _ in range(3)) / once
 
 
 class Made:
@@ -99,8 +99,10 @@ def at_best(model: Scenario, keys: dict[str, str | float | None], span: float) -
     parameters = parameters_of(model, keys, "bench")
     flow, start = flow_of(model, TIGHT)
     builders = [functools.partial(displaced_by, model, one) for one in parameters]
-    field = Field(flow.system, TIGHT, Numbers(flow.system, builders, [one.key for one in parameters]))
-    carrying, run = field.carrying(), flow.begun(start, span)
+    field = VectorField(
+        flow.system, TIGHT, ParameterSlopes(flow.system, builders, [one.key for one in parameters])
+    )
+    carrying, run = field.stage_propagation(), flow.logged_run(start, span)
     assert carrying is not None
     made = Made(run)
     run.advance(observer=made)

@@ -31,9 +31,8 @@ from antenna_pin.dynamics import Workspace
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.integrate import method_named
 from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.frames import Units
-from antenna_pin.nonlinear.near import Near
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.coordinates import Units
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes, PerturbedSystem
 from antenna_pin.scenario import with_number
 from antenna_pin.sensitivity.parameters import parameters_of
 from antenna_pin.simulation.steps import scale_vector, stepper_of
@@ -107,11 +106,11 @@ def of_numbers(report: Report) -> None:
 
     flow, start = flow_of(scenario)
     builders = [functools.partial(built, one) for one in parameters]
-    numbers = Numbers(flow.system, builders, [one.key for one in parameters])
-    near = Near(flow.system, RunSettings(engine="compiled"), numbers)
+    numbers = ParameterSlopes(flow.system, builders, [one.key for one in parameters])
+    near = PerturbedSystem(flow.system, RunSettings(engine="compiled"), numbers)
     units = Units.of(near.system)
     tangents = near.tangents(units)
-    assert tangents is not None and near.follows(tangents, units)
+    assert tangents is not None and near.link_parameters(tangents, units)
     way, rate, bristles, *_, own, _, clock = near.parts
     ways = np.zeros((clock.stop, len(KEYS)))
     shares = np.random.default_rng(1).normal(size=(bristles.stop, len(KEYS)))

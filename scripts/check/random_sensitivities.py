@@ -36,8 +36,8 @@ from scenario_generator import draw_scenario
 from antenna_pin import AntennaPinError, Scenario, simulate
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.sensitivity import GrazeError
-from antenna_pin.sensitivity.by_equation import ByEquation
-from antenna_pin.sensitivity.by_runs import ByRuns
+from antenna_pin.sensitivity.finite_differences import FiniteDifferences
+from antenna_pin.sensitivity.forward_sensitivity import ForwardSensitivity
 from antenna_pin.sensitivity.parameters import parameters_of
 from antenna_pin.simulation.inputs import settings_of
 
@@ -121,13 +121,13 @@ def compared(scenario: Scenario, keys: dict[str, str | float | None], contacts: 
     settings = dataclasses.replace(own, rtol=1e-12, output_rate=rate, output_times=(span,))
     at, parameters = np.array([span]), parameters_of(scenario, keys, "sensitivities")
     sizes = np.array([one.scale for one in parameters])
-    displaced = ByEquation(scenario, parameters, settings).carried(at, span, np.zeros(0)).displaced
+    displaced = ForwardSensitivity(scenario, parameters, settings).run(at, span, np.zeros(0)).samples
     apart, moved, before = math.inf, math.inf, None
     for steps in _STEPS:
         longest = min(settings.max_step, span / steps)
-        runs = ByRuns(scenario, dataclasses.replace(settings, max_step=longest), span, at)
-        slopes = np.stack([one.values["v"][0] for one in runs.over(parameters)], axis=-1) * sizes
-        ours = displaced.ways[-1][slopes.shape[0] : 2 * slopes.shape[0]]
+        runs = FiniteDifferences(scenario, dataclasses.replace(settings, max_step=longest), span, at)
+        slopes = np.stack([one.values["v"][0] for one in runs.derivatives(parameters)], axis=-1) * sizes
+        ours = displaced.perturbations[-1][slopes.shape[0] : 2 * slopes.shape[0]]
         largest = float(np.abs(slopes).max())
         apart = float(np.abs(ours - slopes).max()) / largest
         moved = math.inf if before is None else float(np.abs(slopes - before).max()) / largest

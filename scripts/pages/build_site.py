@@ -6,12 +6,16 @@ that hold on GitHub; generated pages are added there. Nothing is written into th
 
 from __future__ import annotations
 
+import signal
+
+if __name__ == "__main__":  # until all is imported, Ctrl-C ends it without a word
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
 import argparse
 import functools
 import http.server
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -84,6 +88,7 @@ def serve(site: Path) -> None:
 
 def main() -> int:
     """Build, and check or show what was built; Ctrl-C and SIGTERM end it in one line."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     ending_by_signals()
     try:
         return _main()

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, Parameter, law_parameters
-from antenna_pin.contact.aliases import ALIASES
+from antenna_pin.contact.registry import ALIASES
 from antenna_pin.elements import FAMILIES
 
 __all__ = [

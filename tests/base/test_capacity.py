@@ -6,8 +6,8 @@ from antenna_pin import System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.base import capacity
 from antenna_pin.errors import AntennaPinError, TooLargeError
 from antenna_pin.nonlinear import bifurcation, largest_exponent, poincare
-from antenna_pin.nonlinear.plan import values_of
-from antenna_pin.nonlinear.surfaces import section_of
+from antenna_pin.nonlinear.diagram_plan import values_of
+from antenna_pin.nonlinear.sections import section_of
 
 BODY = (
     '<inertial><origin xyz="0 0 -0.05"/><mass value="1"/>'

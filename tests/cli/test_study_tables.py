@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from antenna_pin.cli.study import grid_rows
-from antenna_pin.plot._study import cell_edges, is_spaced_by_factors, quantity_of
+from antenna_pin.plot.study import cell_edges, is_spaced_by_factors, quantity_of
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from antenna_pin.base.settings import RunSettings
 from antenna_pin.constraints import CLOSURES
 from antenna_pin.dynamics import Workspace, mobility_of
 from antenna_pin.elements import CallableMotion, PrescribedMotion
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import VectorField
 
 
 def accelerations(system, y, t=0.3):
@@ -90,7 +90,7 @@ def test_derivatives_of_the_rates_are_their_differences(kind, to):
     """Along a displacement that opens the loop too, whose equations are those of an open one."""
     motion = PrescribedMotion(joint="j5", amplitude=0.05, frequency=0.9)
     system, y = closed(kind, 6, to=to, drives={"slide": motion})
-    for found, expected in along_one(Field(system, RunSettings(engine="compiled")), y, 7):
+    for found, expected in along_one(VectorField(system, RunSettings(engine="compiled")), y, 7):
         assert found == pytest.approx(expected, abs=1e-8)  # of differences of sixth order
 
 

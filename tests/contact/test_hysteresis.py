@@ -27,8 +27,7 @@ from antenna_pin.contact import (
     exact_hysteresis,
     law_parameters,
 )
-from antenna_pin.contact.hysteresis import HysteresisDamping
-from antenna_pin.contact.restitution import stored_share
+from antenna_pin.contact.hysteresis import HysteresisDamping, stored_share
 from antenna_pin.law_studies import (
     closed_form_peak_depth,
     closed_form_restitution,

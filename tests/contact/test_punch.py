@@ -5,7 +5,7 @@ import math
 import pytest
 
 from antenna_pin.contact import annular_punch_factor
-from antenna_pin.contact.punch import _factor
+from antenna_pin.contact.materials import _factor
 
 
 @pytest.mark.parametrize("ratio", [0.0, 1e-3, 0.02, 0.05, 0.1])

@@ -16,7 +16,7 @@ from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import VectorField
 
 LINK = (
     '<link name="{}"><inertial><origin xyz="0.01 0.02 0.03"/><mass value="2"/>'
@@ -141,7 +141,7 @@ def test_damping_loses_what_it_takes():
 def test_derivatives_of_accelerations_are_stiffness_and_damping_over_mass():
     """At rest, where neither mass nor place has a share: over all freedoms of the joint and their rates."""
     own = system(StiffnessBearing(joint="axle", matrix=FULL.matrix, offset=-0.2, damping_time=0.01))
-    field, nv, nq = Field(own, RunSettings(engine="compiled")), own.model.nv, own.model.nq
+    field, nv, nq = VectorField(own, RunSettings(engine="compiled")), own.model.nv, own.model.nq
     rest = own.state(own.neutral(), np.zeros(nv))
     ways = np.eye(field.displacement)[:, : 2 * nv]
     parts = Tangents(own, field._stepper, np.concatenate(field.units), WEIGHTS)

@@ -16,8 +16,8 @@ from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNam
 from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.mechanism import Urdf, build_mechanism, frame_aligning_z
-from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.nonlinear.vector_field import VectorField
 
 # A floating hull with every kind of joint on it; the axis of "turn" is oblique.
 ROBOT = """<robot name="robot">
@@ -396,7 +396,7 @@ def test_derivatives_of_the_rates_are_their_differences(kind):
     """Along displacements of configuration, velocity and time; what elements integrate included."""
     system = driven(kind)
     y = random_state(system, np.random.default_rng(12))
-    for found, expected in along_one(Field(system, RunSettings(engine="compiled")), y, 13):
+    for found, expected in along_one(VectorField(system, RunSettings(engine="compiled")), y, 13):
         assert found == pytest.approx(expected, abs=1e-8)  # of differences of sixth order
 
 
@@ -406,7 +406,7 @@ def test_derivatives_over_stiffness_damping_and_torque_are_what_a_unit_more_make
     names, values = ("stiffness", "damping", "torque"), (5.0, 0.7, 2.0)
     base, more = driven(kind), [driven(kind, **{n: x + 1.0}) for n, x in zip(names, values, strict=True)]
     built = [lambda s, n=n, x=x: driven(kind, **{n: x + s}) for n, x in zip(names, values, strict=True)]
-    field = Field(base, RunSettings(engine="compiled"), Numbers(base, built, names))
+    field = VectorField(base, RunSettings(engine="compiled"), ParameterSlopes(base, built, names))
     y = random_state(base, np.random.default_rng(14))
     ways = np.eye(field.displacement)[:, field.parts[-3]]
     found = field._tangents.rates(TIME, y, ways, np.full(len(names), 1e-4))[0]

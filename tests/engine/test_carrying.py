@@ -9,7 +9,7 @@ from antenna_pin.elements import JointSpring
 from antenna_pin.engine.carry_kernels import _grade, _place
 from antenna_pin.engine.carrying import Steps, third_order
 from antenna_pin.integrate import METHODS
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import VectorField
 
 ADAPTIVE = [one for one in METHODS.values() if one.adaptive and not one.implicit]
 
@@ -65,8 +65,8 @@ def test_tangents_of_a_damped_oscillator_are_propagated_by_its_matrix_exponentia
     mass, stiffness, damping = 2.0, 50.0, 3.0  # [kg], [N/m], [N s/m]
     spring = JointSpring(joint="slide", stiffness=stiffness, damping=damping)
     mechanism = build_mechanism(Urdf.from_text(CART, "rail.urdf"), base="fixed")
-    field = Field(System(mechanism, springs={"slide": spring}), RunSettings(engine="compiled"))
-    carrying, h = field.carrying(), 0.01  # [s]
+    field = VectorField(System(mechanism, springs={"slide": spring}), RunSettings(engine="compiled"))
+    carrying, h = field.stage_propagation(), 0.01  # [s]
     over_step = expm(h * np.array([[0.0, 1.0], [-stiffness / mass, -damping / mass]]))
     energy = np.diag([stiffness, mass])  # twice that of [position, velocity], as a quadratic form
     states = np.array([[0.1, 0.3], over_step @ [0.1, 0.3], over_step @ over_step @ [0.1, 0.3]])

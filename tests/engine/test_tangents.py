@@ -10,7 +10,7 @@ from displacements import TIME, anywhere, press, ways_of, with_numbers
 from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.base.differences import WEIGHTS
 from antenna_pin.engine import Slopes, Tangents
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import VectorField
 
 ROOT = Path(__file__).parents[2]
 STEPS = 10.0 ** np.arange(-2.0, -6.5, -0.5)
@@ -145,7 +145,7 @@ def test_a_force_changes_by_its_exponent_over_any_depth():
     """
     closed = {"clearance.bore.geometry": "closed-form"}
     system = built("impact_pair", "planar", **closed)
-    field = Field(system, RunSettings(engine="compiled"))
+    field = VectorField(system, RunSettings(engine="compiled"))
     memory, nv = field.workspace.memory, system.model.nv
     memory["touching"], memory["approach_speed"] = 1.0, 0.1
     own = system.mechanism.joint("bore").v.start
@@ -182,7 +182,7 @@ def test_both_engines_have_the_same_derivatives():
     system, found = built("bai2020", "case3", **{"clearance.elevation.geometry": "closed-form"}), []
     _, y = anywhere(system, 1)
     for engine in ("compiled", "pinocchio"):
-        field = Field(system, RunSettings(engine=engine))
+        field = VectorField(system, RunSettings(engine=engine))
         memory = field.workspace.memory
         memory["touching"], memory["approach_speed"] = [1.0, 0.0, 0.0, 0.0], 0.1
         parts = Tangents(system, field._stepper, np.concatenate(field.units), WEIGHTS)
@@ -220,7 +220,7 @@ def test_rates_change_over_numbers_of_the_system_as_the_whole_does():
     }
     scenario = load_scenario("bai2020", case="case3", overrides=overrides)
     system, numbers = with_numbers(scenario, NUMBERS)
-    field, rng = Field(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
+    field, rng = VectorField(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
     y = system.state(system.neutral(), 0.3 * rng.normal(size=system.model.nv))
     field.workspace.memory["approach_speed"], field.workspace.memory["effective_mass"] = 0.05, 1.3
     press(field, y, system.clearances[0], rng)
@@ -247,7 +247,7 @@ def test_the_arm_of_what_acts_along_a_slider_goes_with_where_its_bearing_is():
     system, numbers = with_numbers(
         load_scenario("slider", case="rest", overrides=overrides), ["clearance.slide.offset"]
     )
-    field, rng = Field(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
+    field, rng = VectorField(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
     y = system.state(system.neutral(), 0.3 * rng.normal(size=system.model.nv))
     field.workspace.retract(y, 1e-5 * rng.normal(size=system.model.nv))
     system.turn_on(y)

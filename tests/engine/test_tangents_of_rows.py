@@ -14,8 +14,8 @@ from antenna_pin.dynamics import JointSpring, Workspace
 from antenna_pin.elements import PrescribedMotion
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.chart import take_up_modes
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.chart import set_modes
+from antenna_pin.nonlinear.vector_field import VectorField
 
 STEPS = 10.0 ** np.arange(-1.0, -4.5, -0.5)
 CLOSE, NOTHING = 1e-8, 1e-11
@@ -44,7 +44,7 @@ def of_whole(field, y, ways):
 
 def judge(system, y, field=None):
     """Return the largest deviation from differences of the whole, over what is asked."""
-    field = field or Field(system, RunSettings(engine="compiled"))
+    field = field or VectorField(system, RunSettings(engine="compiled"))
     assert Tangents.takes(system)
     ways = ways_of(field)
     parts = Tangents(system, field._stepper, np.concatenate(field.units), WEIGHTS)
@@ -104,7 +104,7 @@ def test_a_point_and_a_fixed_closure_change_as_pinocchios(kind):
     settings = pin.ProximalSettings(1e-14, 1e-12, 20)
     pin.constraintDynamics(model, data, y[:nq], y[nq : nq + nv], np.zeros(nv), models, datas, settings)
     over_q, over_v, *_ = pin.computeConstraintDynamicsDerivatives(model, data, models, datas, settings)
-    field = Field(system, RunSettings(engine="compiled"))
+    field = VectorField(system, RunSettings(engine="compiled"))
     ways = field.lift(field.frame(y), TIME, y).up
     found = field._tangents.rates(TIME, y, ways, np.full(ways.shape[1], 1e-4))[0, :nv]
     expected = over_q @ ways[:nv] + over_v @ ways[nv : 2 * nv]
@@ -125,7 +125,7 @@ def test_both_engines_have_the_same_derivatives():
     system, y = closed("universal", 4, **MOVED)
     found = []
     for engine in ("compiled", "pinocchio"):
-        field = Field(system, RunSettings(engine=engine))
+        field = VectorField(system, RunSettings(engine=engine))
         ways = ways_of(field)
         found.append(field._tangents.rates(TIME, y, ways, np.full(ways.shape[1], 1e-4)))
     assert np.array_equal(*found)
@@ -142,9 +142,9 @@ def test_joints_that_are_held_change_as_the_whole_does():
         **{f"gears.{name}.on": False for name in ("root_first", "first_second", "second_third")},
     }
     flow, start = flow_of(load_scenario("solar_array", case="rigid-latches", overrides=overrides))
-    field = Field(flow.system, RunSettings(engine="compiled"))
-    take_up_modes(field.workspace, start)
-    assert np.count_nonzero([one.holds(field.workspace.program) for one in field.kept.numbers]) == 2
+    field = VectorField(flow.system, RunSettings(engine="compiled"))
+    set_modes(field.workspace, start)
+    assert np.count_nonzero([one.holds(field.workspace.program) for one in field.memory.numbers]) == 2
     y, nv = start.y.copy(), flow.system.model.nv
     speeds = np.random.default_rng(0).normal(size=nv)
     speeds[[6, 8]] = 0.0
@@ -198,7 +198,7 @@ def test_rates_change_over_numbers_of_constraints_as_the_whole_does():
     """Ratios, frames of closures on bodies and on the world, motions; masses and places in loops."""
     scenario = load_scenario("solar_array", case="uncoupled", overrides=LOOPED)
     system, numbers = with_numbers(scenario, NUMBERS)
-    field, rng = Field(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
+    field, rng = VectorField(system, RunSettings(engine="compiled"), numbers), np.random.default_rng(0)
     nv = system.model.nv
     y = system.state(system.neutral(), 0.3 * rng.normal(size=nv))
     field.workspace.retract(y, 0.3 * rng.normal(size=nv))

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from antenna_pin.fit import load_fit, run_fit
-from antenna_pin.fit.solve import growth_of
+from antenna_pin.fit.diagnostics import difference_growth
 
 from .conftest import INERTIA
 
@@ -102,9 +102,9 @@ def test_differences_that_grow_by_e_in_a_second_are_found():
     time = np.linspace(0.0, 20.0, 2001)
     ways = [1e-4 * sign * np.exp(time) for sign in (-1.0, 0.0, 1.0)]
     runs = [np.sin(3.0 * time + 7.0 * np.sin(way)) for way in ways]
-    found = growth_of(time, *(one[np.newaxis] for one in runs))
+    found = difference_growth(time, *(one[np.newaxis] for one in runs))
     # Not straight once 7e-4 exp(t) is about 1, at 7.3 s, to a part of the 24 that are looked at.
     assert found.since == pytest.approx(np.log(1.0 / 7e-4), abs=1.0)
     assert found.fold == pytest.approx(1.0, rel=0.2)  # over parts that the swing goes through zero in
     straight = [np.sin(3.0 * time) * (1.0 + sign * 1e-4) for sign in (-1.0, 0.0, 1.0)]
-    assert growth_of(time, *(one[np.newaxis] for one in straight)) is None
+    assert difference_growth(time, *(one[np.newaxis] for one in straight)) is None

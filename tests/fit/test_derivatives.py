@@ -5,12 +5,12 @@ import pytest
 
 from antenna_pin.errors import ScenarioError
 from antenna_pin.fit import Problem, load_fit, run_fit
-from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.problem import Derived
-from antenna_pin.fit.statistics import compared, slopes_of
+from antenna_pin.fit.problem import DerivativeLog
+from antenna_pin.fit.sensors import compared_numbers, compared_slopes
+from antenna_pin.fit.specs import ColumnSpec
 
 from .conftest import DAMPING, STIFFNESS, closed_form
-from .test_fitted import DAMPER
+from .test_run_fit import DAMPER
 
 EQUATION = 'jacobian = "equation"'
 CLOCK = """
@@ -38,7 +38,7 @@ def test_slopes_are_those_of_the_closed_form(write):
     time = np.linspace(0.0, 0.9, 91)
     problem = Problem(write(time, {"angle": closed_form(time)}, parameters=DAMPER + CLOCK, more=EQUATION))
     values = np.array([STIFFNESS, DAMPING, 0.02, 1.1, 0.03])
-    searched = problem.unknowns.searched(values)
+    searched = problem.unknowns.to_search(values)
     found, why = problem._by_equation(values)
     assert not why
     at = time + 0.02
@@ -53,7 +53,7 @@ def test_slopes_are_those_of_the_closed_form(write):
     )
     # Runs of rtol 1e-10, dense output between steps, over a clock's step of 1 us: 1e-6 of the largest.
     np.testing.assert_allclose(found, 1e4 * expected, atol=2e-6 * np.abs(1e4 * expected).max())
-    np.testing.assert_allclose(problem.unknowns.natural(searched), values, rtol=1e-14)
+    np.testing.assert_allclose(problem.unknowns.from_search(searched), values, rtol=1e-14)
 
 
 @pytest.mark.slow
@@ -87,7 +87,7 @@ def test_pieces_have_those_of_differences(write):
     whole = np.concatenate([problem.start, 0.01 * np.arange(6)])
     found, why = problem._by_equation(whole)
     assert not why
-    runs = problem._by_runs(problem.unknowns.searched(whole))
+    runs = problem._by_runs(problem.unknowns.to_search(whole))
     # Central differences of steps of 1e-4 err by third derivatives, a hundred times the square of that over
     # a swing of several turns of phase, and by 1e-10 of a run over the step.
     assert np.abs(found - runs).max() < 1e-5 * np.abs(runs).max()
@@ -136,11 +136,11 @@ def test_what_the_equation_cannot_is_told_and_left_to_runs(write):
 
 
 def test_words_say_by_what():
-    assert Derived(3, 0, "", 2e-6).words() == (
+    assert DerivativeLog(3, 0, "", 2e-6).words() == (
         "the variational equation, within 2e-06 of differences of runs where it began"
     )
-    assert Derived(0, 2, "a graze").words() == "differences of runs, not the equation: a graze"
-    assert Derived(2, 1, "a graze", 2e-6).words().endswith("; 1 of 3 times by these: a graze")
+    assert DerivativeLog(0, 2, "a graze").words() == "differences of runs, not the equation: a graze"
+    assert DerivativeLog(2, 1, "a graze", 2e-6).words().endswith("; 1 of 3 times by these: a graze")
 
 
 @pytest.mark.parametrize(
@@ -155,10 +155,10 @@ def test_slopes_of_statistics_are_those_of_differences(more):
     column = ColumnSpec(of="motion_angle[hinge]", sd=1.0, **more)
     time, draws = np.linspace(0.0, 2.0, 401), np.random.default_rng(3)
     values, ways = draws.standard_normal(401), draws.standard_normal((401, 2))
-    found = slopes_of(column, time, values, ways)
+    found = compared_slopes(column, time, values, ways)
     for k, way in enumerate(ways.T):
         h = 1e-4
-        ends = [compared(column, "rad", time, values + s * h * way) for s in (1, -1, 2, -2)]
+        ends = [compared_numbers(column, "rad", time, values + s * h * way) for s in (1, -1, 2, -2)]
         expected = (8.0 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12.0 * h)
         # Fourth order at 1e-4 errs by 1e-16 of fifth derivatives, and by round-off over the step.
         np.testing.assert_allclose(found[:, k], expected, rtol=1e-9, atol=1e-10)

@@ -6,17 +6,24 @@ from scipy import signal
 
 from antenna_pin import load_scenario
 from antenna_pin.analysis import quantity
-from antenna_pin.fit.bench import Bench
-from antenna_pin.fit.columns import ColumnSpec
-from antenna_pin.fit.filters import filter_response, input_of_acceleration, input_of_values
-from antenna_pin.fit.sensors import instants, noise_of, reading
-from antenna_pin.fit.statistics import compared, target_of
+from antenna_pin.fit.runs import PreparedScenario
+from antenna_pin.fit.sensors import (
+    compared_numbers,
+    comparison_target,
+    filter_response,
+    input_of_acceleration,
+    input_of_values,
+    reading,
+    reading_noise,
+    sample_times,
+)
+from antenna_pin.fit.specs import ColumnSpec
 
 TIME = np.linspace(0.01, 0.3, 59)
 
 
 def seen(scenario, times, until):
-    bench = Bench(scenario)
+    bench = PreparedScenario(scenario)
     data = bench.data(bench.run(times, until).chunk)
     return data.isel(time=np.isin(data["time"].values, times))
 
@@ -64,7 +71,9 @@ def test_encoder_that_rounds_down_is_half_a_step_behind(swing):
     difference = reading(data, nearest, "rad", TIME) - reading(data, down, "rad", TIME)
     np.testing.assert_allclose(difference, 0.5 * step, rtol=1e-12)
     true = np.linspace(0.0, 10.0 * step, 100001)
-    assert noise_of(nearest, "rad") == pytest.approx(np.std(step * np.round(true / step) - true), rel=1e-3)
+    assert reading_noise(nearest, "rad") == pytest.approx(
+        np.std(step * np.round(true / step) - true), rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("order", [1, 2, 4, 8])
@@ -109,7 +118,7 @@ def test_filtered_accelerometer_keeps_the_impulse_of_blows():
         filter={"corner": "2 kHz", "order": 2},
     )  # fmt: skip
     rows = np.linspace(0.0, 0.003, 3001)
-    grid = instants(column, rows)
+    grid = sample_times(column, rows)
     data = seen(scenario, grid, 0.003)
     velocity = quantity(data, "body_velocity[disc].x").values
     read = reading(data, column, "m/s^2", rows)
@@ -124,7 +133,7 @@ def test_a_filtered_accelerometer_turns_with_its_link():
     at_tip = {"sensor": "accelerometer", "link": "bar", "point": [0, 0, "-0.4 m"], "sd": 1.0}
     column = ColumnSpec(**at_tip, direction=(0.6, 0.0, 0.8), filter={"corner": "20 Hz", "order": 2})
     plain = ColumnSpec(**at_tip, direction=(0.6, 0.0, 0.8))
-    grid = instants(column, TIME)
+    grid = sample_times(column, TIME)
     data = seen(load_scenario("pendulum", case="ideal"), grid, 0.3)
     expected = filter_response(input_of_values(grid, reading(data, plain, "m/s^2", grid)), grid, 20.0, 2)
     # What is straight between samples, 2 ms apart, is off by step^2 / 12 times a second derivative, 2e-5
@@ -144,7 +153,7 @@ def test_band_powers_are_those_of_sines_and_share_out_the_variance():
         of="x", compare="spectrum", spectrum={"edges": [20.0, 100.0, 400.0], "segment": "1 s"}
     )
     # Of an amplitude a the power is a^2 / 2; both lines lie in their bands' midst.
-    np.testing.assert_allclose(np.exp(compared(column, "m", time, curve)), [4.5, 0.5], rtol=1e-3)
+    np.testing.assert_allclose(np.exp(compared_numbers(column, "m", time, curve)), [4.5, 0.5], rtol=1e-3)
 
 
 def test_noise_of_band_powers_is_what_records_scatter():
@@ -152,8 +161,8 @@ def test_noise_of_band_powers_is_what_records_scatter():
         of="x", compare="spectrum", spectrum={"edges": [50.0, 100.0, 200.0], "segment": "0.25 s"}
     )
     noise, time = np.random.default_rng(0), np.arange(4096) / 1024.0
-    found = [compared(column, "m", time, noise.standard_normal(4096)) for _ in range(400)]
-    stated = target_of(column, "m", time, noise.standard_normal(4096), "x").sd / np.sqrt(2.0)
+    found = [compared_numbers(column, "m", time, noise.standard_normal(4096)) for _ in range(400)]
+    stated = comparison_target(column, "m", time, noise.standard_normal(4096), "x").sd / np.sqrt(2.0)
     # The deviation of 400 draws is known to 1 / sqrt(800) = 4 %; counting lines of Hann's window as 2 of 3 is
     # right to some 10 %.
     np.testing.assert_allclose(np.std(found, axis=0), stated, rtol=0.2)
@@ -164,10 +173,10 @@ def test_blows_are_counted_in_parts_that_move_without_jumps():
     time = np.arange(100) / 100.0
     curve = np.zeros(100)
     curve[[10, 30, 50]] = 20.0, -200.0, 20.0
-    counts = (compared(column, "N", time, curve) / 2.0) ** 2 - 0.375
+    counts = (compared_numbers(column, "N", time, curve) / 2.0) ** 2 - 0.375
     assert counts.sum() == pytest.approx(3.0)  # each blow once
-    moved = compared(column, "N", time, curve * (1.0 + 1e-6))
-    assert 0.0 < np.abs(moved - compared(column, "N", time, curve)).max() < 1e-5
+    moved = compared_numbers(column, "N", time, curve * (1.0 + 1e-6))
+    assert 0.0 < np.abs(moved - compared_numbers(column, "N", time, curve)).max() < 1e-5
 
 
 def test_impulses_and_intervals_of_blows():
@@ -176,10 +185,10 @@ def test_impulses_and_intervals_of_blows():
     intervals = ColumnSpec(
         of="x", compare="blows", blows={"level": 1.0, "of": "intervals", "edges": [0.05, 0.08, 0.2]}
     )
-    counts = (compared(intervals, "N", time, curve) / 2.0) ** 2 - 0.375
+    counts = (compared_numbers(intervals, "N", time, curve) / 2.0) ** 2 - 0.375
     assert counts.sum() == pytest.approx(9.0)  # ten blows, nine times between
     impulses = ColumnSpec(
         of="x", compare="blows", blows={"level": 1.0, "of": "impulses", "edges": [0.01, 0.03, 0.05]}
     )
-    counts = (compared(impulses, "N", time, curve) / 2.0) ** 2 - 0.375
+    counts = (compared_numbers(impulses, "N", time, curve) / 2.0) ** 2 - 0.375
     assert counts.sum() == pytest.approx(10.0)  # 4 N for 9 ms each

@@ -9,8 +9,8 @@ import pytest
 
 from antenna_pin.base.records import RIGID, ROTATION, VECTOR
 from antenna_pin.integrate import Manifold, kernels
-from antenna_pin.integrate.manifold import KINDS
 from antenna_pin.integrate.manifold_kernels import move_by_velocity
+from antenna_pin.integrate.stepper import KINDS
 
 MODELS = {
     "vector": pin.JointModelPX,

@@ -136,7 +136,7 @@ def test_the_pair_of_a_table_meets_as_the_mass_meets_the_wall(monkeypatch):
         seen.append((np.array(masses), np.array(speeds)))
         return impact(law, masses=masses, speeds=speeds)
 
-    monkeypatch.setattr("antenna_pin.law_studies.certificates.impact_of_pair", watched)
+    monkeypatch.setattr("antenna_pin.law_studies.impacts.impact_of_pair", watched)
     restitution_table(["flores"], (0.5,), mass=0.7, speed=0.2)
     ((masses, speeds),) = seen
     assert 1.0 / np.sum(1.0 / masses) == pytest.approx(0.7, rel=1e-15)

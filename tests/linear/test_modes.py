@@ -16,7 +16,7 @@ from antenna_pin.assemble import urdf_variant
 from antenna_pin.dynamics import JointSpring, PointSpring
 from antenna_pin.elements import PrescribedMotion
 from antenna_pin.flexible import MassProperties
-from antenna_pin.linear import eigen, linearise, modes, prepared
+from antenna_pin.linear import eigenmodes, linearise, modes, prepared
 
 TAU = 2.0 * np.pi
 
@@ -308,6 +308,6 @@ def test_a_free_base_is_placed_by_its_velocity_however_near_its_spin_a_mode_is(o
     place = np.array([1.0, 1j, 0.5, 1j, -1.0, 2.0]) if off else np.array([0.0, 0.0, 0.5, 0.0, 0.0, 2.0])
     value = 1j * spin * (1.0 + off)
     speed = (value * np.eye(6) + drift) @ place
-    found = eigen._base_place(SimpleNamespace(drift=drift), value, speed)
+    found = eigenmodes._base_place(SimpleNamespace(drift=drift), value, speed)
     # Of the velocity, known to 1e-16, a part in 1e9 is left.
     assert found == pytest.approx(place, abs=1e-6)

@@ -14,7 +14,7 @@ from antenna_pin.base.changes import JointChange, LinkChange
 from antenna_pin.elements import ConstantDrive
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import TreeDynamics, Urdf, build_mechanism
-from antenna_pin.mechanism._regular import is_regular_everywhere
+from antenna_pin.mechanism.inertia import is_regular_everywhere
 
 NOTHING = '<inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>'
 

@@ -14,7 +14,9 @@ from antenna_pin.mechanism import (
     Urdf,
     body_tree,
     build_mechanism,
-    dynamics,
+)
+from antenna_pin.mechanism import (
+    tree as tree_module,
 )
 from antenna_pin.mechanism.dynamics_kernels import aba
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
@@ -268,7 +270,7 @@ def test_a_tree_that_is_not_pinocchios_is_refused(crooked, monkeypatch, field):
         tree[field][2] *= 1.0 + 1e-7
         return tree
 
-    monkeypatch.setattr(dynamics, "body_tree", wrong)
+    monkeypatch.setattr(tree_module, "body_tree", wrong)
     with pytest.raises(
         MechanismError, match=r"'crooked': .* must be Pinocchio's to 1e-11 .* deviation of \d"
     ):
@@ -281,6 +283,6 @@ def test_a_deviation_that_is_no_number_is_refused(crooked, monkeypatch):
         tree["mass"][1] = np.nan
         return tree
 
-    monkeypatch.setattr(dynamics, "body_tree", wrong)
+    monkeypatch.setattr(tree_module, "body_tree", wrong)
     with pytest.raises(MechanismError, match="deviation of nan"):
         TreeDynamics(build_mechanism(crooked))

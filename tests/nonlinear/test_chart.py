@@ -70,7 +70,7 @@ def test_neighbours_of_a_loop_are_on_it_and_where_they_are_asked_for(case, chang
     """
     flow, state = crank(case, **changes)
     chart, workspace = Chart(flow.system, state), Workspace(flow.system)
-    assert (chart.ways, chart.size) == (freedoms, 2 * freedoms)
+    assert (chart.positions, chart.size) == (freedoms, 2 * freedoms)
     random = np.random.default_rng(1)
     for size in np.repeat([1e-9, 1e-6, 1e-3, 0.1, 0.5], 4):
         z = size * random.standard_normal(chart.size)
@@ -92,7 +92,7 @@ def test_a_direction_in_one_chart_is_one_in_another():
         other = Chart(flow.system, chart.state(0.05 * random.standard_normal(chart.size)))
         way = random.standard_normal(chart.size)
         ahead, behind = (other.coordinates(chart.state(h * way)) for h in (1e-4, -1e-4))
-        turned = other.turned(way, chart)
+        turned = other.transported(way, chart)
         # By what the loop's tangent turns over the 0.05 between the two.
         assert (ahead - behind) / 2e-4 == pytest.approx(turned, abs=0.05)
         largest = max(largest, float(np.abs(turned - way).max()))

@@ -12,8 +12,8 @@ from antenna_pin import RunSettings, load_scenario
 from antenna_pin.elements import CallableDrive, SineDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
-from antenna_pin.nonlinear.follower import Follower
-from antenna_pin.nonlinear.hidden import doubling, is_torus, shedding
+from antenna_pin.nonlinear.bifurcation_points import flip_test, is_torus, torus_test
+from antenna_pin.nonlinear.pseudo_arclength import BranchStepper
 from antenna_pin.simulation import Angle, Event, Jump
 
 NUMBERS = {"m": 1.0, "k": 1.0, "c": 0.1}
@@ -157,7 +157,7 @@ def test_a_branch_over_a_length_of_a_loop(key, values):
     assert branch.message == "it came to the end of the range"
     assert branch.points[-1].value == values[1]
     unit = values[1] - values[0]
-    follower = Follower(family, unit, 1e-9)
+    follower = BranchStepper(family, unit, 1e-9)
     for point in branch.points[1:3]:
         chart = follower.chart(point)
         here, _ = family(point.value)
@@ -287,14 +287,14 @@ def test_numbers_of_multipliers_pass_zero_where_one_or_two_leave_the_unit_circle
     three = np.array([turn, turn.conjugate(), other])
     limited = [max(size**2, 1.0), max(size * abs(other), 1.0)]
     torus = (size**2 - 1.0) / limited[0] * abs((turn * other - 1.0) / limited[1]) ** 2
-    assert shedding(three) == pytest.approx(torus, rel=1e-14, abs=1e-15)
+    assert torus_test(three) == pytest.approx(torus, rel=1e-14, abs=1e-15)
     assert is_torus(three)
     doubled = abs(1.0 + turn) ** 2 / limited[0]
-    assert doubling(three) == pytest.approx(doubled * (1.0 + other) / max(abs(other), 1.0), rel=1e-14)
+    assert flip_test(three) == pytest.approx(doubled * (1.0 + other) / max(abs(other), 1.0), rel=1e-14)
     # A negative one leaves, with a real one that is no partner of it.
-    assert doubling(np.array([-size, 0.5])) == pytest.approx((1.0 - size) / max(size, 1.0) * 1.5, abs=1e-15)
+    assert flip_test(np.array([-size, 0.5])) == pytest.approx((1.0 - size) / max(size, 1.0) * 1.5, abs=1e-15)
     assert not is_torus(np.array([-size, -1.0 / size, other]))
-    assert shedding(three[2:]) == 1.0
+    assert torus_test(three[2:]) == 1.0
 
 
 @pytest.mark.parametrize(

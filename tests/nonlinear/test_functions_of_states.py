@@ -8,7 +8,7 @@ import pytest
 from antenna_pin import load_scenario
 from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.base.settings import RunSettings
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import VectorField
 
 # Depth of the disc in its bore [m], and the law's stiffness [N/m^1.5].
 DEPTH, STIFFNESS = 1e-9, 1e10
@@ -27,7 +27,7 @@ def touching():
     scenario = load_scenario("impact_pair", case="planar", overrides=changes)
     system = build_system(scenario)
     q, v = initial_state(scenario, system)
-    field = Field(system, RunSettings(engine="compiled"))
+    field = VectorField(system, RunSettings(engine="compiled"))
     y = np.concatenate([q, v, np.zeros(system.manifold.nx)])
     field.workspace.memory["touching"][0] = 1.0
     field.workspace.memory["approach_speed"][0] = 0.1

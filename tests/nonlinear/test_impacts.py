@@ -11,7 +11,7 @@ import pytest
 from displacements import TIME, anywhere, ways_of, with_numbers
 
 from antenna_pin import RunSettings, build_system, load_scenario
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import VectorField
 
 ROOT = Path(__file__).parents[2]
 STEPS = 10.0 ** np.arange(1.0, -1.5, -0.5)
@@ -30,8 +30,8 @@ def by_differences(field, y, c, ways):
         workspace.locate(state, table)
         return np.array([table["rate"][c], np.log(workspace.effective_mass(state, c)), table["gap"][c]])
 
-    first = field.depths.steps(ways)
-    tried = np.array([field.depths.of_orders(met, TIME, y, ways, step * first) for step in STEPS])
+    first = field.gaps.steps(ways)
+    tried = np.array([field.gaps.with_steps(met, TIME, y, ways, step * first) for step in STEPS])
     apart = np.abs(tried[:, 0] - tried[:, 1])
     # By the next coarser step as well: where round-off rules, orders agree by chance at one of them.
     apart[1:] = np.maximum(apart[1:], apart[:-1])
@@ -41,14 +41,14 @@ def by_differences(field, y, c, ways):
 
 def judge(system, y, numbers=None):
     """Return the largest deviation from differences at any contact, over what is asked."""
-    field, worst = Field(system, RunSettings(engine="compiled"), numbers), 0.0
-    assert field.depths.tangents is not None
+    field, worst = VectorField(system, RunSettings(engine="compiled"), numbers), 0.0
+    assert field.gaps.tangents is not None
     ways, own = ways_of(field), field.parts[-3]
     for c in range(len(system.contact_names)):
         *met, gaps = by_differences(field, y, c, ways)
-        found = [one for one, _ in field.depths.impact(TIME, y, c, ways)]
+        found = [one for one, _ in field.gaps.impact(TIME, y, c, ways)]
         if numbers is not None:
-            found, met = [*found, field.depths.over_numbers(y, c)], [*met, gaps[own]]
+            found, met = [*found, field.gaps.over_numbers(y, c)], [*met, gaps[own]]
         for ours, right in zip(found, met, strict=True):
             asked = CLOSE * (np.abs(right) + np.abs(right).max(initial=0.0)) + 1e-300
             worst = max(worst, (np.abs(ours - right) / asked).max())
@@ -76,8 +76,8 @@ def test_impacts_of_point_loads_are_known_beside_a_distributed_one(monkeypatch):
     loads = [scenario.clearance[name].load for name in ("joint2", "joint3")]
     assert loads == ["distributed", "point"]
     system = build_system(scenario)
-    depths = Field(system, RunSettings(engine="compiled")).depths
-    assert [depths.known_at(c) is not None for c in range(8)] == [False] * 4 + [True] * 4
+    gaps = VectorField(system, RunSettings(engine="compiled")).gaps
+    assert [gaps.tangents_at(c) is not None for c in range(8)] == [False] * 4 + [True] * 4
     assert judge(system, anywhere(system, 70)[1]) < 1.0
 
 
@@ -163,10 +163,10 @@ def test_impacts_change_with_numbers_of_the_system_as_differences_say(loops):
     scenario = load_scenario("solar_array", case="uncoupled", overrides=changes)
     system, numbers = with_numbers(scenario, keys)
     assert judge(system, anywhere(system, 4)[1], numbers) < 1.0
-    field = Field(system, RunSettings(engine="compiled"), numbers)
+    field = VectorField(system, RunSettings(engine="compiled"), numbers)
     over = np.eye(field.displacement)[:, field.parts[-3]]
     y = anywhere(system, 4)[1]
-    sizes = [np.abs(field.depths.impact(TIME, y, c, over)[1][0]) for c in range(len(system.contact_names))]
+    sizes = [np.abs(field.gaps.impact(TIME, y, c, over)[1][0]) for c in range(len(system.contact_names))]
     nothing = np.abs(sizes).max(axis=0) == 0.0
     # The normal's line goes through the journal's axis, whatever the play; a side on the world does not turn.
     none = ["clearance.third.radial_clearance", "mechanism.gravity[1]", "materials.steel.young"]
@@ -179,7 +179,7 @@ def test_an_impact_of_two_bodies_changes_as_its_closed_form():
     closed = {"clearance.bore.geometry": CLOSED, "mechanism.links.disc.mass": 2.0}
     scenario = load_scenario("impact_pair", case="planar", overrides=closed)
     system, numbers = with_numbers(scenario, ["mechanism.links.disc.mass", "clearance.bore.radial_clearance"])
-    field = Field(system, RunSettings(engine="compiled"), numbers)
+    field = VectorField(system, RunSettings(engine="compiled"), numbers)
     v, e = np.array([0.1, 0.03]), np.array([0.6e-4, 0.8e-4])
     own, y = system.mechanism.joint("bore").v.start, system.state(system.neutral(), np.zeros(system.model.nv))
     move = np.zeros(system.model.nv)
@@ -190,16 +190,16 @@ def test_an_impact_of_two_bodies_changes_as_its_closed_form():
     ways[[own, own + 1], [0, 1]] = 1e-4  # [m]
     ways[[system.model.nv + own, system.model.nv + own + 1], [2, 3]] = 0.1  # [m/s]
     ways[field.parts[-3], 4:] = np.eye(2)
-    (speed, _), (mass, _) = field.depths.impact(TIME, y, 0, ways)
+    (speed, _), (mass, _) = field.gaps.impact(TIME, y, 0, ways)
     n = e / np.linalg.norm(e)
     across = (v - (v @ n) * n) / np.linalg.norm(e)
     assert speed == pytest.approx([*(1e-4 * across), *(0.1 * n), 0.0, 0.0], abs=1e-15)
     # Scales are the values. How numbers of the system go with these is found by differences, to 1e-13 of
     # them; of radii, to 2e-18 m over 1e-7 m of play, so that of 1e-4 m some 2e-15 are unsure.
     assert mass == pytest.approx([0.0, 0.0, 0.0, 0.0, 3.0 / 5.0, 0.0], abs=1e-12)
-    assert field.depths.opening(y, 0, ways)[0] == pytest.approx([*(-1e-4 * n), 0, 0, 0, 1e-4], abs=2e-15)
+    assert field.gaps.opening(y, 0, ways)[0] == pytest.approx([*(-1e-4 * n), 0, 0, 0, 1e-4], abs=2e-15)
     # Where nothing is compiled, as with gaps by coal, differences over a thousandth of the play say the same.
-    field.depths.tangents = None
-    found = np.array(field.depths.impact(TIME, y, 0, ways))
+    field.gaps.tangents = None
+    found = np.array(field.gaps.impact(TIME, y, 0, ways))
     assert found == pytest.approx(np.array([[speed] * 2, [mass] * 2]), abs=1e-9)
-    assert field.depths.opening(y, 0, ways)[0] == pytest.approx([*(-1e-4 * n), 0, 0, 0, 1e-4], abs=1e-13)
+    assert field.gaps.opening(y, 0, ways)[0] == pytest.approx([*(-1e-4 * n), 0, 0, 0, 1e-4], abs=1e-13)

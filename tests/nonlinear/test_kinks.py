@@ -91,7 +91,7 @@ def holds(oscillator, seed):
     x, v = random.uniform(-1, 1, 2)
     if seed % 4 == 0:  # a spring that the motion next to touches: 1e-7 to 1e-2 short of where it turns back
         flow = flow_of_pieces(oscillator, *numbers[:4], [])
-        states = flow.seen(flow.first(np.array([x]), np.array([v])), span, 2000).data["q"].values
+        states = flow.sampled(flow.first(np.array([x]), np.array([v])), span, 2000).data["q"].values
         place = float(states.max()) - 10.0 ** random.uniform(-7, -2)
         pieces[:] = [(-(10.0 ** random.uniform(1, 3)), 1.0, 0.0, place)]
     flow = flow_of_pieces(oscillator, *numbers)
@@ -141,7 +141,7 @@ def test_a_controller_that_meets_its_limit(oscillator, kp, kd, limit):
     share = kp / limit, kd / limit
     pieces = [(-limit, *share, -1.0), (limit, *share, 1.0), (1.0, 0.0, 0.0, -limit)]
     state = flow.first(np.array([start[0]]), np.array([start[1]]))
-    carrier = flow.carry(state, span, Chart(flow.system, state).frame)[0]
+    carrier = flow.propagate(state, span, Chart(flow.system, state).frame)[0]
     assert carrier.stages.made > 0
     found = flow.tangent(state, span)
     off = np.linalg.norm(found.matrix - exact(*numbers, pieces, *start, span), axis=0)

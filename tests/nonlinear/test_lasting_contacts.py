@@ -59,7 +59,7 @@ def test_a_leg_that_lies_against_its_joint():
     found = largest_exponent(flow, here, span, 40)
     chart = Chart(flow.system, here)
     way = np.full(chart.size, 1e-4)
-    way[chart.size - len(chart.frame.remembered) :] = 0.0
+    way[chart.size - len(chart.frame.contact_memory) :] = 0.0
     there = chart.state(way)
     for _ in range(11):
         here, there = flow.after(here, span), flow.after(there, span)

@@ -6,7 +6,7 @@ from displacements import with_numbers
 
 from antenna_pin import RunSettings, load_scenario
 from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.field import Field
+from antenna_pin.nonlinear.vector_field import VectorField
 
 STEP = 1e-3
 HELD = 1e-10
@@ -76,7 +76,7 @@ def test_displacements_leave_constraints_held(model, case, changes, keys, clock)
     scenario = load_scenario(model, case=case, overrides=changes)
     flow, start = flow_of(scenario)
     _, numbers = with_numbers(scenario, keys)
-    field = Field(flow.system, RunSettings(engine="compiled"), numbers)
+    field = VectorField(flow.system, RunSettings(engine="compiled"), numbers)
     up = field.lift(field.frame(start.y, clock), start.time, start.y).up
     assert np.linalg.matrix_rank(up) == up.shape[1]
     left = np.abs(residuals(field, start.time, start.y, up / np.abs(up).max(axis=0)))
@@ -94,12 +94,12 @@ def test_axes_serve_until_a_loop_has_turned_away_from_them():
     """A crank under a torque: what its loop leaves at one angle is far off that at another."""
     torque = {"drives.crank": {"replace": True, "kind": "constant", "value": 5.0}}
     flow, start = flow_of(load_scenario("slider_crank", case="ideal", overrides=torque))
-    field = Field(flow.system, RunSettings(engine="compiled"))
+    field = VectorField(flow.system, RunSettings(engine="compiled"))
     first, there = flow.after(start, 1e-3), flow.after(start, 31e-3)
     axes = field.frame(first.y)
-    assert not field.is_off(axes, first.time, first.y)
-    assert field.is_off(axes, there.time, there.y)
-    assert not field.is_off(field.frame(there.y), there.time, there.y)
+    assert not field.is_tilted(axes, first.time, first.y)
+    assert field.is_tilted(axes, there.time, there.y)
+    assert not field.is_tilted(field.frame(there.y), there.time, there.y)
     ours = flow.tangent(first, 0.03).matrix
     # As in tests/nonlinear/test_variational.py; found 1e-11.
     assert ours == pytest.approx(flow.tangent_by_runs(first, 0.03).matrix, abs=1e-8 * np.abs(ours).max())

@@ -147,7 +147,7 @@ def test_chaos_of_an_impact_oscillator_against_its_exact_map(oscillator):
     counted = (spectrum.values.sum() + c / m) * 1000 * period / (2.0 * math.log(restitution))
     assert counted == pytest.approx(round(counted), abs=2e-3)
     # The run in one is another one after some periods, for its steps are not cut at each.
-    assert counted == pytest.approx(flow.went(start, 1000 * period).events, rel=0.02)
+    assert counted == pytest.approx(flow.traverse(start, 1000 * period).events, rel=0.02)
 
 
 @pytest.mark.parametrize(("name", "value"), [("interval", 0.0), ("transient", -1.0), ("count", 0)])

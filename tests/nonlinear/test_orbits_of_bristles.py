@@ -40,7 +40,7 @@ def test_a_driven_mass_with_bristles_repeats_its_period_with_them(oscillator, la
     assert orbit.stable
     # Way and rate, z, and what a law has beside it: a multiplier each.
     assert len(orbit.multipliers) == (4 if law == "gonthier" else 3)
-    period = flow.seen(orbit.start, PERIOD, 50)
+    period = flow.sampled(orbit.start, PERIOD, 50)
     for name in ("q", "v"):
         assert period.data[name].values[-1] == pytest.approx(period.data[name].values[0], abs=1e-9)
     lost = sum(

@@ -72,7 +72,7 @@ def test_exponents_of_a_ball_that_bounces_without_order(oscillator):
     flow = ball(oscillator, amplitude)
     start = flow.after(flow.first(np.array([0.02]), np.array([0.3])), 50.3 * PERIOD)
     found = lyapunov_spectrum(flow, start, PERIOD, count)
-    changes = flow.seen(start, count * PERIOD, 1).data
+    changes = flow.sampled(start, count * PERIOD, 1).data
     blows = list(
         zip(*(changes[f"change_{name}"].values for name in ("time", "rate", "rate_after")), strict=True)
     )

@@ -113,8 +113,10 @@ def test_a_scenario_whose_contact_lasts_tends_to_the_map_of_impacts(ball_on_tabl
         q[2], v[2] = HOLLOW - height, drive * UNIT * W - velocity
         orbit = periodic_orbit(flow, flow.first(q, v), PERIOD)
         chart = Chart(flow.system, orbit.start)
-        falls = int(np.argmax(np.abs(chart.coordinates(flow.first(q + [0, 0, 1e-3, 0, 0], v)))[: chart.ways]))
-        own = orbit.tangent[np.ix_([falls, chart.ways + falls], [falls, chart.ways + falls])]
+        falls = int(
+            np.argmax(np.abs(chart.coordinates(flow.first(q + [0, 0, 1e-3, 0, 0], v)))[: chart.positions])
+        )
+        own = orbit.tangent[np.ix_([falls, chart.positions + falls], [falls, chart.positions + falls])]
         off.append([np.trace(own) - total(drive, e), np.linalg.det(own) - e**2])
     soft, hard = np.abs(off)
     share = 100.0**-0.4

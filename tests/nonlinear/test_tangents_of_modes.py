@@ -86,7 +86,7 @@ def test_a_bounce_takes_the_square_of_its_restitution_of_a_volume(oscillator):
     element = RigidStop(joint="way", upper=0.1, restitution=0.7)
     flow = Flow(system_of(oscillator, element, "stops"))
     start = flow.first(np.array([-0.2]), np.array([0.5]))
-    assert flow.went(start, 1.0).events == 1
+    assert flow.traverse(start, 1.0).events == 1
     # To what pieces of steps are good to.
     assert np.linalg.det(flow.tangent(start, 1.0).matrix) == pytest.approx(0.49 * np.exp(-0.3), rel=1e-9)
 
@@ -193,7 +193,7 @@ def test_trees_of_several_joints(seed):
     system, v = some_system(seed)
     flow = Flow(system, RunSettings(rtol=1e-12, engine="compiled" if seed % 2 == 0 else "pinocchio"))
     start = flow.after(flow.first(system.neutral(), v), 0.3)
-    assert flow.went(start, 0.8).events >= 1
+    assert flow.traverse(start, 0.8).events >= 1
     ours, off = flow.tangent(start, 0.8), []
     size = np.abs(ours.matrix).max()
     for step in (1e-4, 2e-5):
@@ -227,7 +227,7 @@ def two_masses(carried):
 def test_blows_at_one_instant_that_do_not_feel_each_other_are_each_their_own(engine):
     flow = Flow(two_masses(False), RunSettings(rtol=1e-12, engine=engine))
     start = flow.first(np.zeros(2), np.array([0.5, 0.5]))
-    assert flow.went(start, 0.35).events == 2
+    assert flow.traverse(start, 0.35).events == 2
     ours, runs = flow.tangent(start, 0.35).matrix, flow.tangent_by_runs(start, 0.35).matrix
     assert np.abs(ours - runs).max() < 1e-9
 
@@ -237,7 +237,7 @@ def test_blows_at_one_instant_that_feel_each_other_have_no_derivative(engine):
     """In neighbours one comes before the other, and which decides. Next to it there is one."""
     flow = Flow(two_masses(True), RunSettings(rtol=1e-12, engine=engine))
     start = flow.first(np.zeros(3), np.array([0.0, 0.5, 0.5]))
-    assert flow.went(start, 0.35).events == 2
+    assert flow.traverse(start, 0.35).events == 2
     assert np.isnan(flow.tangent(start, 0.35).matrix).all()
     apart = flow.first(np.zeros(3), np.array([0.0, 0.5, 0.4]))
     ours, runs = flow.tangent(apart, 0.35).matrix, flow.tangent_by_runs(apart, 0.35).matrix

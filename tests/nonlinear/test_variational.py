@@ -86,7 +86,7 @@ def test_an_impact_in_a_closed_loop(drive, engine):
     # At 1e-12 the instant of the impact is known to 1e-13 s, and so are both derivatives to some 1e-7.
     flow = Flow(flow.system, dataclasses.replace(flow._settings, rtol=1e-13))
     start = flow.after(start, 1e-3)
-    went = flow.went(start, 2e-3)
+    went = flow.traverse(start, 2e-3)
     assert went.onsets >= 1
     off, _ = apart(flow, start, 2e-3)
     assert off < 1e-7
@@ -115,8 +115,8 @@ def test_events_that_turn_back_and_that_change_a_spring(oscillator):
     for events in ((turn,), (harder,), (turn, harder)):
         flow = Flow(system, events=events)
         start = start_of(flow)
-        assert flow.went(start, 1.0).events >= 1
-        ours, runs = flow.carry(start, 1.0, Chart(system, start).frame)[0].carried.matrix, None
+        assert flow.traverse(start, 1.0).events >= 1
+        ours, runs = flow.propagate(start, 1.0, Chart(system, start).frame)[0].tangents.matrix, None
         if harder in events:  # a state whose spring has changed has no chart: differences of plain numbers
             ahead, behind = (
                 [
@@ -155,7 +155,7 @@ def test_momentum_of_displacements():
     flow, start = flow_of(
         load_scenario("impact_pair", overrides=COMPILED | {"clearance.bore.geometry": "closed-form"})
     )
-    assert flow.went(start, 1.9e-3).onsets == 1
+    assert flow.traverse(start, 1.9e-3).onsets == 1
 
     def gradient(state):
         """Of linear momentum in world axes over coordinates, by differences of momenta."""

@@ -46,7 +46,7 @@ def quantities_are_variables(monkeypatch):
     def read(run, name):
         return Quantity(name, run["time"].values, run[name].values, run[name].attrs["units"], name)
 
-    monkeypatch.setattr("antenna_pin.plot.attractors.quantity", read)
+    monkeypatch.setattr("antenna_pin.plot.phase.quantity", read)
 
 
 def test_a_motion_is_judged_by_the_range_of_its_trajectory():

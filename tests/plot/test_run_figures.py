@@ -34,6 +34,7 @@ from antenna_pin.plot import (
     PAPERS,
     QUANTITIES,
     SIGNALS,
+    against_ideal,
     allowed_figures,
     figure_base,
     figure_body,
@@ -49,11 +50,10 @@ from antenna_pin.plot import (
     figure_spectrogram,
     figure_steady_force,
     paper_figures,
-    pointing,
     save_figures,
 )
-from antenna_pin.plot import orbit as orbit_figures
-from antenna_pin.plot._compared import Curve, Panel, panels_figure
+from antenna_pin.plot import journal as journal_figures
+from antenna_pin.plot._compared import panels_sheet
 from antenna_pin.plot._kinds import (
     CLOSED,
     CONTROLLED,
@@ -73,6 +73,7 @@ from antenna_pin.plot._kinds import (
     TOUCHING,
     TRACED,
 )
+from antenna_pin.plot.grammar import Axis, Curve, Panel, render
 
 
 @pytest.fixture(scope="module")
@@ -120,8 +121,8 @@ def test_of_a_tangled_orbit_the_last_crossings_are_in_colour(real_runs, monkeypa
     data = real_runs["case3"]
     whole = figure_orbit(("case3", data))
     assert "in colour" not in note_of(whole)
-    monkeypatch.setattr(orbit_figures, "_TANGLE", 0.5)
-    monkeypatch.setattr(orbit_figures, "_FOLLOWED", 0.2)
+    monkeypatch.setattr(journal_figures, "_TANGLE", 0.5)
+    monkeypatch.setattr(journal_figures, "_FOLLOWED", 0.2)
     figure = figure_orbit(("case3", data))
     begun = float(re.search(r"in colour: from (\S+) s on; grey: before", note_of(figure))[1])
     assert data["time"][0] < begun < data["time"][-1]
@@ -556,8 +557,8 @@ def test_what_samples_do_not_resolve_is_shaded_in_spectra_and_not_in_spectrogram
 def test_time_axes_that_no_other_continues_are_labelled(count, labelled):
     """The last of an odd number has a row to itself, on another scale than those above it."""
     t = np.linspace(0.0, 1.0, 5)
-    panels = [Panel("p", "p", "m", [Curve("c", t, t, {}, True)]) for _ in range(count)]
-    axes = panels_figure(panels, "page", 2).axes
+    panels = [Panel("p", [Curve("c", t, t, smooth=True)], Axis("p", "m")) for _ in range(count)]
+    axes = render(panels_sheet(panels, "page", 2)).axes
     assert [k for k, each in enumerate(axes) if each.get_xlabel()] == labelled
 
 
@@ -707,7 +708,7 @@ def test_an_azimuth_that_jumps_at_a_pole_has_a_gap_there(monkeypatch):
     over = xr.Dataset(
         {"azimuth": ("time", np.where(turn < 0.5 * np.pi, 0.0, np.pi)), "elevation": ("time", turn)}
     )
-    monkeypatch.setattr(pointing, "boresight", lambda data: over)
+    monkeypatch.setattr(against_ideal, "boresight", lambda data: over)
     figure = figure_pointing(run)
     values = figure.axes[0].lines[0].get_ydata()
     gap = np.flatnonzero(np.isnan(values))

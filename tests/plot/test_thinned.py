@@ -5,9 +5,8 @@ import pytest
 import xarray as xr
 
 from antenna_pin.plot import _thinned
-from antenna_pin.plot._compared import between_spikes
 from antenna_pin.plot._runs import labelled
-from antenna_pin.plot._thinned import closer, telling, thinned, turning
+from antenna_pin.plot._thinned import between_spikes, closer, telling, thinned, turning
 
 COUNT = 60_000
 PARTS = 300

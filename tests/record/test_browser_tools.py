@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import MissingToolError
-from antenna_pin.record import _browser
+from antenna_pin.record import browser as browser_tools
 
 PAGE = """<!doctype html><title>probe</title><body style="margin:0">
 <canvas width="60" height="40"></canvas><p style="margin:0;height:20px;width:60px;background:#00f"></p>
@@ -72,50 +72,50 @@ def test_what_a_page_complains_of_and_asks_for_is_seen(probe):
 
 
 def test_without_a_browser_it_says_what_to_install(monkeypatch, tmp_path):
-    for variable in (_browser.BROWSER_VARIABLE, _browser.DRIVER_VARIABLE):
+    for variable in (browser_tools.BROWSER_VARIABLE, browser_tools.DRIVER_VARIABLE):
         monkeypatch.delenv(variable, raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(
         MissingToolError, match="found no chromium or .*apt-get install chromium chromium-driver"
     ):
-        _browser.find_browser()
+        browser_tools.find_browser()
 
 
 def test_a_variable_that_names_no_program_is_refused(monkeypatch, tmp_path):
-    monkeypatch.setenv(_browser.BROWSER_VARIABLE, str(tmp_path / "none"))
+    monkeypatch.setenv(browser_tools.BROWSER_VARIABLE, str(tmp_path / "none"))
     with pytest.raises(MissingToolError, match="ANTENNA_PIN_BROWSER: must name a program"):
-        _browser.find_browser()
+        browser_tools.find_browser()
 
 
 def test_a_browser_that_does_not_start_is_named(page):
-    programs = _browser.BrowserPrograms("/bin/false", _browser.find_browser().driver)
-    with pytest.raises(MissingToolError, match="/bin/false must start"), _browser.open_browser(programs):
+    programs = browser_tools.BrowserPrograms("/bin/false", browser_tools.find_browser().driver)
+    with pytest.raises(MissingToolError, match="/bin/false must start"), browser_tools.open_browser(programs):
         pass
 
 
 def test_a_proxy_of_the_environment_does_not_come_between(page, monkeypatch):
     for variable in ("http_proxy", "HTTP_PROXY"):
         monkeypatch.setenv(variable, "http://127.0.0.1:9")
-    with _browser.open_browser() as browser:
+    with browser_tools.open_browser() as browser:
         assert browser.run("return 1 + a[0];", 2) == 3
 
 
 def test_a_driver_that_does_not_answer_is_given_up(monkeypatch, tmp_path):
     """Whether it ends without a word or hangs."""
-    monkeypatch.setattr(_browser, "_START", 0.3)
+    monkeypatch.setattr(browser_tools, "_START", 0.3)
     for number, command in enumerate(("echo no such port", "exec sleep 60")):
         script = tmp_path / f"driver{number}"
         script.write_text(f"#!/bin/sh\n{command}\n")
         script.chmod(0o755)
-        programs = _browser.BrowserPrograms("/bin/true", str(script))
+        programs = browser_tools.BrowserPrograms("/bin/true", str(script))
         with pytest.raises(MissingToolError, match="must start and name its port"):
-            with _browser.open_browser(programs):
+            with browser_tools.open_browser(programs):
                 pass
 
 
 KILLED = """
 import time
-from antenna_pin.record._browser import open_browser
+from antenna_pin.record.browser import open_browser
 with open_browser() as browser:
     print(browser._driver.capabilities["chrome"]["userDataDir"], flush=True)
     time.sleep(60)

@@ -5,8 +5,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.geometry import PlanarClearance, PrismaticClearance, RevoluteClearance, SphericalClearance
-from antenna_pin.record.magnified import MagnifiedBall, MagnifiedJournal, default_magnification
-from antenna_pin.record.magnified_slider import MagnifiedSlider
+from antenna_pin.record.magnified import (
+    MagnifiedBall,
+    MagnifiedJournal,
+    MagnifiedSlider,
+    default_magnification,
+)
 
 M = 100.0
 COVERED = dict(

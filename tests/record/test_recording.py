@@ -17,9 +17,9 @@ from antenna_pin.analysis import body_poses, quantity
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.mechanism import Urdf
 from antenna_pin.record import record, shared_head
-from antenna_pin.record._joint_picture import BEARING, DIRECTION, JOURNAL, LOAD_COLOURS, drawn_axes
+from antenna_pin.record._joint_pictures import BEARING, DIRECTION, JOURNAL, LOAD_COLOURS, drawn_axes
 from antenna_pin.record.curves import thinned
-from antenna_pin.record.framing import clearest
+from antenna_pin.record.scene import clearest
 from antenna_pin.record.shapes import visual_shapes
 from antenna_pin.trajectory import Outcome, Trajectory
 

@@ -18,9 +18,9 @@ from typer.testing import CliRunner
 from antenna_pin.analysis import body_poses
 from antenna_pin.cli import app
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError, OutputError
-from antenna_pin.record import Filmed, _camera, film_times, record, save_frames, save_picture, save_video
-from antenna_pin.record._browser import open_browser
-from antenna_pin.record._camera import open_camera
+from antenna_pin.record import Filmed, film_times, record, save_frames, save_picture, save_video
+from antenna_pin.record import browser as browser_tools
+from antenna_pin.record.browser import open_browser, open_camera
 
 SMALL = (320, 180)
 SLOW = 0.25  # 50 ms last 0.2 s
@@ -182,7 +182,7 @@ def test_size_and_rate_are_those_of_the_kind_of_file_if_left_out(recording, tmp_
 )
 def test_texts_of_a_large_picture_are_enlarged(size, scale):
     """Where the size is a whole number of pages; a small one keeps them as large as they are."""
-    assert _camera._scale(*size) == scale
+    assert browser_tools._scale(*size) == scale
 
 
 def test_the_camera_waits_for_the_page_s_own_script(browser, tmp_path):
@@ -196,13 +196,13 @@ def test_the_camera_waits_for_the_page_s_own_script(browser, tmp_path):
     with open_browser() as there:
         there.open(late.as_uri())
         assert there.run("return recording instanceof Element && !recording.pause;")
-        assert there.run(_camera._OPEN, ".ap-bar") == ""
+        assert there.run(browser_tools._OPEN, ".ap-bar") == ""
         assert there.run("return document.title;") == "paused"
 
 
 @pytest.mark.slow
 def test_an_enlarged_picture_has_the_size_asked_for(recording, browser, monkeypatch):
-    monkeypatch.setattr(_camera, "_VIEW", SMALL)  # larger ones take software long
+    monkeypatch.setattr(browser_tools, "_VIEW", SMALL)  # larger ones take software long
     with open_camera(recording, (640, 360)) as camera:
         assert picture(io.BytesIO(camera.seek(0.0))).shape == (360, 640, 3)
         seen = camera._browser.run(

@@ -5,8 +5,8 @@ import functools
 import numpy as np
 
 from antenna_pin import RunSettings, build_system
-from antenna_pin.nonlinear.field import Field
-from antenna_pin.nonlinear.numbers import Numbers
+from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.scenario import with_number
 from antenna_pin.sensitivity.parameters import parameters_of
 
@@ -18,7 +18,7 @@ def press(field, y, joint, rng, tilt=1.0):
     system, workspace = field.system, field.workspace
     own = system.mechanism.joint(joint.name).v
     first = system.contact_names.index(joint.contact_names[0])
-    direction = rng.normal(size=own.stop - own.start) * field.units.way[own]
+    direction = rng.normal(size=own.stop - own.start) * field.units.position[own]
     direction[3:] *= tilt
     if hasattr(joint.geometry, "slider_length"):
         direction[0] *= 0.01  # not out of its guide, along x
@@ -37,7 +37,7 @@ def press(field, y, joint, rng, tilt=1.0):
 
 def anywhere(system, seed, tilt=1.0):
     """Return a field, and a state in which everything moves and all joints with play touch."""
-    field, rng = Field(system, RunSettings(engine="compiled")), np.random.default_rng(seed)
+    field, rng = VectorField(system, RunSettings(engine="compiled")), np.random.default_rng(seed)
     nq, nv, units = system.model.nq, system.model.nv, field.units
     with_play = [system.mechanism.joint(joint.name).v for joint in system.clearances]
     y, way = system.state(system.neutral(), 0.3 * rng.normal(size=nv)), 0.3 * rng.normal(size=nv)
@@ -71,7 +71,7 @@ def with_numbers(scenario, keys):
         return build_system(with_number(scenario, one.key, one.value + s * one.scale))
 
     system = build_system(scenario)
-    return system, Numbers(system, [functools.partial(built_at, one) for one in parameters], keys)
+    return system, ParameterSlopes(system, [functools.partial(built_at, one) for one in parameters], keys)
 
 
 def along_one(field, y, seed):

@@ -171,7 +171,7 @@ def test_what_is_no_checkpoint_of_the_run_is_refused(stopped, monkeypatch):
         refused("must be of numpy 0.1, got one of")
     with monkeypatch.context() as patch:
         patch.setattr(checkpoint, "FORMAT", "antenna_pin checkpoint 7")
-        refused("the format must be 'antenna_pin checkpoint 7', got 'antenna_pin checkpoint 4'")
+        refused("the format must be 'antenna_pin checkpoint 7', got 'antenna_pin checkpoint 5'")
     with checkpoint.SampleFiles(folder, np.zeros(0), "") as other:
         other.open()
         refused("another run writes into it")

@@ -21,8 +21,8 @@ from antenna_pin.elements import (
     Sum,
     Table,
 )
+from antenna_pin.elements.prescribed import continued, jumps
 from antenna_pin.elements.reference import pieces
-from antenna_pin.elements.term_jumps import continued, jumps
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint

@@ -1,7 +1,9 @@
 """Dask between the driver and those who make runs: on this machine, and by a scheduler started by hand."""
 
+import asyncio
 import concurrent.futures
 import contextlib
+import gc
 import os
 import shutil
 import signal
@@ -67,6 +69,42 @@ def test_no_page_tells_what_the_processes_do(cluster):
                 for page in ("status", "info/main/workers.html", "json/identity.json", "metrics", "health"):
                     with pytest.raises(OSError):  # 404, or no server of pages
                         urllib.request.urlopen(f"http://127.0.0.1:{connection.laddr.port}/{page}", timeout=5)
+
+
+def test_ctrl_c_on_a_terminal_leaves_the_processes_alone(cluster):
+    """Terminals and batch queues send signals to all of them: each would end, and some with a traceback."""
+    before = cluster._client.run(os.getpid)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for process in before.values():
+            os.kill(process, number)
+    time.sleep(0.5)
+    assert cluster._client.run(os.getpid) == before
+
+
+def test_what_fails_in_dasks_own_loop_makes_no_traceback(cluster, caplog, capfd):
+    """As where it hears of the end of a process that it does not know. Errors of other tasks are logged."""
+    closing = ("remove", "tls://127.0.0.1:1")
+
+    class Told:
+        async def read(self):
+            return [closing]
+
+    async def fails():
+        raise ZeroDivisionError
+
+    def in_the_loop():
+        tasks = [cluster._local._watch_worker_status(Told()), fails()]
+        for one in tasks:
+            asyncio.ensure_future(one)
+        cluster._local.loop.add_callback(cluster._local._update_worker_status, *closing)
+        cluster._local.loop.call_later(0.1, done.set)
+
+    done = threading.Event()
+    cluster._local.loop.add_callback(in_the_loop)
+    assert done.wait(60.0)
+    gc.collect()
+    said = caplog.text + capfd.readouterr().err
+    assert "KeyError" not in said and "ZeroDivisionError" in said
 
 
 @pytest.mark.slow

@@ -11,9 +11,9 @@ from antenna_pin import load_scenario, run_study, simulate
 from antenna_pin.base.units import any_quantity
 from antenna_pin.cli.study import said_of_time
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.sweep import design_of, load_study, prepared, run_seconds
+from antenna_pin.sweep import design_of, load_study, prepared, run_seconds, work
 from antenna_pin.sweep.responses import ResponseSpec, evaluate
-from antenna_pin.trajectory import Counts
+from antenna_pin.trajectory import Counts, Outcome
 
 SAMPLED = """
 [parameters.play]
@@ -282,7 +282,7 @@ def test_numbers_are_those_of_single_runs(write, tmp_path):
     ]
 
 
-def test_runs_are_compared_with_a_full_reference(write, tmp_path):
+def test_runs_are_compared_with_a_full_reference(write, tmp_path, monkeypatch):
     """Another start is off by that at once; a lean one, without series, is refused before anything runs."""
     text = (
         'scenario = "pendulum"\ncase = "ideal"\nset.duration = "1 ms"\nreference.case = "ideal"\n{more}\n'
@@ -297,6 +297,20 @@ def test_runs_are_compared_with_a_full_reference(write, tmp_path):
     table = run_study(write(starts, reference, text), tmp_path / "full.study")
     # In 1 ms gravity turns one by some 5e-6 rad more than the other.
     assert table["off"].values == pytest.approx([0.0, 0.2], abs=1e-5)
+    # A signal that comes in the reference's run leaves a part, with which nothing is compared.
+    study, run = (
+        prepared.prepare(write(starts, reference, text)),
+        simulate(load_scenario("pendulum"), duration=1e-3),
+    )
+    stopped = SimpleNamespace(outcome=Outcome.INTERRUPTED)
+    made = iter([run, stopped])
+    monkeypatch.setattr(work, "simulate", lambda *_: next(made))
+    monkeypatch.setattr(prepared, "simulate", lambda *_, **__: stopped)
+    work._reference.cache_clear()
+    with pytest.raises(KeyboardInterrupt):
+        work.do_jobs(study.work, [study.job(0)])
+    with pytest.raises(KeyboardInterrupt):
+        prepared.trial(study)
 
 
 @pytest.mark.parametrize(
@@ -360,7 +374,8 @@ def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
         made.append(duration)
         slow = 2e3 * duration if even else 2e3 * max(duration - 3e-4, 0.0)
         now[0] += 0.1 + slow + 40.0 * (len(made) == 1)  # the first one is compiled
-        return SimpleNamespace(counts=Counts(wall_seconds=slow, compile_seconds=40.0 * (len(made) == 1)))
+        counts = Counts(wall_seconds=slow, compile_seconds=40.0 * (len(made) == 1))
+        return SimpleNamespace(counts=counts, outcome=Outcome.COMPLETED)
 
     monkeypatch.setattr(prepared, "simulate", simulated)
     monkeypatch.setattr(prepared, "time", SimpleNamespace(perf_counter=lambda: now[0]))

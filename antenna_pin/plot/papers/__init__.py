@@ -8,8 +8,7 @@ from __future__ import annotations
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.plot.papers import bai2020, chen2021, you2010
-from antenna_pin.plot.papers._attractor_figures import AttractorFigure, Diagram, DiagramFigure
-from antenna_pin.plot.papers._figure import PaperFigure
+from antenna_pin.plot.papers._figure import AttractorFigure, Diagram, DiagramFigure, PaperFigure
 
 __all__ = [
     "ATTRACTORS",

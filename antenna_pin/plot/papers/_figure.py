@@ -1,28 +1,36 @@
-"""One figure of a paper: what it shows there, and which of the catalogue shows the same here."""
+"""Figures of a paper, of runs and of settled motions: what each shows there, and what shows the same here."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from antenna_pin.analysis import RecurrenceKind, Verdict, diagram_verdicts, said_of_verdicts
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._runs import Run, samples_of
-from antenna_pin.plot._style import Width
+from antenna_pin.plot._style import Width, prefixed, three_digits
 from antenna_pin.plot.catalogue import run_figure
-
-__all__ = ["Cases", "PaperFigure"]
+from antenna_pin.plot.periodic import figure_bifurcation
+from antenna_pin.plot.phase import SAME, SEEN, Attractor, figure_attractors
 
 #: The runs of a figure by case, in its order.
 Cases = dict[str, xr.Dataset]
 
 
+def with_unit(value: float, unit: str) -> str:
+    """Return a value with three digits and its unit."""
+    factor, printed = prefixed(unit, abs(value))
+    return f"{three_digits(factor * value)} {printed}"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperFigure:
-    """One figure of a paper.
+    """Figure of a paper.
 
     Attributes:
         number: Number in the paper.
@@ -89,3 +97,160 @@ class PaperFigure:
             rule = f"with {' and '.join(missing)} among them"
             raise InvalidParameterError(f"figure {self.number}", "runs", rule, ", ".join(known) or "none")
         return {case: known[case] for case in self.cases}
+
+
+# --- of settled motions: attractors of some cases, and diagrams over a parameter ---
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diagram:
+    """A shipped diagram of a model, and how the paper counts its parameter.
+
+    Attributes:
+        name: Of the shipped diagram, as ``chen2021/friction``.
+        label: What the parameter is called in figures.
+        zero: What stands at zero there, in SI units.
+    """
+
+    name: str
+    label: str
+    zero: float = 0.0
+
+    def relabelled(self, diagram: xr.Dataset) -> xr.Dataset:
+        """Return a diagram over what figures call the parameter, in a readable unit."""
+        values = np.asarray(diagram["value"].values, dtype=float) - self.zero
+        factor, unit = prefixed(str(diagram["value"].attrs.get("units", "")), float(np.abs(values).max()))
+        return diagram.assign_coords(value=("value", factor * values, {"units": unit})).assign_attrs(
+            parameter=self.label
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AttractorFigure:
+    """Phase trajectories and Poincare maps at some values of a parameter.
+
+    Attributes:
+        number: Number in the paper.
+        name: File name without a format.
+        over: The parameter.
+        values: Of it, as text with a unit, each with what it is called in the figure.
+        x: Name of the quantity across.
+        y: Of the quantity upward.
+        shows: What the paper's figure shows.
+        there: What the paper calls the motion at each value.
+    """
+
+    number: int
+    name: str
+    over: Diagram
+    values: Mapping[str, str]
+    x: str
+    y: str
+    shows: str
+    there: Mapping[str, Verdict]
+
+    def draw(self, attractors: Mapping[str, Attractor], *, width: Width = "page") -> Figure:
+        """Return the figure.
+
+        Args:
+            attractors: By value; those it does not take are left aside.
+            width: "column" (88 mm) or "page" (180 mm).
+
+        Raises:
+            InvalidParameterError: One is missing.
+        """
+        return figure_attractors(self._picked(attractors), self.x, self.y, width=width)
+
+    def describe(self, attractors: Mapping[str, Attractor]) -> str:
+        """Return in one line what the motions are."""
+        picked = self._picked(attractors)
+        said = []
+        for one in picked:
+            small = one.settled and not one.words(self.x, self.y).startswith("period")
+            small = small and one.spread(self.x, self.y) < SEEN
+            words = " of the portrait: one dot" if small else ""
+            said.append(f"{one.label}: {one.words(self.x, self.y)}{words}")
+        return "; ".join(said)
+
+    def judge(self, attractors: Mapping[str, Attractor]) -> bool:
+        """Return whether each is what the paper calls it, by eye: points of one dot are one point."""
+        picked = self._picked(attractors)
+        return all(
+            one.settled and _verdict(one, self.x, self.y) == said
+            for one, said in zip(picked, (self.there[value] for value in self.values), strict=True)
+        )
+
+    def _picked(self, attractors: Mapping[str, Attractor]) -> list[Attractor]:
+        missing = [value for value in self.values if value not in attractors]
+        if missing:
+            rule = f"with {' and '.join(missing)} among them"
+            raise InvalidParameterError(
+                f"figure {self.number}", "attractors", rule, ", ".join(attractors) or "none"
+            )
+        return [attractors[value] for value in self.values]
+
+
+def _verdict(one: Attractor, *names: str) -> Verdict:
+    """Return what a motion is to the eye; what has no period there is what it is when looked at closely."""
+    for tolerance in (SEEN, SAME):
+        found = one.recurs(*names, tolerance=tolerance)
+        if found.kind is RecurrenceKind.PERIODIC:
+            return f"period {found.period}"
+    return found.kind.value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DiagramFigure:
+    """Settled points of a motion over a parameter.
+
+    Attributes:
+        number: Number in the paper.
+        name: File name without a format.
+        diagram: Over what.
+        quantities: Which of its quantities are drawn.
+        shows: What the paper's figure shows.
+        agrees: Whether verdicts over the shown values, those that settled, are what the paper says.
+    """
+
+    number: int
+    name: str
+    diagram: Diagram
+    quantities: tuple[str, ...]
+    shows: str
+    agrees: Callable[[Sequence[float], Sequence[Verdict]], bool]
+
+    def draw(self, diagram: xr.Dataset, *, width: Width = "page") -> Figure:
+        """Return the figure of a diagram of fresh starts (:func:`antenna_pin.nonlinear.bifurcation`)."""
+        return figure_bifurcation(self.diagram.relabelled(diagram), quantities=self.quantities, width=width)
+
+    def describe(self, diagram: xr.Dataset) -> str:
+        """Return in one line at which values the motion is what, and how far its points lie apart at most."""
+        shown = self.diagram.relabelled(diagram)
+        unit = str(shown["value"].attrs["units"])
+        verdicts = diagram_verdicts(diagram, self.quantities, vector=True)
+        said = said_of_verdicts(shown["value"].values.tolist(), verdicts, unit)
+        widest = []
+        for name in self.quantities:
+            extent = np.nanmax(diagram[name].values, axis=-1) - np.nanmin(diagram[name].values, axis=-1)
+            k = int(np.nanargmax(extent[0]))
+            value = float(shown["value"].values[k])
+            widest.append(
+                f"{name} {with_unit(float(extent[0, k]), str(diagram[name].attrs['units']))}"
+                f" at {f'{value:.3g} {unit}'.strip()}"
+            )
+        return "; ".join(said) + f". Points farthest apart: {', '.join(widest)}"
+
+    def judge(self, diagram: xr.Dataset) -> bool | None:
+        """Return whether the motion is what the paper's figure shows; None if less than half has settled."""
+        values, verdicts = self.verdicts(diagram)
+        return self.agrees(values, verdicts) if 2 * len(values) >= diagram.sizes["value"] else None
+
+    def verdicts(self, diagram: xr.Dataset) -> tuple[list[float], list[Verdict]]:
+        """Return the values whose points have settled, as figures show them, and what the motion is there."""
+        every = zip(
+            self.diagram.relabelled(diagram)["value"].values.tolist(),
+            diagram_verdicts(diagram, self.quantities, vector=True),
+            strict=True,
+        )
+        known = [(float(value), verdict) for value, verdict in every if verdict is not None]
+        return [value for value, _ in known], [verdict for _, verdict in known]

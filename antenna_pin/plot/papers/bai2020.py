@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from antenna_pin.plot.papers import _findings, _verdicts
+from antenna_pin.plot.papers import _findings
 from antenna_pin.plot.papers._figure import PaperFigure
 
 __all__ = ["FIGURES"]
@@ -30,7 +30,7 @@ FIGURES = (
         figure="motion_angle",
         joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} angle"),
-        agrees=partial(_verdicts.rising_deviations, of=f"{_JOINT} angle", cases=_PLAY),
+        agrees=partial(_findings.rising_deviations, of=f"{_JOINT} angle", cases=_PLAY),
     ),
     PaperFigure(
         number=8,
@@ -41,7 +41,7 @@ FIGURES = (
         figure="motion_rate",
         joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} rate"),
-        agrees=partial(_verdicts.rising_deviations, of=f"{_JOINT} rate", cases=_PLAY),
+        agrees=partial(_findings.rising_deviations, of=f"{_JOINT} rate", cases=_PLAY),
     ),
     PaperFigure(
         number=9,
@@ -51,7 +51,7 @@ FIGURES = (
         figure="motion_acceleration",
         joint=_JOINT,
         finding=partial(_findings.peak_accelerations, joint=_JOINT),
-        agrees=partial(_verdicts.rising_accelerations, joint=_JOINT, cases=_PLAY),
+        agrees=partial(_findings.rising_accelerations, joint=_JOINT, cases=_PLAY),
     ),
     PaperFigure(
         number=10,
@@ -62,7 +62,7 @@ FIGURES = (
         figure="contact_forces",
         joint=_JOINT,
         finding=_findings.contact_peaks,
-        agrees=partial(_verdicts.higher_axial_peaks, case="case3", than="case2-planar"),
+        agrees=partial(_findings.higher_axial_peaks, case="case3", than="case2-planar"),
     ),
     PaperFigure(
         number=11,
@@ -73,7 +73,7 @@ FIGURES = (
         options={"base": "case3"},
         joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} angle"),
-        agrees=partial(_verdicts.rising_deviations, of=f"{_JOINT} angle", cases=_GROWING),
+        agrees=partial(_findings.rising_deviations, of=f"{_JOINT} angle", cases=_GROWING),
     ),
     PaperFigure(
         number=12,
@@ -84,7 +84,7 @@ FIGURES = (
         options={"base": "case3"},
         joint=_JOINT,
         finding=partial(_findings.deviations, of=f"{_JOINT} rate"),
-        agrees=partial(_verdicts.rising_deviations, of=f"{_JOINT} rate", cases=_GROWING),
+        agrees=partial(_findings.rising_deviations, of=f"{_JOINT} rate", cases=_GROWING),
     ),
     PaperFigure(
         number=13,
@@ -95,6 +95,6 @@ FIGURES = (
         figure="motion_acceleration",
         joint=_JOINT,
         finding=partial(_findings.peak_accelerations, joint=_JOINT),
-        agrees=partial(_verdicts.rising_accelerations, joint=_JOINT, cases=_GROWING),
+        agrees=partial(_findings.rising_accelerations, joint=_JOINT, cases=_GROWING),
     ),
 )

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from antenna_pin.plot.bodies import BodyQuantity
+from antenna_pin.analysis import Verdict
+from antenna_pin.plot.against_ideal import BodyQuantity
 from antenna_pin.plot.papers import _findings
-from antenna_pin.plot.papers._attractor_figures import AttractorFigure, Diagram, DiagramFigure, Verdict
-from antenna_pin.plot.papers._figure import PaperFigure
+from antenna_pin.plot.papers._figure import AttractorFigure, Diagram, DiagramFigure, PaperFigure
 
 __all__ = ["ATTRACTORS", "FIGURES"]
 
@@ -79,14 +79,14 @@ _OVER_CLEARANCE = Diagram(name="chen2021/clearance", label="clearance", zero=15e
 
 
 def _mostly_single(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
-    """Whether the motion is single-period, but for the smaller half of the values at most."""
+    """Return whether the motion is single-period, but for the smaller half of the values at most."""
     other = [value for value, one in zip(values, verdicts, strict=True) if one != _ONE]
     middle = 0.5 * (values[0] + values[-1]) if values else 0.0
     return len(other) < 0.5 * len(values) and all(value < middle for value in other)
 
 
 def _chaotic_then_quasi(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
-    """Whether no motion has a period: fewer points than a test of chaos takes cannot tell more."""
+    """Return whether no motion has a period; too few points for a test of chaos decide nothing."""
     return bool(values) and not any(one.startswith("period") for one in verdicts)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from antenna_pin.plot.base import BaseQuantity
+from antenna_pin.plot.against_ideal import BaseQuantity
 from antenna_pin.plot.motion import Quantity
 from antenna_pin.plot.papers import _findings
 from antenna_pin.plot.papers._figure import PaperFigure

@@ -7,7 +7,7 @@ in an empty folder by the command, or by the call, in a process of its own that 
     scripts/check/robustness.py bad-inputs --only urdf           # of one kind
     scripts/check/robustness.py bad-inputs --only "two masses"   # by its name
 
-One that takes longer than ``--wall`` seconds has failed, like one that says too much.
+One that computes for more than ``--seconds`` has failed, like one that says too much.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from robust.trials import Report, tried
 SEED = None  # nothing is drawn
 OPTIONS = {
     "--only": {"metavar": "NAME", "help": "a kind, or the name of one"},
-    "--wall": {"type": float, "default": 20.0, "help": "seconds that each may take [%(default)s]"},
+    "--seconds": {"type": float, "default": 20.0, "help": "of CPU time that each may take [%(default)s]"},
 }
 
 
@@ -43,6 +43,6 @@ def run(given: argparse.Namespace, report: Report, folder: Path) -> None:
     """Try the inputs."""
     cases = all_cases()
     numbers = [k for k, case in enumerate(cases) if given.only in (None, case.room, case.name)]
-    for number, problem, fault, seconds in tried(_problem_of, numbers, given.wall):
+    for number, problem, fault, seconds in tried(_problem_of, numbers, given.seconds):
         case = cases[number]
         report.add(case.room, f"{case.room}: {case.name}", fault or problem, seconds)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import re
 import select
@@ -20,11 +21,12 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import psutil
 
 from antenna_pin import AntennaPinError, Trajectory, Urdf
 from antenna_pin._entry import main as command
 from antenna_pin.base.files import has_whole_seal
-from robust.trials import must, write_files
+from robust.trials import ends_with, must, write_files
 
 ROOT = Path(__file__).parents[3]
 TEMPORARY = ".antenna-pin-"  # how names of files begin that are being written
@@ -33,6 +35,10 @@ _ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenn
 #: Program of the command in a new interpreter.
 ANEW = (sys.executable, "-c", _ENTRY)
 
+#: Variable of the environment by which the processes of a command are found, whoever has started them.
+MARK = "ROBUST_COMMAND"
+
+_NUMBERS = itertools.count()
 _LINE = re.compile(r"antenna-pin: (?!note)|docs: ")
 _TRACEBACK = re.compile(r"Traceback|\A(antenna-pin: )?.{0,4}Error:")
 
@@ -73,9 +79,12 @@ class Child:
     ) -> None:
         """Start it."""
         self._pipe, theirs = os.pipe()
+        parent = os.getpid()
+        self._mark = f"{parent}-{next(_NUMBERS)}"
         self.pid = os.fork()
         if not self.pid:
-            _become(theirs, words, folder, hook, program)
+            os.environ[MARK] = self._mark
+            _become(parent, theirs, words, folder, hook, program)
         os.close(theirs)
         self.began = time.monotonic()
 
@@ -115,12 +124,27 @@ class Child:
         seconds = time.monotonic() - self.began
         return Ended(os.waitstatus_to_exitcode(status), said.decode(errors="replace"), seconds, acted)
 
+    def processes(self) -> list[int]:
+        """Return its processes, and those that they have started: those of a ``program`` alone."""
+        mark = f"{MARK}={self._mark}".encode()
+        return [number for number in psutil.pids() if mark in _environment(number).split(b"\0")]
 
-def _become(output: int, words: Sequence[str], folder: Path, hook: Any, program: Sequence[str]) -> None:
+
+def _environment(process: int) -> bytes:
+    """Return the environment that a process was started with; none of one that has ended."""
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{process}/environ").read_bytes()
+    return b""
+
+
+def _become(
+    parent: int, output: int, words: Sequence[str], folder: Path, hook: Any, program: Sequence[str]
+) -> None:
     """Make this process, which was forked, that of a command, and end it."""
     code = 70
     try:
         os.setpgid(0, 0)
+        ends_with(parent)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.chdir(folder)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)

@@ -15,7 +15,7 @@ What must hold:
   call returns, or raises an error of the package's own with such a line;
 - what breaks a declared rule is refused, and the line names the place;
 - nothing is left behind by what was refused;
-- no warning of NumPy's, no traceback, no process that dies, and nothing that takes longer than ``--wall``.
+- no warning of NumPy, no traceback, no process that dies, and none that computes longer than ``--seconds``.
 
 Of what fails the changes are tried one by one, and the least that fails too is printed with how to repeat it.
 """
@@ -40,7 +40,7 @@ OPTIONS = {
     "--count": {"type": int, "default": 1000, "help": "of inputs [%(default)s]"},
     "--format": {"choices": FORMATS, "action": "append", "help": "all if left out"},
     "--only": {"metavar": "FORMAT:NUMBER", "action": "append", "help": "one again"},
-    "--wall": {"type": float, "default": 30.0, "help": "seconds that each may take [%(default)s]"},
+    "--seconds": {"type": float, "default": 30.0, "help": "of CPU time that each may take [%(default)s]"},
     "--jobs": {"type": int, "default": 1, "help": "processes at a time [%(default)s]"},
 }
 
@@ -77,6 +77,6 @@ def run(given: argparse.Namespace, report: Report, folder: Path) -> None:
     """Try the inputs."""
     names = given.only or inputs_of(given.format or [*FORMATS], given.count)
     act = partial(_description, given.seed)
-    for name, problem, fault, seconds in tried(act, names, given.wall, given.jobs, setup=made):
+    for name, problem, fault, seconds in tried(act, names, given.seconds, given.jobs, setup=made):
         problem = f"{drawn(given.seed, name).name}: {fault}" if fault else problem
         report.add(name.partition(":")[0], f"--seed {given.seed} --only {name}", problem, seconds)

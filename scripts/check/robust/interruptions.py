@@ -40,7 +40,7 @@ import psutil
 
 from antenna_pin import Trajectory
 from robust.children import ANEW, TEMPORARY, Child, Ended, judge, prepared, remount, small_disk
-from robust.trials import Report, flipped, must
+from robust.trials import Report, ends_with, flipped, must
 
 RUN = ("run", "bai2020", "--case", "case3", "--set", "clearance.elevation.geometry=closed-form")
 RUN += ("--set", "output.rate=20 kHz", "--duration", "0.5", "--out", "out/run.nc")
@@ -293,7 +293,10 @@ class Study(Work):
             if name not in self.processes or self.processes[name].poll() is not None:
                 dask = [sys.executable, "-m", f"distributed.cli.dask_{module}", "--no-dashboard"]
                 dask += own if name == "scheduler" else its
-                self.processes[name] = subprocess.Popen(dask, **quiet, start_new_session=True)
+                with_us = functools.partial(ends_with, os.getpid())
+                self.processes[name] = subprocess.Popen(
+                    dask, **quiet, start_new_session=True, preexec_fn=with_us
+                )
         while True:  # a machine that is busy may take longer to start it than a command waits for an answer
             with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", self.port), 1.0):
                 return

@@ -3,14 +3,16 @@
     scripts/check/robustness.py signals --count 300 --seed 0
     scripts/check/robustness.py signals --only sweep-2 --only fit-2 --count 20
 
-Commands are dealt in turn. One that SIGINT or SIGTERM has ended exits with 130 or 143, and no signal is lost;
-it prints one line of why and no traceback; what it was asked to write is whole or not there, and no temporary
-file is left; its processes end with it.
+Commands are dealt in turn. The signal comes to the command alone, as by ``kill``, or to all its processes at
+once, as from a terminal or a batch queue. One that SIGINT or SIGTERM has ended exits with 130 or 143, and no
+signal is lost; it prints one line of why and no traceback; what it was asked to write is whole or not there,
+and no temporary file is left, but of SIGKILL. Its processes end with it, whichever signal it was.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import itertools
 import os
 import random
@@ -22,7 +24,9 @@ import sys
 import time
 from pathlib import Path
 
-from robust.children import ANEW, ROOT, Child, is_whole, judge, temporary_files
+import psutil
+
+from robust.children import ANEW, ROOT, Child, Ended, is_whole, judge, temporary_files
 from robust.trials import Report, TrialError, must
 
 _STUDY = """scenario = "pendulum"
@@ -50,6 +54,7 @@ COMMANDS = {
     "fit-2": f"{_FIT} --workers 2",
     "bifurcation-1": f"{_DIAGRAM} 1",
     "bifurcation-2": f"{_DIAGRAM} 2",
+    "bifurcation-python": f"{_DIAGRAM} 2 --set integrator.engine=pinocchio",
     "poincare": "poincare slider_crank -q journal_position[pin].x --count 2000 --out points.nc",
     "orbit": f"{_ORBIT} --values '11 N*m:13 N*m' --arc 0.01 --out branch.nc --no-progress",
     "lyapunov": "lyapunov chen2021 --out exponents.nc --no-progress",
@@ -67,9 +72,13 @@ OPTIONS = {
     "--count": {"type": int, "default": 40, "help": "of signals over all commands [%(default)s]"},
     "--only": {"choices": COMMANDS, "action": "append", "help": "all if left out"},
 }
+_KINDS = tuple(itertools.product((signal.SIGINT, signal.SIGTERM), (False, True)))
+_KINDS += ((signal.SIGKILL, False),)  # and whether it comes to all
 _LONGEST = 20.0  # [s] of a command's life within which a signal is sent
+_FIRST_LINE = 2.0  # [s] within which the command has surely begun
 _AFTERWARDS = 10.0  # [s] that its processes have to follow it
 _PATIENCE = 60.0  # [s] that a command has to end
+_BEGUN = r"build_site\.py|_entry\.py|antenna-pin:"
 _NOISE = re.compile(r"Traceback|Error\b|Exception|Warning|distributed|leaked|resource_tracker|unraisable")
 
 
@@ -83,37 +92,50 @@ def prepare(folder: Path) -> None:
     assert end.code == 0, end.said
 
 
-def is_there(group: int) -> bool:
-    """Return whether a process of a group is still there."""
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
-def check(name: str, number: signal.Signals, after: float, folder: Path) -> bool:
+def check(name: str, number: signal.Signals, to_all: bool, after: float, folder: Path) -> bool:
     """Send a signal to a command after a time [s]; return whether it was sent, raise what went wrong."""
     inputs = set(folder.iterdir())
     program = (sys.executable, str(ROOT / "scripts" / "pages" / "build_site.py")) if name == "docs" else ANEW
     child = Child(shlex.split(COMMANDS[name]), folder, program=program)
-    end = child.ended(after, lambda process: os.kill(process, number), after + _PATIENCE)
+    try:
+        end = child.ended(
+            after, lambda pid: (os.killpg if to_all else os.kill)(pid, number), after + _PATIENCE
+        )
+    except TrialError as error:
+        raise TrialError(f"{error}; processes then: {_left(child)}") from None
+    left = _left(child)
     if not end.acted:
         must(end.code == 0, f"ended by itself with {end.code}: {end.said[-300:]}")
+    if not end.acted or _is_pythons_own(end, number):
         return False
-    until = time.monotonic() + _AFTERWARDS
-    while is_there(child.pid) and time.monotonic() < until:
-        time.sleep(0.1)
-    if left := is_there(child.pid):
-        os.killpg(child.pid, signal.SIGKILL)
     codes = {128 + number, -number} | ({0} if name == "explore" else set())
-    judge(end, codes, in_one_line=(128 + number,), noise=_NOISE)
-    must(not left, "left processes behind")
+    noise = re.compile("Traceback") if number == signal.SIGKILL else _NOISE  # Python tells of what it cleans
+    judge(end, codes, in_one_line=(128 + number,), noise=noise)
+    must(not left, f"left processes behind: {left}")
     for path in set(folder.iterdir()) - inputs:
         must(not path.is_file() or is_whole(path), f"left {path.name}, which is not whole")
     left_files = temporary_files(folder)
-    must(not left_files, f"left {left_files}")
+    must(not left_files or number == signal.SIGKILL, f"left {left_files}")
     return True
+
+
+def _is_pythons_own(end: Ended, number: int) -> bool:
+    """Return whether Python has said that it is interrupted, on its way to the first line of the command."""
+    return end.code == -number and "KeyboardInterrupt" in end.said and not re.search(_BEGUN, end.said)
+
+
+def _left(child: Child) -> list[str]:
+    """Return the processes that a command has left behind, after a while, and end them."""
+    until = time.monotonic() + _AFTERWARDS
+    while (left := child.processes()) and time.monotonic() < until:
+        time.sleep(0.1)
+    named = []
+    for one in left:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            process = psutil.Process(one)
+            named.append(" ".join(process.cmdline())[:80])
+            process.kill()
+    return named
 
 
 def run(given: argparse.Namespace, report: Report, folder: Path) -> None:
@@ -123,16 +145,18 @@ def run(given: argparse.Namespace, report: Report, folder: Path) -> None:
     prepare(folder / "inputs")
     for trial, name in zip(range(given.count), itertools.cycle(given.only or COMMANDS), strict=False):
         chance = random.Random(f"{given.seed} {name} {trial}")
-        number, sent = chance.choice([signal.SIGINT, signal.SIGTERM]), False
+        number, to_all = chance.choice(_KINDS)
+        sent = False
         while not sent:
             after = chance.uniform(0.05, life[name])
             place = folder / f"{trial} {after}"
             shutil.copytree(folder / "inputs", place)
             problem = None
             try:
-                sent = check(name, number, after, place)
+                sent = check(name, number, to_all, after, place)
             except TrialError as error:
                 sent, problem = True, str(error)
             shutil.rmtree(place, ignore_errors=True)
-            life[name] = life[name] if sent else after
-        report.add(name, f"{name}, {number.name} after {after:.2f} s", problem, after)
+            life[name] = life[name] if sent or after < _FIRST_LINE else after
+        whom = " to all" if to_all else ""
+        report.add(name, f"{name}, {number.name}{whom} after {after:.2f} s", problem, after)

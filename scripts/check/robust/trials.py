@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import itertools
 import multiprocessing
 import os
 import resource
+import signal
 import tempfile
 import time
 from collections import Counter
@@ -15,8 +17,12 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 _MEMORY = 8 << 30  # bytes that a process may have
 _START = 90.0  # [s] that the first item of a process may take longer, for imports
+_WAITING = 20.0  # times as long that an item may last as it may compute: the machine has other work
+_DIES_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 
 Content = bytes | str | Callable[[Path], Any]
 """Content of a file, or a function that writes one."""
@@ -106,29 +112,65 @@ def flipped(content: bytes, bit: int) -> bytes:
 # --- processes of their own --------------------------------------------------------------------------------
 
 
-def _work(pipe: Connection, items: Sequence[Any], act: Callable[[Any], Any], setup: Any) -> None:
+def ends_with(parent: int) -> None:
+    """Have the system kill this process when its parent ends, even if that is killed."""
+    ctypes.CDLL(None).prctl(_DIES_WITH_PARENT, signal.SIGKILL)
+    if os.getppid() != parent:  # which has ended before
+        os._exit(70)
+
+
+def _work(pipe: Connection, parent: int, items: Sequence[Any], act: Callable[[Any], Any], setup: Any) -> None:
+    ends_with(parent)
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
     if setup is not None:
         setup()
     with tempfile.TemporaryDirectory(prefix="robust-home-") as home:
         os.environ["HOME"] = home
         for item in items:
-            began = time.monotonic()
+            began = _computed(psutil.Process())
             result = act(item)
-            pipe.send((result, time.monotonic() - began))
+            pipe.send((result, _computed(psutil.Process()) - began))
+
+
+def _computed(process: psutil.Process) -> float:
+    """Return the CPU time of a process and of those that it has waited for [s]."""
+    return float(sum(process.cpu_times()[:4]))
 
 
 class _Worker:
     """A process that tries items one after the other."""
 
-    def __init__(self, items: Sequence[Any], wall: float, *work: Any) -> None:
+    def __init__(self, items: Sequence[Any], limit: float, *work: Any) -> None:
         context = multiprocessing.get_context("spawn")
-        self.items = list(items)
+        self.items, self.limit = list(items), limit
         self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=_work, args=(theirs, self.items, *work), daemon=True)
+        self.process = context.Process(
+            target=_work, args=(theirs, os.getpid(), self.items, *work), daemon=True
+        )
         self.process.start()
         theirs.close()
-        self.until = time.monotonic() + _START + wall
+        self._look = psutil.Process(self.process.pid)
+        self._mark(_START)
+
+    def _mark(self, more: float = 0.0) -> None:
+        """Let the time of an item begin, with more of it [s]."""
+        with contextlib.suppress(psutil.NoSuchProcess):
+            self._most = _computed(self._look) + self.limit + more
+        self._until = time.monotonic() + _WAITING * (self.limit + more)
+
+    def next(self) -> None:
+        """Pass on to the next item."""
+        self.items = self.items[1:]
+        self._mark()
+
+    def stall(self) -> str | None:
+        """Return how the item under way takes too long; None if it does not."""
+        with contextlib.suppress(psutil.NoSuchProcess):
+            if _computed(self._look) > self._most:
+                return f"computes for more than {self.limit:g} s"
+        if time.monotonic() > self._until:
+            return f"does not end within {_WAITING * self.limit:g} s, computing less than {self.limit:g} s"
+        return None
 
     def end(self) -> int | None:
         """End the process and return its exit code."""
@@ -141,7 +183,7 @@ class _Worker:
 def tried(
     act: Callable[[Any], Any],
     items: Sequence[Any],
-    wall: float,
+    limit: float,
     jobs: int = 1,
     setup: Callable[[], Any] | None = None,
 ) -> Iterator[tuple[Any, Any, str | None, float]]:
@@ -150,35 +192,32 @@ def tried(
     Args:
         act: The function, and what it takes and returns, can be pickled.
         items: What it is called with.
-        wall: Time that each call may take [s]; the first of a process may take longer, to import.
+        limit: CPU time that each call may take [s]; the first of a process may take more, to import.
         jobs: Processes at a time.
         setup: Called first in each process.
 
     Yields:
-        The item, the result, None or how the process failed, and the time [s].
+        The item, the result, None or how the process failed, and the CPU time [s].
     """
-    workers = [_Worker(part, wall, act, setup) for k in range(jobs) if (part := items[k::jobs])]
+    workers = [_Worker(part, limit, act, setup) for k in range(jobs) if (part := items[k::jobs])]
     try:
         while workers:
             ready = wait([worker.pipe for worker in workers], timeout=1.0)
             for worker in list(workers):
-                fault, result, seconds = None, None, wall
+                fault, result, seconds = None, None, limit
                 if worker.pipe in ready:
                     try:
                         result, seconds = worker.pipe.recv()
                     except EOFError:
                         fault = f"the process ended with code {worker.end()}"
-                elif time.monotonic() > worker.until:
-                    fault = f"takes longer than {wall:g} s"
-                else:
+                elif not (fault := worker.stall()):
                     continue
-                item, *rest = worker.items
-                yield item, result, fault, seconds
-                worker.items, worker.until = rest, time.monotonic() + wall
-                if fault or not rest:
+                yield worker.items[0], result, fault, seconds
+                worker.next()
+                if fault or not worker.items:
                     workers.remove(worker)
                     worker.end()
-                    workers += [_Worker(rest, wall, act, setup)] if rest else []
+                    workers += [_Worker(worker.items, limit, act, setup)] if worker.items else []
     finally:
         for worker in workers:
             worker.process.kill()

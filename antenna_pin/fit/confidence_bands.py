@@ -1,0 +1,490 @@
+"""Confidence intervals of a fit's parameters, and pointwise bands of its curves, in SI units.
+
+Along the Jacobian the variance of a curve is that of the values, to first order, without further runs. By
+sampling, the model is run at values drawn about the best ones; each draw is weighted by its likelihood
+(importance sampling), so that a band follows a loss that is no parabola, and one-sided ones.
+
+In search coordinates a parameter is over its size, or its logarithm, and the starts of a record's pieces are
+unknown beside the parameters: an interval of a parameter includes their uncertainty, and one of a logarithm
+is even in the logarithm, not about the value.
+
+References:
+    Bates and Watts (1988), section 2.3.2. Robert and Casella (2004), Monte Carlo Statistical Methods, section
+    3.3.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.fit.plan import FitPlan, Unknowns
+from antenna_pin.fit.profile_likelihood import Profile
+from antenna_pin.fit.uncertainty import Loss, Noise, Residuals, Sure, cost, sure
+
+__all__ = [
+    "BEYOND_CHANCE",
+    "ParameterBands",
+    "CurveBands",
+    "DOUBT",
+    "SearchCoordinates",
+    "WITHHELD",
+    "linear_bands",
+    "band_columns",
+    "parameter_bands",
+    "sampled_bands",
+    "draws",
+    "profile_columns",
+]
+
+Array = NDArray[np.float64]
+
+# --- bands of curves ----------------------------------------------------------------------------------------
+
+# Most degrees of freedom of the t distribution of draws, whose tails must be heavier than the target's.
+_TAILS = 6.0
+# Most repetitions of draws beyond a bound, per draw.
+_TRIES = 200
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CurveBands:
+    """Pointwise bands of the weighted residuals: model less record, over the standard deviation of the noise.
+
+    Attributes:
+        low: Lower end of the model's curve, (m,) [-].
+        high: Upper end, (m,).
+        new_low: Lower end of where a new measurement may be, (m,).
+        new_high: Upper end, (m,).
+        level: Of each point [-].
+        seed: Of the draws; -1 where there were none.
+        drawn: Draws that the model could be run at [-].
+        failed: Draws that it could not be run at [-].
+        effective: How many draws of equal weight they are worth [-].
+    """
+
+    low: Array
+    high: Array
+    new_low: Array
+    new_high: Array
+    level: float
+    seed: int = -1
+    drawn: int = 0
+    failed: int = 0
+    effective: float = math.nan
+
+
+def linear_bands(problem: Residuals, found: Sure) -> CurveBands:
+    """Return bands to first order in the standard errors.
+
+    Directions that the record does not tell do not move its curves, and count for nothing.
+
+    Args:
+        problem: What was fitted.
+        found: How sure its values are.
+    """
+    residuals, jacobian = problem.residuals(found.values), problem.jacobian(found.values)
+    along = (jacobian * problem.scale) @ found.rank.identified.T
+    spread = np.maximum(np.einsum("ij,jk,ik->i", along, found.direction_covariance, along), 0.0)
+    curve = found.quantile * np.sqrt(spread)
+    new = found.quantile * np.sqrt(spread + found.factor)
+    return CurveBands(residuals - curve, residuals + curve, residuals - new, residuals + new, found.level)
+
+
+def draws(problem: Residuals, found: Sure, count: int, seed: int) -> tuple[Array, Array]:
+    """Return values drawn about the best ones, (n, p), and their log densities, (n,).
+
+    They lie within their bounds, and are from Student's t of six degrees of freedom, or fewer where the
+    record has fewer, with the fit's covariance; what lies beyond a bound is drawn again.
+
+    Args:
+        problem: What was fitted.
+        found: How sure its values are.
+        count: How many.
+        seed: Of the draws.
+
+    Raises:
+        InvalidParameterError: A parameter cannot be told, so that nothing says from where to draw it, or
+            hardly a draw is within bounds.
+    """
+    if count < 2:
+        raise InvalidParameterError("fit", "draws", "2 or more [-]", count)
+    unclear = [name for name, error in zip(found.names, found.error, strict=True) if not math.isfinite(error)]
+    if unclear:
+        rule = "of parameters that the record tells; hold, or bound by a prior record, those that it does not"
+        raise InvalidParameterError("fit", "bands", rule, said=", ".join(unclear))
+    free = np.flatnonzero(found.error > 0.0)
+    sizes = found.error[free]
+    correlation = found.covariance[np.ix_(free, free)] / np.outer(sizes, sizes)
+    value, vector = np.linalg.eigh(correlation)
+    root = vector * np.sqrt(np.maximum(value, 0.0))
+    tails = min(_TAILS, float(found.freedom))
+    random = np.random.default_rng(seed)
+    rows: list[Array] = []
+    logs: list[float] = []
+    for _ in range(_TRIES * count):
+        if len(rows) == count:
+            break
+        normal = random.standard_normal(len(free))
+        stretch = math.sqrt(tails / random.chisquare(tails))
+        one = found.values.copy()
+        one[free] += sizes * (root @ normal) * stretch
+        if np.all((one >= problem.lower) & (one <= problem.upper)):
+            rows.append(one)
+            distance = float(normal @ normal) * stretch**2
+            logs.append(-0.5 * (tails + len(free)) * math.log1p(distance / tails))
+    if len(rows) < count:
+        rule = (
+            f"such that one draw in {_TRIES} lies within them; widen them, or hold the parameter at its bound"
+        )
+        raise InvalidParameterError("fit", "bounds", rule, said=f"{len(rows)} of {count}")
+    return np.stack(rows), np.array(logs)
+
+
+def sampled_bands(
+    problem: Residuals,
+    found: Sure,
+    count: int = 200,
+    seed: int = 0,
+    *,
+    loss: Loss = "linear",
+    loss_scale: float = 1.0,
+    progress: Callable[[int], None] | None = None,
+) -> CurveBands:
+    """Return bands by runs of the model at values drawn about the best ones.
+
+    Args:
+        problem: What was fitted.
+        found: How sure its values are.
+        count: Draws, each a run of the model [-].
+        seed: Of the draws, and of the noise of new measurements.
+        loss: That the fit used.
+        loss_scale: The residual at which it begins to count less [-].
+        progress: Called with how many draws are done.
+
+    Raises:
+        InvalidParameterError: Nothing can be drawn, or the model runs at fewer than half of the draws.
+    """
+    values, logs = draws(problem, found, count, seed)
+    curves: list[Array] = []
+    weights: list[float] = []
+    phi = found.factor * float(np.max(found.stretch[found.error > 0.0], initial=1.0))
+    for k, one in enumerate(values):
+        try:
+            residuals = problem.residuals(one)
+        except AntennaPinError:  # a run that cannot be made there
+            residuals = None
+        if residuals is not None and np.isfinite(residuals).all():
+            curves.append(residuals)
+            grown = cost(residuals, loss, loss_scale)
+            weights.append(_log_likelihood(grown, phi, found) - logs[k])
+        if progress is not None:
+            progress(k + 1)
+    if 2 * len(curves) < count:
+        rule = "such that the model runs at half of the draws or more; narrow the bounds"
+        raise InvalidParameterError("fit", "draws", rule, said=f"{len(curves)} of {count}")
+    share = np.exp(np.array(weights) - max(weights))
+    share /= share.sum()
+    every = np.stack(curves)
+    noise = math.sqrt(found.factor) * np.random.default_rng([seed, 1]).standard_normal(every.shape)
+    ends = (0.5 - 0.5 * found.level, 0.5 + 0.5 * found.level)
+    low, high = (_quantile(every, share, one) for one in ends)
+    new_low, new_high = (_quantile(every + noise, share, one) for one in ends)
+    effective = 1.0 / float(share @ share)
+    return CurveBands(
+        low, high, new_low, new_high, found.level, seed, len(curves), count - len(curves), effective
+    )
+
+
+def _log_likelihood(grown: float, phi: float, found: Sure) -> float:
+    """Return the log likelihood of a draw: normal, or Student's t of estimated noise."""
+    if found.noise == "given":
+        return -0.5 * grown / phi
+    # Marginal over the noise's size: (S / S_least)^(-m / 2), of a linear model Student's t.
+    count = found.freedom + len(found.rank.identified)
+    return -0.5 * count * math.log(max(grown, 1e-300) / (found.freedom * phi))
+
+
+def _quantile(every: Array, share: Array, at: float) -> Array:
+    """Return a quantile of weighted rows, (m,)."""
+    order = np.argsort(every, axis=0, kind="stable")
+    rising = np.take_along_axis(every, order, axis=0)
+    below = np.cumsum(share[order], axis=0) - 0.5 * share[order]
+    return np.array([np.interp(at, below[:, k], rising[:, k]) for k in range(every.shape[1])])
+
+
+# --- search coordinates and SI units ------------------------------------------------------------------------
+
+_Columns = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
+
+#: Relative error of a Jacobian's columns [-]: differences of runs at 1e-4 of a size lose four digits of a
+#: run's accuracy.
+DOUBT = 1e-5
+
+_SIDES = ("below", "above")
+
+
+def _unknown_names(unknowns: Unknowns) -> tuple[str, ...]:
+    """Return the names of all unknowns, (p + h,): parameters, then states."""
+    return (*unknowns.names, *(f"state {k + 1}" for k in range(unknowns.states)))
+
+
+class _SearchedProblem(Protocol):
+    """Problem of a search."""
+
+    @property
+    def unknowns(self) -> Unknowns:
+        """Parameters and the pieces' starts."""
+
+    def residuals(self, values: Array) -> Array:
+        """Return weighted residuals at values with states, (m,)."""
+
+    def slopes(self, searched: Array) -> Array:
+        """Return their derivatives by search coordinates, (m, p + h)."""
+
+
+class SearchCoordinates:
+    """Residuals over search coordinates, as :class:`antenna_pin.fit.uncertainty.Residuals`.
+
+    Args:
+        problem: The fit's problem.
+        whole: Values with states that the search starts from, (p + h,) [SI].
+    """
+
+    def __init__(self, problem: _SearchedProblem, whole: Array) -> None:
+        """Store bounds and start."""
+        self._problem, self._unknowns = problem, problem.unknowns
+        self.names = _unknown_names(self._unknowns)
+        self.start = self._unknowns.to_search(whole)
+        self.lower, self.upper = self._unknowns.bounds()
+        self.scale = np.ones(len(self.start))
+
+    def residuals(self, values: Array) -> Array:
+        """Return model less record, and the gaps between pieces, (m,) [-]."""
+        return self._problem.residuals(self._unknowns.from_search(values))
+
+    def jacobian(self, values: Array) -> Array:
+        """Return their derivatives, (m, p + h)."""
+        return self._problem.slopes(values)
+
+
+def _parameter_in_si(unknowns: Unknowns, values: Array, place: int) -> Array:
+    """Return numbers of one parameter in SI units, without bounds."""
+    with np.errstate(over="ignore"):
+        found = np.exp(values) if unknowns.logarithmic[place] else values * unknowns.sizes()[place]
+    return np.asarray(found)
+
+
+class _Intervals(NamedTuple):
+    """Covariance and intervals of parameters in SI units.
+
+    Attributes:
+        covariance: (p, p), to first order.
+        low: Lower ends of their intervals, (p,).
+        high: Upper ends.
+    """
+
+    covariance: Array
+    low: Array
+    high: Array
+
+
+def _in_si_units(found: Sure, unknowns: Unknowns) -> _Intervals:
+    """Return covariance and intervals of parameters in SI units."""
+    p = unknowns.count
+    whole = np.array([_parameter_in_si(unknowns, found.values[k], k) for k in range(p)])
+    values = np.concatenate([whole, found.values[p:]])
+    rates = unknowns.search_slopes(values)[:p]
+    low, high = (
+        np.array([float(_parameter_in_si(unknowns, ends[k], k)) for k in range(p)])
+        for ends in (found.low, found.high)
+    )
+    return _Intervals(found.covariance[:p, :p] / np.outer(rates, rates), low, high)
+
+
+def profile_columns(found: Sequence[Profile], unknowns: Unknowns) -> _Columns:
+    """Return profiles as columns of a fit's dataset, in SI units, or NaN.
+
+    Args:
+        found: In the coordinates of the search.
+        unknowns: What these are.
+    """
+    p, most = unknowns.count, max((len(one.values) for one in found), default=0)
+    values, roots = np.full((2, p, most), np.nan)
+    ends, words = np.full((p, 2), np.nan), np.full((p, 2), "", dtype=object)
+    for one in found:
+        k = unknowns.names.index(one.name)
+        values[k, : len(one.values)] = _parameter_in_si(unknowns, one.values, k)
+        roots[k, : len(one.root)] = one.root
+        ends[k] = _parameter_in_si(unknowns, np.array([one.low, one.high]), k)
+        words[k] = one.ends
+    steps, sides = ("parameter", "step"), ("parameter", "side")
+    return {
+        "profile_value": (steps, values, {"long_name": "value at which the parameter was held"}),
+        "profile_root": (steps, roots, {"units": "1", "long_name": "signed root of the growth of the loss"}),
+        "profile_end": (sides, ends, {"long_name": "end of the profile's interval"}),
+        "profile_reach": (
+            (),
+            found[0].threshold if found else np.nan,
+            {"units": "1", "long_name": "root at an end"},
+        ),
+        "profile_how": (sides, words, {"long_name": "how it ends: crossed, bounded, open, stopped"}),
+    }
+
+
+def band_columns(found: CurveBands, predicted: xr.Dataset, weights: Array) -> _Columns:
+    """Return curve bands as columns of a fit's dataset, in its rows' units.
+
+    Args:
+        found: Of the weighted residuals, those of pieces' joints behind those of rows.
+        predicted: Rows of the fit: ``model``, ``data`` and ``noise``.
+        weights: By which a row's residual counts beside others, (rows,) [-].
+    """
+    count, rows = predicted.sizes["row"], ("row",)
+    one = predicted["noise"].values / np.asarray(weights)
+    return {
+        name: (rows, predicted["data"].values + ends[:count] * one, {"long_name": words})
+        for name, ends, words in (
+            ("band_low", found.low, "lower end of where the model's curve may be"),
+            ("band_high", found.high, "upper end"),
+            ("new_low", found.new_low, "lower end of where a new measurement may be"),
+            ("new_high", found.new_high, "upper end"),
+        )
+    }
+
+
+# --- bands of parameters ------------------------------------------------------------------------------------
+
+#: Probability of a worse record below which a chi2 is beyond chance [-].
+BEYOND_CHANCE = 1e-6
+#: Chi2 over degrees of freedom from which a fit beyond chance has no bands; below they are widened [-].
+WITHHELD = 4.0
+
+
+class ParameterBands(NamedTuple):
+    """Uncertainty of p parameters at 95 %.
+
+    Attributes:
+        covariance: (p, p) [SI], to first order; infinite where the records say nothing, NaN where a bound
+            holds a parameter.
+        sd: (p,) [SI].
+        low: Lower ends of the bands, (p,) [SI].
+        high: Upper ends.
+        chi2: Sum of the squares of the residuals [-].
+        freedoms: Residuals less directions of the unknowns that they tell [-].
+        absence: Why there are no bands, in words; "" if there are.
+        widening: How many times as wide they would be at most if what is correlated in time of the residuals
+            counted [-].
+        chance: Share of records of the stated noise that would be farther from the model [-]; NaN where the
+            noise is not given, or the loss not linear.
+        noise: What the bands take to be known of the noise: ``estimated`` where chi2 is beyond chance.
+    """
+
+    covariance: Array
+    sd: Array
+    low: Array
+    high: Array
+    chi2: float
+    freedoms: int
+    absence: str = ""
+    widening: float = 1.0
+    chance: float = math.nan
+    noise: Noise = "given"
+
+    @property
+    def beyond_chance(self) -> bool:
+        """Return whether the residuals are too large for the stated noise."""
+        return self.chance < BEYOND_CHANCE
+
+    @property
+    def excess(self) -> float:
+        """Chi2 over degrees of freedom [-]."""
+        return self.chi2 / max(self.freedoms, 1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _SearchEnd:
+    """Residuals at the end of a search, in its coordinates."""
+
+    names: tuple[str, ...]
+    start: Array
+    lower: Array
+    upper: Array
+    scale: Array
+    left: Array
+    slopes: Array
+
+    def residuals(self, values: Array) -> Array:
+        return self.left
+
+    def jacobian(self, values: Array) -> Array:
+        return self.slopes
+
+
+def parameter_bands(
+    plan: FitPlan, unknowns: Unknowns, whole: Array, residuals: Array, slopes: Array, curves: NDArray[np.intp]
+) -> ParameterBands:
+    """Return the uncertainty of the parameters at 95 %.
+
+    A parameter at one of its bounds has the others' bands, and none itself: it is where it was kept. Where
+    the noise is given and chi2 beyond chance, bands are widened as if the residuals said how large the noise
+    is; where they are far beyond (:data:`WITHHELD`) there are none.
+
+    Args:
+        plan: Which says whether the noise is known.
+        unknowns: Of the fit.
+        whole: Values with states, (p + h,) [SI].
+        residuals: There, (m,).
+        slopes: Their derivatives by what is searched for, (m, p + h).
+        curves: The number of the curve that each residual is of, (m,).
+    """
+    at = unknowns.to_search(whole)
+    end = _SearchEnd(_unknown_names(unknowns), at, *unknowns.bounds(), np.ones(len(at)), residuals, slopes)
+    p, chi2 = unknowns.count, float(residuals @ residuals)
+
+    def known_of(noise: Noise) -> Sure:
+        return sure(
+            end, at, noise=noise, loss=plan.loss, loss_scale=plan.loss_scale, curves=curves, doubt=DOUBT
+        )
+
+    try:
+        found = known_of(plan.noise)
+        judged = plan.noise == "given" and plan.loss == "linear" and found.freedom > 0
+        chance = found.chance if judged else math.nan
+        if chance < BEYOND_CHANCE:
+            found = known_of("estimated")
+    except InvalidParameterError as error:  # what was found stays, whatever can be said of it
+        return _no_bands(p, chi2, len(residuals) - len(whole), str(error))
+    if chance < BEYOND_CHANCE and chi2 > WITHHELD * found.freedom:
+        said = "residuals are too large for noise, and the model's slopes hold near a fit only"
+        return _no_bands(p, chi2, found.freedom, said)._replace(chance=chance, noise=found.noise)
+    known = _in_si_units(found, unknowns)
+    held = found.held[:p]
+    covariance, low, high = known.covariance.copy(), known.low.copy(), known.high.copy()
+    covariance[held, :] = covariance[:, held] = np.nan
+    low[held] = high[held] = np.nan
+    sd = np.sqrt(np.diag(covariance))
+    wider = _widening(found, known_of, p)
+    return ParameterBands(covariance, sd, low, high, chi2, found.freedom, "", wider, chance, found.noise)
+
+
+def _no_bands(count: int, chi2: float, freedoms: int, why: str) -> ParameterBands:
+    """Return bands that are absent."""
+    none = np.full(count, np.nan)
+    return ParameterBands(np.full((count, count), np.nan), none, none, none, chi2, freedoms, why)
+
+
+def _widening(found: Sure, known_of: Callable[[Noise], Sure], count: int) -> float:
+    """Return the largest ratio of intervals with correlated noise to those without."""
+    if found.noise == "correlated" or found.freedom < 1:
+        return 1.0
+    told = found.error[:count]
+    there = np.isfinite(told) & (told > 0.0)
+    return float(np.max(known_of("correlated").error[:count][there] / told[there], initial=1.0))

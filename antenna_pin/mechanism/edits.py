@@ -1,0 +1,527 @@
+"""Changes to the XML of a URDF in place; comments, colours and other tools' tags stay."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from lxml import etree
+
+from antenna_pin.base.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.base.directions import unit
+from antenna_pin.base.units import shown
+from antenna_pin.errors import MechanismError, UnknownNameError
+from antenna_pin.flexible import (
+    BoxShape,
+    CylinderShape,
+    Drawn,
+    ElasticPart,
+    MassProperties,
+    MeshShape,
+    SphereShape,
+    SplitLink,
+    Takes,
+)
+from antenna_pin.mechanism import urdf_xml
+from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z, of_roll_pitch_yaw, roll_pitch_yaw
+from antenna_pin.mechanism.reading import WITH_AXIS
+from antenna_pin.mechanism.urdf_xml import MOMENTS, SHAPES, numbers_in
+
+__all__ = [
+    "add_parts",
+    "body_name",
+    "edited",
+    "turn_planes",
+]
+
+# --- single changes -----------------------------------------------------------------------------------------
+#
+# A comment right behind an element, on its line, says where its numbers come from. It goes when they go,
+# and a changed element says what it was.
+
+_HINGES = ("revolute", "continuous")
+
+
+def plane_names(joint: str) -> tuple[str, str]:
+    """Return the names of the massless link and the fixed joint that a joint made planar is written with."""
+    return f"{joint}_plane", f"{joint}_plane_mount"
+
+
+def change_link(robot: Any, name: str, change: LinkChange, where: str) -> None:
+    """Write new inertial properties and dimensions into a link."""
+    link = named(robot, "link", name)
+    if (change.mass, change.inertia, change.centre_of_mass) != (None, None, None):
+        _change_inertial(link, change, where)
+    shapes = [shape for tag in ("visual", "collision") for shape in link.findall(tag)]
+    for shape_name, shape_change in change.shapes.items():
+        same = [shape for shape in shapes if shape.get("name") == shape_name]
+        if not same:
+            known = {shape.get("name") for shape in shapes if shape.get("name")}
+            raise UnknownNameError(f"{where}: link {name!r}", "shape", shape_name, known)
+        for shape in same:
+            _change_shape(shape, shape_change, f"{where}: link {name!r}: shape {shape_name!r}")
+
+
+def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None:
+    """Write a new origin, axis, bounds and ``<dynamics>`` into a joint, and take its ``<mimic>`` out."""
+    joint = named(robot, "joint", name)
+    if change.mimic is not None:
+        mimic = joint.find("mimic")
+        if change.mimic or mimic is None:
+            rule = "must be false" if change.mimic else "must be left out, for there is none"
+            raise MechanismError(
+                f"{where}: joint {name!r}: mimic {rule}, got {str(change.mimic).lower()}; "
+                "couple joints by [couplings]"
+            )
+        remove(mimic)
+    origin = {"xyz": change.origin_xyz, "rpy": change.origin_rpy}
+    if any(origin.values()):
+        set_numbers(child_of(joint, "origin"), origin)
+    if change.axis is not None:
+        if joint.get("type") == "fixed":
+            raise MechanismError(
+                f"{where}: joint {name!r} is fixed and has no axis to change, got {change.axis}"
+            )
+        set_numbers(child_of(joint, "axis"), {"xyz": change.axis})
+    _change_bounds(joint, name, change, where)
+    dynamics = {
+        key: (value,)
+        for key, value in (("damping", change.damping), ("friction", change.friction))
+        if value is not None
+    }
+    if dynamics:
+        if joint.get("type") not in (*_HINGES, "prismatic"):
+            raise MechanismError(
+                f"{where}: joint {name!r} is {joint.get('type')} and has no axis for "
+                f"{' and '.join(dynamics)}; leave it out"
+            )
+        set_numbers(child_of(joint, "dynamics"), dynamics)
+
+
+def _change_bounds(joint: Any, name: str, change: JointChange, where: str) -> None:
+    """Write new bounds into ``<limit>``, which is made where there is none."""
+    if change.lower is None and change.upper is None:
+        return
+    kind = joint.get("type")
+    if kind not in ("revolute", "prismatic"):
+        raise MechanismError(
+            f"{where}: joint {name!r} is {kind} and has no bounds to change; leave out lower and upper"
+        )
+    limit = child_of(joint, "limit")
+    if not limit.attrib:
+        limit.attrib.update(effort="1e9", velocity="1e9")  # of none: other readers want some
+    new = {"lower": change.lower, "upper": change.upper}
+    kept = {key: numbers_in(limit.get(key)) for key in new}
+    both = [kept[key] if value is None else (value,) for key, value in new.items()]
+    if not all(both):
+        raise MechanismError(
+            f"{where}: joint {name!r} has no other bound: lower and upper must be given together"
+        )
+    low, high = (numbers[0] for numbers in both if numbers)
+    if not low < high:
+        raise MechanismError(
+            f"{where}: joint {name!r}: lower must be below upper, got {low:g} and {high:g}; change both"
+        )
+    set_numbers(limit, {key: None if value is None else (value,) for key, value in new.items()})
+
+
+def vary_joint(
+    robot: Any, name: str, variant: JointVariant, axis: Vector3, origin: Matrix3, where: str
+) -> None:
+    """Make a joint ideal, free, locked or planar.
+
+    Args:
+        robot: Root element, changed in place.
+        name: The joint.
+        variant: What to make of it.
+        axis: (3,) its axis in its own frame [-].
+        origin: (3, 3) orientation of its frame in the parent link [-].
+        where: Name of the file, for messages.
+    """
+    joint = named(robot, "joint", name)
+    kind = joint.get("type")
+    if variant == "ideal":
+        if kind in ("floating", "planar"):
+            raise MechanismError(
+                f"{where}: joint {name!r} is {kind} and has no ideal form to keep; "
+                "start from the URDF where it is a hinge"
+            )
+        return
+    allowed = {"planar": _HINGES, "free": (*_HINGES, "prismatic")}.get(variant)
+    if allowed is not None and kind not in allowed:
+        others = f"{', '.join(allowed[:-1])} or {allowed[-1]}"
+        raise MechanismError(
+            f"{where}: joint {name!r} is {kind}; only a {others} joint can be made {variant}, "
+            "for its axis is the bearing's"
+        )
+    tags = ("limit", "dynamics", "safety_controller", "calibration")
+    for tag in (*tags, "mimic") if variant == "locked" else tags:
+        for element in joint.findall(tag):
+            remove(element)
+    if variant == "locked":
+        joint.set("type", "fixed")
+    elif variant == "free":
+        joint.set("type", "floating")  # keeps <axis>, which says where the bearing's axis is
+    else:
+        make_planar(robot, joint, axis, origin, where)
+    if kind != joint.get("type"):
+        note = etree.Comment(f" antenna_pin: {variant}; was {kind} ")
+        note.tail = joint.text
+        joint.insert(0, note)
+
+
+def relocate_meshes(robot: Any, resolve: Any) -> None:
+    """Give every mesh the file name that ``resolve(filename) -> str`` returns."""
+    for mesh in meshes(robot):
+        mesh.set("filename", resolve(mesh.get("filename")))
+
+
+def meshes(robot: Any) -> list[Any]:
+    """Return the meshes of all shapes that have a file name."""
+    return [mesh for mesh in robot.iterfind("link/*/geometry/mesh") if mesh.get("filename", "").strip()]
+
+
+def make_planar(robot: Any, joint: Any, axis: Vector3, origin: Matrix3, where: str) -> None:
+    """Turn the joint frame so that z is its axis, and turn back behind a massless link.
+
+    The fixed joint keeps the axis as it was, in the axes of the frame as it was: a reader finds both again.
+
+    Args:
+        robot: Root element, changed in place.
+        joint: The joint's element.
+        axis: (3,) its axis in its own frame [-].
+        origin: (3, 3) orientation of its frame in the parent link [-].
+        where: Name of the file, for messages.
+    """
+    link_name, mount_name = plane_names(joint.get("name"))
+    for kind, new in (("link", link_name), ("joint", mount_name)):
+        if any(element.get("name") == new for element in robot.findall(kind)):
+            raise MechanismError(
+                f"{where}: {kind} name {new!r} is needed to make a joint planar; rename yours"
+            )
+    rotation = frame_aligning_z(axis)
+    child = joint.find("child").get("link")
+    joint.set("type", "planar")
+    joint.find("child").set("link", link_name)
+    set_numbers(child_of(joint, "origin"), {"rpy": roll_pitch_yaw(origin @ rotation)})
+    set_numbers(child_of(joint, "axis"), {"xyz": (0.0, 0.0, 1.0)})
+    link = etree.Element("link", name=link_name)
+    mount = etree.Element("joint", name=mount_name, type="fixed")
+    etree.SubElement(mount, "parent", link=link_name)
+    etree.SubElement(mount, "child", link=child)
+    etree.SubElement(mount, "origin", xyz=text_of((0.0, 0.0, 0.0)), rpy=text_of(roll_pitch_yaw(rotation.T)))
+    etree.SubElement(mount, "axis", xyz=text_of(axis))
+    etree.indent(mount, level=1)
+    for element in (mount, link):
+        element.tail = joint.tail
+        joint.addnext(element)
+
+
+def _change_inertial(link: Any, change: LinkChange, where: str) -> None:
+    inertial = link.find("inertial")
+    if inertial is None:
+        if change.mass is None or change.inertia is None:
+            raise MechanismError(
+                f"{where}: link {link.get('name')!r} has no <inertial>: "
+                "an override must give both mass and inertia"
+            )
+        inertial = child_of(link, "inertial")
+    if change.centre_of_mass is not None:
+        set_numbers(child_of(inertial, "origin"), {"xyz": change.centre_of_mass})
+    if change.mass is not None:
+        set_numbers(child_of(inertial, "mass"), {"value": (change.mass,)})
+    if change.inertia is not None:
+        values = (*change.inertia, 0.0, 0.0, 0.0)
+        set_numbers(
+            child_of(inertial, "inertia"),
+            {key: (value,) for key, value in zip(MOMENTS, values, strict=False)},
+        )
+
+
+def _change_shape(shape: Any, change: ShapeChange, place: str) -> None:
+    geometry = next(iter(shape.iterfind("geometry/*")), None)
+    if geometry is None or geometry.tag not in SHAPES:
+        got = "none" if geometry is None else f"<{geometry.tag}>"
+        raise MechanismError(f"{place} must hold one of {', '.join(SHAPES)}, got {got}")
+    known = SHAPES[geometry.tag]
+    new: dict[str, Iterable[float] | None] = {"size": change.size}
+    for key, value in (("radius", change.radius), ("length", change.length)):
+        new[key] = None if value is None else (value,)
+    for key in new:
+        if new[key] is not None and key not in known:
+            has = ", ".join(known) or "only its file; make another one"
+            raise MechanismError(f"{place}: a {geometry.tag} has no {key} to change; it has {has}")
+    set_numbers(geometry, new)
+
+
+def named(robot: Any, kind: str, name: str) -> Any:
+    return next(element for element in robot.findall(kind) if element.get("name") == name)
+
+
+def child_of(element: Any, tag: str) -> Any:
+    """Return the child of that tag, made where there is none."""
+    child = element.find(tag)
+    if child is None:
+        child = etree.SubElement(element, tag)
+        before = child.getprevious()
+        if before is not None:  # keep the text as it was laid out
+            child.tail, before.tail = before.tail, element.text
+    return child
+
+
+def set_numbers(element: Any, new: Mapping[str, Iterable[float] | None]) -> None:
+    """Write the numbers that are given into attributes, and what they were into the comment behind."""
+    was = []
+    for key, values in new.items():
+        if values is not None:
+            was.append(f'{key}="{element.get(key)}"' if key in element.attrib else f"without {key}")
+            element.set(key, text_of(values))
+    if was:
+        _remove_remark(element)
+        remark = etree.Comment(f" antenna_pin: was {' '.join(was)} ")
+        remark.tail, element.tail = element.tail, " "
+        element.addnext(remark)
+
+
+def _remove_remark(element: Any) -> None:
+    """Take out the comment behind an element on its line, if there is one."""
+    after = element.getnext()
+    if after is not None and after.tag is etree.Comment and "\n" not in (element.tail or ""):
+        element.tail = after.tail
+        after.tail = None
+        element.getparent().remove(after)
+
+
+def remove(element: Any) -> None:
+    """Take an element and its remark out and leave the layout of the text."""
+    _remove_remark(element)
+    before, parent = element.getprevious(), element.getparent()
+    if before is not None:
+        before.tail = element.tail
+    else:
+        parent.text = element.tail
+    parent.remove(element)
+
+
+def text_of(values: Iterable[float] | Vector3) -> str:
+    """Return numbers as text that reads back to the same bits."""
+    return " ".join(repr(float(value)) for value in np.asarray(tuple(values), dtype=np.float64) + 0.0)
+
+
+# --- elastic parts of links ---------------------------------------------------------------------------------
+
+# URDF wants limits of hinges and slides. These are none: nothing gets there.
+_NO_LIMIT = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
+
+
+def body_name(part: str) -> str:
+    """Return the name of the link that an elastic part is."""
+    return f"{part}_body"
+
+
+def add_parts(robot: Any, link_name: str, split: SplitLink, where: str) -> None:
+    """Make of a link its hub, and hang its elastic parts on it.
+
+    Args:
+        robot: Root element, changed in place.
+        link_name: The link.
+        split: Its hub and parts.
+        where: Name of the file, for messages.
+    """
+    link = named(robot, "link", link_name)
+    _write_hub(link, split.hub)
+    replaced = [element for shape in split.removes for element in _shapes(link, shape, where)]
+    material = _material(replaced or link.findall("visual"))
+    for element in replaced:
+        remove(element)
+    for k, drawn in enumerate(split.hub_drawn):
+        _draw(link, drawn, f"hub{k + 1}", np.zeros(3), material)
+    last = link
+    taken: set[str] = set()  # a shape that several parts move is on the first
+    for part in split.parts:
+        for kind, name in (("joint", part.name), ("link", body_name(part.name))):
+            if any(element.get("name") == name for element in robot.findall(kind)):
+                raise MechanismError(
+                    f"{where}: {kind} name {name!r} is needed for an elastic part of link {link_name!r}; "
+                    "rename yours, or the part"
+                )
+        joint, body = _joint(part, link_name), _body(part, link, material, taken, where)
+        for element in (joint, body):
+            element.tail, last.tail = last.tail, "\n\n  "
+            last.addnext(element)
+            last = element
+
+
+def _write_hub(link: Any, hub: MassProperties) -> None:
+    inertial = child_of(link, "inertial")
+    set_numbers(child_of(inertial, "origin"), {"xyz": hub.centre, "rpy": (0.0, 0.0, 0.0)})
+    set_numbers(child_of(inertial, "mass"), {"value": (hub.mass,)})
+    set_numbers(child_of(inertial, "inertia"), _moments(hub))
+
+
+def _moments(body: MassProperties) -> dict[str, Iterable[float] | None]:
+    inertia = body.inertia
+    values = (*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2])
+    return {key: (float(value),) for key, value in zip(MOMENTS, values, strict=True)}
+
+
+def _joint(part: ElasticPart, parent: str) -> Any:
+    joint = etree.Element("joint", name=part.name, type="prismatic" if part.slides else "revolute")
+    per = ("N/m", "N s/m") if part.slides else ("N m/rad", "N m s/rad")
+    joint.append(
+        etree.Comment(
+            f" antenna_pin: held at zero by a spring of {part.stiffness!r} {per[0]}, "
+            f"with a damper of {part.damping!r} {per[1]} "
+        )
+    )
+    etree.SubElement(joint, "parent", link=parent)
+    etree.SubElement(joint, "child", link=body_name(part.name))
+    etree.SubElement(joint, "origin", xyz=text_of(part.origin), rpy=text_of((0.0, 0.0, 0.0)))
+    etree.SubElement(joint, "axis", xyz=text_of(part.axis))
+    etree.SubElement(joint, "limit", _NO_LIMIT)
+    etree.indent(joint, level=1)
+    return joint
+
+
+def _body(part: ElasticPart, link: Any, material: Any, taken: set[str], where: str) -> Any:
+    body = etree.Element("link", name=body_name(part.name))
+    inertial = etree.SubElement(body, "inertial")
+    etree.SubElement(inertial, "origin", xyz=text_of(part.body.centre - part.origin), rpy="0 0 0")
+    etree.SubElement(inertial, "mass", value=text_of((part.body.mass,)))
+    moments = {key: text_of(values or ()) for key, values in _moments(part.body).items()}
+    etree.SubElement(inertial, "inertia", moments)
+    for k, drawn in enumerate(part.drawn):
+        if isinstance(drawn, Takes):
+            if drawn.shape in taken:
+                continue
+            taken.add(drawn.shape)
+            for element in _shapes(link, drawn.shape, where):
+                _shift(element, -part.origin, f"{where}: shape {drawn.shape!r} of link {link.get('name')!r}")
+                element.getparent().remove(element)
+                body.append(element)
+        else:
+            _draw(body, drawn, f"part{k + 1}", part.origin, material)
+    etree.indent(body, level=1)
+    return body
+
+
+def _shapes(link: Any, name: str, where: str) -> list[Any]:
+    """Return the visual and collision shapes of a link that have a name."""
+    shapes = [shape for tag in ("visual", "collision") for shape in link.findall(tag)]
+    found = [shape for shape in shapes if shape.get("name") == name]
+    if not found:
+        known = {shape.get("name") for shape in shapes if shape.get("name")}
+        raise UnknownNameError(f"{where}: link {link.get('name')!r}", "shape", name, known)
+    return found
+
+
+def _shift(shape: Any, by: np.ndarray, where: str) -> None:
+    origin = child_of(shape, "origin")
+    text = origin.get("xyz", "0 0 0")
+    place = numbers_in(text) or ()
+    if len(place) != len(by) or not np.isfinite(place).all():
+        raise MechanismError(f"{where}: <origin xyz> must be three finite numbers, got {shown(text)}")
+    origin.set("xyz", text_of(np.array(place) + by))
+
+
+def _material(shapes: Iterable[Any]) -> Any:
+    """Return the material of the first shape that has one."""
+    found = (shape.find("material") for shape in shapes)
+    return next((material for material in found if material is not None), None)
+
+
+def _draw(link: Any, drawn: Drawn, name: str, origin: np.ndarray, material: Any) -> None:
+    """Add a shape, placed in the frame of the split link, to a link whose frame is at an origin there."""
+    assert not isinstance(drawn, Takes)
+    visual = etree.SubElement(link, "visual", name=name)
+    turn = drawn.placement[:3, :3]
+    etree.SubElement(
+        visual,
+        "origin",
+        xyz=text_of(drawn.placement[:3, 3] - origin),
+        rpy=text_of(roll_pitch_yaw(turn)),
+    )
+    geometry = etree.SubElement(visual, "geometry")
+    if isinstance(drawn, SphereShape):
+        etree.SubElement(geometry, "sphere", radius=text_of((drawn.radius,)))
+    elif isinstance(drawn, CylinderShape):
+        numbers = {"radius": text_of((drawn.radius,)), "length": text_of((drawn.length,))}
+        etree.SubElement(geometry, "cylinder", numbers)
+    elif isinstance(drawn, BoxShape):
+        etree.SubElement(geometry, "box", size=text_of(drawn.size))
+    elif isinstance(drawn, MeshShape):
+        etree.SubElement(geometry, "mesh", filename=drawn.filename)
+    if material is not None:
+        name = material.get("name", "")
+        visual.append(etree.Element("material", name=name) if name.strip() else copy.deepcopy(material))
+        visual[-1].tail = None
+
+
+# --- variants -----------------------------------------------------------------------------------------------
+
+
+def edited(
+    text: str,
+    where: str,
+    joints: Mapping[str, JointVariant] | None = None,
+    links: Mapping[str, LinkChange] | None = None,
+    origins: Mapping[str, JointChange] | None = None,
+) -> Any:
+    """Return the root element of a URDF with changes made, with line numbers of the text.
+
+    Args:
+        text: The XML.
+        where: Name of the file, for messages.
+        joints: What to make of joints, by name.
+        links: New inertial properties and shapes, by link.
+        origins: New places, axes and bounds of joints, applied before ``joints``.
+
+    Raises:
+        MechanismError: The text is no URDF, or a change makes no sense.
+        UnknownNameError: A link or joint that it does not have.
+    """
+    robot = urdf_xml.read(text, where)
+    for name, link_change in (links or {}).items():
+        _check_known(robot, where, "link", name)
+        change_link(robot, name, link_change, where)
+    for name, joint_change in (origins or {}).items():
+        _check_known(robot, where, "joint", name)
+        change_joint(robot, name, joint_change, where)
+    for name, kind in (joints or {}).items():
+        _check_known(robot, where, "joint", name)
+        if kind not in JOINT_VARIANTS:
+            raise UnknownNameError(f"{where}: joint {name!r}", "kind", str(kind), JOINT_VARIANTS)
+        axis, turn = np.array([1.0, 0.0, 0.0]), np.eye(3)
+        joint = named(robot, "joint", name)
+        if kind in ("free", "planar") and joint.get("type") in WITH_AXIS:
+            # Axis and friction are those of a bearing from here on, and the joint has none to be judged by.
+            axis = unit(urdf_xml.axis_of(joint, where))
+            urdf_xml.check_dynamics(joint, where)
+            turn = of_roll_pitch_yaw(*urdf_xml.check_origin(joint, where))
+        vary_joint(robot, name, kind, axis, turn, where)
+    return robot
+
+
+def turn_planes(robot: Any, where: str) -> None:
+    """Give planar joints of which the normal is not their frame's z a frame of which it is.
+
+    Pinocchio takes z, whatever the axis says.
+
+    Args:
+        robot: Root element, changed in place; its numbers have been judged.
+        where: Name of the file, for messages.
+    """
+    for joint in robot.findall("joint"):
+        if joint.get("type") == "planar":
+            axis = unit(urdf_xml.axis_of(joint, where))
+            if np.any(axis[:2] != 0.0) or axis[2] < 0.0:
+                turn = of_roll_pitch_yaw(*urdf_xml.check_origin(joint, where))
+                make_planar(robot, joint, axis, turn, where)
+
+
+def _check_known(robot: Any, where: str, kind: str, name: str) -> None:
+    known = [str(element.get("name")) for element in robot.findall(kind)]
+    if name not in known:
+        raise UnknownNameError(where, kind, name, known)

@@ -1,0 +1,285 @@
+"""Sensitivities of a scenario's results by runs, by the variational equation, and over pieces."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.assemble import build_system, initial_angles, initial_state
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.settings import RunSettings
+from antenna_pin.base.state import State
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.nonlinear import Flow
+from antenna_pin.scenario import Scenario
+from antenna_pin.sensitivity.finite_differences import FiniteDifferences, Slopes
+from antenna_pin.sensitivity.forward_sensitivity import ForwardSensitivity, maximum_times, named_derivatives
+from antenna_pin.sensitivity.parameters import (
+    GrazeError,
+    Parameter,
+    SensitivityError,
+    check_start_keys,
+    parameters_of,
+)
+from antenna_pin.sensitivity.result import Sensitivities, dataset_of
+from antenna_pin.simulation.inputs import check_without_controllers, events_of, settings_of
+
+__all__ = ["Method", "sensitivities"]
+
+Array = NDArray[np.float64]
+
+# Shortest piece over the whole; relative round-off of equal times.
+_SHORTEST, _ONE = 1e-6, 1e-12
+
+
+# --- derivatives over pieces of a run, each from the run's own state ----------------------------------------
+#
+# Over a long run derivatives grow with the divergence of perturbed runs, until they are useless. Over a piece
+# they do not: its end depends on its own start, held fixed, and on the parameters. Multiple shooting needs
+# just that.
+
+
+def _piece_borders(length: float, begin: float, span: float) -> Array:
+    """Return the times at which pieces of a length [s] begin, and the last ends."""
+    if not _SHORTEST * span <= length <= span:
+        rule = f"at most the run's {span:g} s, and at least a millionth of it"
+        raise InvalidParameterError("sensitivities", "pieces", rule, length)
+    count = max(int(np.ceil(span / length * (1.0 - 1e-9))), 1)
+    return np.append(begin + length * np.arange(count), begin + span)
+
+
+def _over_pieces(
+    flow: Flow,
+    first: State,
+    borders: Array,
+    times: Array,
+    made: Callable[[State, Array, float], Sensitivities],
+) -> Sensitivities:
+    """Return derivatives at times and at the ends of pieces, each over its own piece."""
+    parts: list[tuple[float, Sensitivities]] = []
+    refused: list[dict[str, float | str]] = []
+    start = first
+    for begin, end in zip(borders[:-1].tolist(), borders[1:].tolist(), strict=True):
+        at = np.append(times[(times > begin * (1.0 + _ONE)) & (times < end * (1.0 - _ONE))], end)
+        try:
+            parts.append((begin, made(start, at, end - begin)))
+        except GrazeError as error:
+            refused.append({"begin": begin, "end": end, "why": str(error)})
+        start = flow.after(start, end - start.time)
+    if not parts:
+        raise GrazeError(f"sensitivities: no piece has derivatives; the first: {refused[0]['why']}")
+    data = xr.concat(list(_series(parts)), dim="time", combine_attrs="override")
+    data.attrs["refused"] = json.dumps(refused)
+    return Sensitivities(parts[0][1].run, parts[0][1].parameters, data)
+
+
+def _series(parts: list[tuple[float, Sensitivities]]) -> Iterator[xr.Dataset]:
+    """Yield the series of each piece, with the time at which it began."""
+    for begin, one in parts:
+        names = [name for name, column in one.data.data_vars.items() if "time" in column.dims]
+        part = one.data[names]
+        yield part.assign_coords(piece_begin=("time", np.full(part.sizes["time"], begin)))
+
+
+# Default tolerance of runs that are differentiated.
+_RTOL = 1e-12
+# Largest deviation of the equation from second-order differences, over the larger of a number's size and its
+# change per scale.
+_APART = 1e-4
+# Variables of the motion, whose contradiction refuses the equation.
+_MOTION = ("q", "v", "onset_time", "release_time", "event_time")
+
+Method = Literal["runs", "quick-runs", "equation"]
+"""How results are differentiated."""
+
+
+@takes(duration="s", pieces="s")
+def sensitivities(
+    scenario: Scenario,
+    keys: Sequence[str] | Mapping[str, float | str | None],
+    times: ArrayLike | None = None,
+    *,
+    duration: float | str | None = None,
+    settings: RunSettings | None = None,
+    start: State | None = None,
+    method: Method = "runs",
+    pieces: float | str | None = None,
+    processes: int = 1,
+) -> Sensitivities:
+    """Return the derivatives of a scenario's results over some of its numbers.
+
+    By ``runs`` all numbers of the result have them: samples at given times, times and peaks of contacts,
+    impulses, losses, whatever the schema names. They are differences of sixth order of six runs a parameter,
+    each of which locates its own contacts and events, uncertain by what fourth order says otherwise and by
+    the runs' own error; ``quick-runs`` are of second order, of two.
+
+    The ``equation`` propagates tangents along one run, and through events by their saltation
+    (:mod:`antenna_pin.nonlinear.variational`), and the integrals besides by the integral of its rates'
+    derivatives. NaN are those of numbers that it does not tell, such as a largest force at a contact's onset.
+    It takes more time, and perturbed runs need not be alike in it: so it is held against two runs a
+    parameter, and refused where they contradict.
+
+    Args:
+        scenario: The scenario.
+        keys: Of its numbers, as in ``--set``; ``mechanism.gravity[2]`` for one of an array. A mapping gives
+            each a scale, beside which changes are small, a number or text with a unit: the size of its value
+            if None, and to be given where that is 0.
+        times: At which samples are differentiated, ascending [s]; the scenario's output if left out.
+        duration: Of the run [s]; the scenario's if left out, or up to the last of ``times``.
+        settings: How to integrate; with the scenario's engine, order 8(5,3) and 1e-12 if left out.
+        start: From where the run goes on, the ``end`` of another; the scenario's start if left out. Keys of
+            ``initial`` then are perturbations of this state.
+        method: ``runs``, ``quick-runs`` or ``equation``.
+        pieces: Length of pieces, each from the run's own state at its start, which is held: for motions whose
+            derivatives grow too far [s]. Samples and the ends of pieces have derivatives, in pieces that have
+            none they are left out, and ``data.attrs["refused"]`` says why. The ``run`` is the first piece.
+        processes: In how many processes runs are made side by side.
+
+    Raises:
+        GrazeError: A contact or an event comes or goes with the smallest change: there is no derivative.
+        SensitivityError: A run does not come to its end, or a number has no perturbed runs.
+        AntennaPinError: The input is not valid.
+    """
+    place = "sensitivities"
+    assert not isinstance(duration, str)
+    parameters = parameters_of(scenario, keys, place)
+    begin = 0.0 if start is None else start.reached
+    used, at, span = _sampled(scenario, times, duration, settings, begin)
+    system = build_system(scenario)
+    if start is not None or pieces is not None:
+        check_start_keys(tuple(one.key for one in parameters), system)
+    if pieces is None:
+        return _one_run(scenario, parameters, used, at, span, start, method, processes)
+    assert not isinstance(pieces, str)
+    borders = _piece_borders(pieces, begin, span)
+    check_without_controllers("sensitivities of pieces", scenario)
+    flow = Flow(system, used, events_of(scenario), scenario)
+    first = start
+    if first is None:
+        first = flow.first(*initial_state(scenario, system), initial_angles(scenario, system))
+
+    def made(state: State, samples: np.ndarray, length: float) -> Sensitivities:
+        own = dataclasses.replace(used, output_rate=0.5 / length, output_times=tuple(samples.tolist()))
+        return _one_run(scenario, parameters, own, samples, length, state, method, processes)
+
+    return _over_pieces(flow, first, borders, at, made)
+
+
+def _one_run(
+    scenario: Scenario,
+    parameters: tuple[Parameter, ...],
+    used: RunSettings,
+    at: np.ndarray,
+    span: float,
+    start: State | None,
+    method: Method,
+    processes: int,
+) -> Sensitivities:
+    """Return the derivatives of one run."""
+    runs = FiniteDifferences(scenario, used, span, at, start, processes, 6 if method == "runs" else 2)
+    found = runs.derivatives(parameters)
+    if method == "equation":
+        equation = ForwardSensitivity(scenario, parameters, used, start)
+        found = _checked_by_runs(found, _by_equation(equation, runs, at, span, parameters), runs, parameters)
+    slopes, doubts = (
+        {name: np.stack([getattr(one, kind)[name] for one in found], axis=-1) for name in found[0].values}
+        for kind in ("values", "doubts")
+    )
+    here = runs.here[list(slopes)]
+    return Sensitivities(runs.run, parameters, dataset_of(here, slopes, doubts, parameters))
+
+
+def _by_equation(
+    equation: ForwardSensitivity,
+    runs: FiniteDifferences,
+    at: np.ndarray,
+    span: float,
+    parameters: tuple[Parameter, ...],
+) -> list[Slopes]:
+    """Return the derivatives over each parameter by the variational equation."""
+    data = runs.run.data
+    along = equation.run(at, span, maximum_times(data))
+    # Near-infinite tangents belong to no states: overflow is expected.
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return named_derivatives(equation, along, runs.here, data, parameters)
+
+
+def _checked_by_runs(
+    runs: list[Slopes], found: list[Slopes], made: FiniteDifferences, parameters: tuple[Parameter, ...]
+) -> list[Slopes]:
+    """Return derivatives of the equation, or refuse them where runs contradict.
+
+    By how much the two differ is uncertain, too. Where the motion is right and a number of what it does is
+    not (the integral of a loss over an onset where it has no derivative, a contact's memory that its law does
+    not ask for), that number is NaN: not told.
+    """
+    held = []
+    for one, ours, theirs in zip(parameters, found, runs, strict=True):
+        values, doubts, share = dict(ours.values), {}, _relative_uncertainty(theirs)
+        for name, value in ours.values.items():
+            size = made.sizes[name] / one.scale
+            size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
+            noise = np.fmax(theirs.doubts[name], share * np.abs(theirs.values[name]))
+            off = np.abs(value - theirs.values[name]) - 2.0 * noise - ours.doubts[name]
+            contradict = float(np.nanmax(off, initial=-math.inf)) > _APART * size
+            if contradict and name in _MOTION:
+                raise SensitivityError(
+                    f"sensitivities: over {one.key} the equation and runs contradict about {name}, by "
+                    f"{float(np.nanmax(off)) / size:.2g} of its size: what that key changes is not all "
+                    "carried; take method = 'runs'"
+                )
+            if contradict:
+                values[name] = np.where(off > _APART * size, math.nan, value)
+            doubts[name] = np.fmax(ours.doubts[name], np.abs(values[name] - theirs.values[name]))
+        held.append(Slopes(values, doubts))
+    return held
+
+
+def _relative_uncertainty(found: Slopes) -> float:
+    """Return the relative error of the motion's largest derivative, at most 1.
+
+    What is perturbed behind goes with that one, and its share uncertain with it, whatever a difference says
+    of each time by itself.
+    """
+    shares = [0.0]
+    for name in _MOTION:
+        if name in found.values and np.isfinite(sizes := np.abs(found.values[name]).reshape(-1)).any():
+            most = int(np.nanargmax(sizes))
+            if sizes[most] > 0.0:
+                shares.append(float(found.doubts[name].reshape(-1)[most]) / float(sizes[most]))
+    return min(max(shares), 1.0)
+
+
+def _sampled(
+    scenario: Scenario,
+    times: ArrayLike | None,
+    duration: float | None,
+    settings: RunSettings | None,
+    begin: float,
+) -> tuple[RunSettings, np.ndarray, float]:
+    """Return run settings, sample times (times,) [s] and span [s]."""
+    used = settings or dataclasses.replace(
+        settings_of(scenario), accuracy=None, method="dormand-prince-853", rtol=_RTOL
+    )
+    if times is None:
+        span = scenario.duration if duration is None else duration
+        count = int(np.floor(span * used.output_rate * (1.0 + 1e-12)))
+        at = begin + np.arange(count + 1) / used.output_rate
+        return dataclasses.replace(used, output_times=tuple(at.tolist())), at, span
+    at = np.atleast_1d(np.asarray(times, dtype=float))
+    if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or not (np.diff(at) > 0.0).all():
+        raise InvalidParameterError("sensitivities", "times", "finite and ascending [s]", times)
+    if not at[0] >= begin:
+        raise InvalidParameterError("sensitivities", "times", f"from {begin:g} s on", float(at[0]))
+    span = float(at[-1]) - begin if duration is None else duration
+    if not at[-1] <= begin + span * (1.0 + 1e-12):
+        rule = f"within the run, which ends at {begin + span:g} s"
+        raise InvalidParameterError("sensitivities", "times", rule, float(at[-1]))
+    return dataclasses.replace(used, output_rate=0.5 / span, output_times=tuple(at.tolist())), at, span
