@@ -48,6 +48,7 @@ LOST = Rule(least=0.0, summed=True, passive=True)
 _LACKS = Rule(lacks=True)
 _COUNT, _SHARE, _EXACT = {"form": "count"}, {"form": "share"}, {"exact": True}
 COUPLED = "torque of the coupling on its follower (a force [N] if it slides)"
+_OF_TOUCH = "largest effort (N) of the touch that ends, or lasts to the end; NaN: none"
 _HOLDS = "largest size of the torque that holds the motion, located between samples (a force [N])"
 _EFFORT = "peak_torque|peak_force: peak torque|peak force"
 _PEAK, _RMS = ": peak torque|peak force|peak", ": rms torque|rms force|rms"
@@ -82,8 +83,8 @@ SUMMARIES: tuple[Variable, ...] = rows(
     ("peak_effort", "N m|N", _HOLDS, _EFFORT, peak("drive_torque")),
     ("time_of_peak_effort", "s", "when it was", "-"),
     "summary: drive",
-    ("peak_drive_effort", "N m|N", "largest torque of the drive, located between samples (a force [N])",
-     SIZE, "-"),
+    ("peak_drive_effort", "N m|N",
+     "largest size of the drive's torque, located between samples (a force [N])", SIZE, "-"),
     ("time_of_peak_drive_effort", "s", "when it was", "-"),
     "summary: closure",
     ("peak_closure_force", "N", "largest force of the closure at a sample", "peak_force",
@@ -153,8 +154,7 @@ EPISODES: tuple[Variable, ...] = rows(
     ("change_loss", "J", "energy lost in the impulse"),
     ("change_impulse", "N m s|N s", "impulse about the axis on the child (N s)"),
     ("change_energy", "J", "energy of a latch's joint, 1/2 I_r rate^2; NaN: no latch", _LACKS),
-    ("change_peak_effort", "N m|N", "largest torque of a touch, at its end, or its onset if it lasts (N)",
-     Rule(least=0.0, lacks=True)),
+    ("change_peak_effort", "N m|N", _OF_TOUCH, Rule(least=0.0, lacks=True)),
     ("change_peak_time", "s", "when that effort was", _LACKS),
     "episodes: tick",
     ("tick_time", "s", "when the controller was asked", ORDERED),
