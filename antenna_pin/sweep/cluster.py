@@ -1,4 +1,4 @@
-"""Runs made by Dask: by processes of this machine, or by the workers of any scheduler.
+"""Executors with Dask: processes of this machine, or workers of any scheduler.
 
 Scenarios go to the workers as data and results come back as data: nothing of a file system is shared.
 """
@@ -56,8 +56,8 @@ class _Ends(logging.Handler):
 
 
 @contextlib.contextmanager
-def ends_of_processes() -> Iterator[list[int]]:
-    """Yield a list of exit codes of processes that end meanwhile; of a signal its number, negative."""
+def exit_codes() -> Iterator[list[int]]:
+    """Yield a list of exit codes of ended processes; a signal's number is negative."""
     logger, ends = logging.getLogger("distributed.nanny"), _Ends()
     before = logger.level, logger.propagate
     logger.setLevel(logging.INFO)
@@ -75,7 +75,7 @@ def said_of_start(codes: list[int], error: str) -> str:
     """Return in words why processes did not start, and what to do.
 
     Args:
-        codes: Of those that have ended, by :func:`ends_of_processes`.
+        codes: Of those that have ended, by :func:`exit_codes`.
         error: What Dask says.
     """
     if not codes:
@@ -98,7 +98,7 @@ def said_of_start(codes: list[int], error: str) -> str:
 
 
 def _is_unguarded() -> bool:
-    """Whether the script that runs does the same where another process reads it."""
+    """Return true for a main script without a `__main__` guard."""
     script = getattr(sys.modules.get("__main__"), "__file__", None)
     if script is None:
         return False
@@ -185,7 +185,7 @@ class Cluster:
         ended: list[int] = []
         try:
             # A signal that comes while Dask starts is lost in it, or makes tracebacks.
-            with held_back(), ends_of_processes() as ended:
+            with held_back(), exit_codes() as ended:
                 self._local = self._processes() if self._scheduler is None else None
                 self._client = self._connected()
             if self._scheduler is not None and not self._client.nthreads():
@@ -240,7 +240,7 @@ class Cluster:
 
     @property
     def width(self) -> int:
-        """How many threads the workers have in all; at least 1."""
+        """Number of threads of all workers; at least 1."""
         self.start()
         try:
             return max(1, int(sum(self._client.nthreads().values())))
@@ -250,7 +250,7 @@ class Cluster:
     def each(
         self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]
     ) -> Iterator[tuple[list[T], Any]]:
-        """Yield each batch with its answer, as they come; a few are under way at a time.
+        """Yield each batch with its answer, in order of completion.
 
         Raises:
             ClusterLostError: The scheduler, or all its workers, cannot be reached any more.
@@ -300,7 +300,7 @@ class Cluster:
                 self._client.cancel(list(under_way))
 
     def _data(self, shared: Any) -> Any:
-        """Return what all runs share, as the workers have it: to every one, for batches go where it is.
+        """Return the data of all runs, scattered to every worker.
 
         It is kept: given anew under the same name while the old one is let go of, it would be lost.
         """
@@ -356,7 +356,7 @@ class Cluster:
 
 
 def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
-    """Return what a client answers; one whose connection was closed meanwhile says so by a RuntimeError."""
+    """Return a client's answer; raise its failure for a closed connection."""
     try:
         return call(*arguments, **more)
     except RuntimeError as error:

@@ -12,18 +12,18 @@ T = TypeVar("T")
 
 
 class Lost(Exception):  # noqa: N818 - an answer, not an error
-    """What was given out has taken its process along, several times, or could not come back."""
+    """A batch whose process died several times, or whose answer was lost."""
 
 
 class Executor(Protocol):
-    """Who makes the runs."""
+    """An executor of runs."""
 
     def start(self) -> None:
         """Get ready; called before anything is given out, and not where nothing will be."""
 
     @property
     def width(self) -> int:
-        """How many runs it makes at a time."""
+        """Number of runs at a time."""
 
     def each(
         self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]

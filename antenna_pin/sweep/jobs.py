@@ -46,7 +46,7 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """What all runs of a study share.
+    """Data that all runs of a study share.
 
     Attributes:
         base: The scenario, as JSON with all files that it names.

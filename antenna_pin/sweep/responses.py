@@ -1,4 +1,4 @@
-"""The responses of a study: the numbers kept of each run, by measures or functions of the user's own."""
+"""Responses of a study: numbers of each run, by measures or user functions."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _share(value: object) -> float:
 
 
 class ResponseSpec(Spec):
-    """One number of each run: by a measure, or a function; a text alone stands for either.
+    """One number of each run: by a measure or a function.
 
     Attributes:
         measure: Name of a measure.
@@ -83,7 +83,7 @@ class ResponseSpec(Spec):
 
     @property
     def compares(self) -> bool:
-        """Whether it compares with the study's reference."""
+        """True for a response that compares with the study's reference."""
         return self.measure is not None and MEASURES[self.measure].compares
 
     @model_validator(mode="after")
@@ -123,7 +123,7 @@ class ResponseSpec(Spec):
 
     @property
     def meaning(self) -> str:
-        """What the number is, in words."""
+        """Meaning of the number, in words."""
         if self.title:
             return self.title
         if self.measure is None:
@@ -139,7 +139,7 @@ _UNITS = {"angle": "rad", "rate": "rad/s", "acceleration": "rad/s^2"}
 
 
 def source_of(response: ResponseSpec, folder: Path, name: str) -> str:
-    """Return the text of the file that a response's function stands in; "" for a module's or a measure.
+    """Return the source of a response's function file; "" for modules and measures.
 
     Raises:
         ScenarioError: There is no such file or module, or no such function in it.
@@ -190,14 +190,14 @@ def _function(names: Mapping[str, Any], function: str, place: str, name: str) ->
         )
     made: Callable[..., Any] = found
     try:
-        check_takes(f"responses.{name}", function, made, "run", *asked_besides(made))
+        check_takes(f"responses.{name}", function, made, "run", *_extra_arguments(made))
     except InvalidParameterError as error:
         raise ScenarioError(str(error)) from None
     return made
 
 
-def asked_besides(function: Callable[..., Any]) -> tuple[str, ...]:
-    """Return what a function of a run is asked besides it: the run's seed, if it takes one."""
+def _extra_arguments(function: Callable[..., Any]) -> tuple[str, ...]:
+    """Return a response function's further arguments: the run's seed, if it takes one."""
     try:
         return tuple(one for one in ("seed",) if one in inspect.signature(function).parameters)
     except (TypeError, ValueError):  # some of those in C do not say
@@ -231,7 +231,7 @@ def evaluate(
     assert response.function is not None
     place, _, function = response.function.rpartition(":")
     called = _made(source, place, function, name) if source else _imported(place, function, name)
-    more = dict.fromkeys(asked_besides(called), seed)
+    more = dict.fromkeys(_extra_arguments(called), seed)
     try:
         value = called(_for_reading(run), **more)
     except SystemExit as error:  # it would end the process that makes the runs
@@ -250,7 +250,7 @@ def evaluate(
 
 
 def _for_reading(run: Trajectory) -> Trajectory:
-    """Return a run that looks like another and cannot change it: the next response is of the same numbers."""
+    """Return a read-only view of a run, so that responses cannot change it."""
     data = run.data.copy(deep=False)
     for variable in data.variables.values():
         values = variable._data  # a part of a large file is read anew each time

@@ -1,4 +1,4 @@
-"""The study file: which scenario is run, over which values, and what is kept of each run."""
+"""The study file: its scenario, parameters and responses."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ RESERVED = (
 
 
 class SamplingSpec(Spec):
-    """How parameters with a distribution are sampled.
+    """Sampling of parameters with a distribution.
 
     Attributes:
         method: ``random``; ``latin-hypercube``; ``sobol``, a scrambled sequence of low discrepancy;
@@ -204,7 +204,7 @@ class Study(RunsFile):
 
 
 def _within(key: str, table: str) -> bool:
-    """Whether a key is one of a table's, or of an array's numbers."""
+    """Return true for a key of a table, or of an array's numbers."""
     return key.startswith((f"{table}.", f"{table}["))
 
 
