@@ -11,11 +11,11 @@ from antenna_pin.assemble.closures import closures_of, link_of
 from antenna_pin.assemble.laws import clearance_joint
 from antenna_pin.assemble.places import check_known, check_motion, slides, where
 from antenna_pin.assemble.variant import (
-    among_others,
     armature_of,
     as_written,
     by_name,
-    types_as_written,
+    elements_by_family,
+    unchanged_joint_types,
     variant_and_parts,
 )
 from antenna_pin.base.arguments import takes
@@ -243,7 +243,7 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
 
 
 def _followed(scenario: Scenario, spec: Any, slot: JointSlot | None) -> dict[str, Any]:
-    """Return the reference that a table follows, at a joint or elsewhere, if it names one."""
+    """Return the reference that a table follows, if it names one."""
     follows = getattr(spec, "follows", None)
     return {} if follows is None else {"follows": reference_for(scenario, follows, slot, slot is None)}
 
@@ -340,7 +340,7 @@ def build_system(scenario: Scenario) -> System:
         urdf, said.base, said.gravity, armature_of(scenario), regular=not scenario.couplings
     )
     found = {table: elements_of(scenario, mechanism, table) for table in scenario.families}
-    found = dict(among_others(scenario, found))
+    found = dict(elements_by_family(scenario, found))
     drives, springs = found.pop("drives"), found.pop("springs")
     dry = found.pop("frictions", {})
     if said.strict and mechanism.impossible:
@@ -351,12 +351,12 @@ def build_system(scenario: Scenario) -> System:
     own = frictions_of(scenario, mechanism, {**springs, **dry})
     if dry or own.sticking:
         found["frictions"] = {**dry, **own.sticking}
-    left_out = (*said_of_file(as_written(scenario), mechanism), *own.left_out)
+    left_out = (*_urdf_warnings(as_written(scenario), mechanism), *own.left_out)
     assumed = (*said_of_assumed(scenario.clearance), *own.assumed)
     for lines, category in ((left_out, NotSimulatedWarning), (assumed, AssumedWarning)):
         for line in lines:
             warnings.warn(line, category, stacklevel=2)
-    types = types_as_written(scenario)
+    types = unchanged_joint_types(scenario)
     system = System(
         mechanism,
         clearances=[
@@ -383,8 +383,8 @@ def build_system(scenario: Scenario) -> System:
     return system
 
 
-def said_of_file(written: WrittenUrdf, mechanism: Mechanism) -> tuple[str, ...]:
-    """Return the messages of loading a URDF: ignored parts, assumptions."""
+def _urdf_warnings(written: WrittenUrdf, mechanism: Mechanism) -> tuple[str, ...]:
+    """Return the warnings of loading a URDF: elements passed over, defaults assumed."""
     urdf = mechanism.urdf
     lines = [written.said_of_passed_over()]
     lines += [
@@ -403,7 +403,7 @@ def said_of_file(written: WrittenUrdf, mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def _check_events(scenario: Scenario, system: System) -> None:
-    """Refuse events on joints and contacts that there are not, or in units of another motion."""
+    """Refuse events at unknown joints and contacts, or in units of another motion."""
     for name, spec in scenario.events.items():
         place = ("events", name)
         if isinstance(spec, AngleEvent | RateEvent):
@@ -414,7 +414,7 @@ def _check_events(scenario: Scenario, system: System) -> None:
 
 
 def _check_controllers(scenario: Scenario, system: System) -> None:
-    """Refuse controllers that measure at joints and contacts that there are not, or in other units."""
+    """Refuse controllers that measure at unknown joints and contacts, or in other units."""
     own = {name: spec.build() for name, spec in scenario.controllers.items()}
     for name, one in settled(own, system).items():
         place, spec = ("controllers", name), scenario.controllers[name]

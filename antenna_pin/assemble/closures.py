@@ -14,7 +14,7 @@ from antenna_pin.errors import ScenarioError
 from antenna_pin.mechanism import WORLD, Mechanism, link_poses, rotation
 from antenna_pin.scenario import AnchorSpec, LinkPlaceSpec, Scenario
 
-__all__ = ["axes_turned", "closures_of", "link_of"]
+__all__ = ["reversed_axes", "closures_of", "link_of"]
 
 
 _Z = (0.0, 0.0, 1.0)
@@ -63,7 +63,7 @@ def _anchor(
 
 
 def _opposite(scenario: Scenario, mechanism: Mechanism, closures: dict[str, Closure]) -> list[str]:
-    """Return the closures whose sides' axes should be parallel and point opposite ways in the first guess."""
+    """Return the closures whose axes are antiparallel in the first guess."""
     lines = {name: one for name, one in closures.items() if CLOSURES[one.kind].axis and not one.holds.square}
     if not lines:
         return []
@@ -82,8 +82,8 @@ def _opposite(scenario: Scenario, mechanism: Mechanism, closures: dict[str, Clos
     ]
 
 
-def axes_turned(scenario: Scenario, mechanism: Mechanism, closures: Mapping[str, Closure]) -> list[str]:
-    """Return which closures of a scenario's system have the second side's axis taken the other way."""
+def reversed_axes(scenario: Scenario, mechanism: Mechanism, closures: Mapping[str, Closure]) -> list[str]:
+    """Return the closures of a scenario's system whose second axis is reversed."""
     return [
         name
         for name, spec in scenario.closures.items()
@@ -98,7 +98,7 @@ def axes_turned(scenario: Scenario, mechanism: Mechanism, closures: Mapping[str,
 def link_of(
     scenario: Scenario, mechanism: Mechanism, spec: LinkPlaceSpec, *place: str
 ) -> tuple[str, tuple[float, float, float]]:
-    """Return the link that a place or frame is on, and the frame's axis there, z if it has none of its own.
+    """Return the link of a place or frame, and the frame's axis, z by default.
 
     Args:
         scenario: For the refusal of a name that there is not.

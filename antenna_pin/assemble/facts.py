@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.assemble.build import build_system
-from antenna_pin.assemble.closures import axes_turned
+from antenna_pin.assemble.closures import reversed_axes
 from antenna_pin.assemble.initial import guess_of, initial_angles, initial_state
 from antenna_pin.assemble.variant import as_written
 from antenna_pin.base.arguments import takes
@@ -48,7 +48,7 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     # Where nothing is held nobody asks for turns, and no compiled code is needed.
     state = system.state_as_given if system.plan is None else system.state
     y = state(q, v, initial_angles(scenario, system))
-    turned = axes_turned(scenario, system.mechanism, system.closures)
+    turned = reversed_axes(scenario, system.mechanism, system.closures)
     return {
         "base": system.mechanism.base,
         "joints": _joints(scenario, system),
@@ -75,7 +75,7 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
 
 
 def _start(scenario: Scenario, system: System, q: NDArray[np.float64]) -> dict[str, dict[str, Any]]:
-    """Return where hinges and slides are in a start that was found, and what it is far from its guess."""
+    """Return the joint positions of a computed initial state, and its distance from the guess."""
     assert system.plan is not None
     mechanism, model, far = system.mechanism, system.model, {}
     way = pin.difference(model, guess_of(scenario, system)[0], q)

@@ -56,7 +56,7 @@ def initial_state(scenario: Scenario, system: System) -> tuple[Array, Array]:
 
 @takes()
 def initial_angles(scenario: Scenario, system: System) -> dict[str, float]:
-    """Return the initial angles of the joints that turn without end, with their whole turns [rad]."""
+    """Return the initial angles of continuous joints, with their whole turns [rad]."""
     known = _known_places(scenario, system)
     # What couplings tell of is found with the state.
     coupled = {name for one in system.couplings.values() for name in (one.follower, *one.leaders)}
@@ -77,13 +77,13 @@ def _known_places(scenario: Scenario, system: System) -> dict[str, float]:
 
 
 def _angle(spec: Any) -> float:
-    """Return the angle or position of a joint's initial state, by whichever of its names [rad] or [m]."""
+    """Return the angle [rad] or position [m] of a joint's initial state."""
     given = spec.angle if spec.angle is not None else spec.position
     return float(given or 0.0)
 
 
 def guess_of(scenario: Scenario, system: System) -> tuple[Array, Array]:
-    """Return the URDF's pose, (nq,), with what the scenario gives, and its velocity, (nv,); loops open.
+    """Return the scenario's first guess of pose, (nq,), and velocity, (nv,); loops open.
 
     Joints that follow others are where these lead them.
     """
@@ -127,7 +127,7 @@ def given(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
 def _place_journal(
     scenario: Scenario, mechanism: Mechanism, slot: JointSlot, spec: Any, q: Array, v: Array
 ) -> None:
-    """Write the pose and twist of a journal in its bearing, given in bearing axes, into q and v.
+    """Write a journal's pose and twist, given in bearing axes, into q and v.
 
     Angle, position and rate are the joint's; with the bearing on the child the journal's are the opposite.
     """
@@ -167,7 +167,7 @@ def _place_journal(
 
 
 def _refuse_twice(scenario: Scenario, slot: JointSlot, spec: Any) -> None:
-    """Refuse a number of the joint's own motion that is given beside the journal's part of it."""
+    """Refuse a joint's coordinate given twice: by the joint and by its journal."""
     place, speed = ("position", "velocity") if slides(scenario, slot) else ("tilt", "angular_velocity")
     for keys, journal in ((("angle", "position"), place), (("rate", "velocity"), speed)):
         key = next((key for key in keys if getattr(spec, key) is not None), None)
@@ -186,7 +186,7 @@ def _bearing_on_child(scenario: Scenario, slot: JointSlot) -> bool:
 
 
 def _invert(slot: JointSlot, q: Array, v: Array) -> None:
-    """Turn a joint's pose and twist, in q and v those of its parent in its child, into the child's."""
+    """Invert a joint's pose and twist: from parent in child to child in parent."""
     if slot.kind == "planar":
         x, y, cosine, sine = q[slot.q]
         turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])

@@ -65,7 +65,7 @@ def _normal_law(
     law: LawSpec,
     radial: CompiledNormalLaw | None,
 ) -> CompiledNormalLaw:
-    """Return the normal law of the bore or, with the bore's law given, that of the flanges.
+    """Return the normal law of the bore or, given the bore's law, of the flanges.
 
     What it is not given it takes from the joint, but for an effective mass, which it then takes from each
     contact. A law along a line means nothing at a flange: the common law of both kinds of contact, if it is
@@ -128,7 +128,7 @@ def _stiffness(
     radial: CompiledNormalLaw | None,
     place: str,
 ) -> float:
-    """Return the stiffness of a power law that is not given one: the bore's, or that of a Hertz contact."""
+    """Return the default stiffness of a power law: the bore's, or a Hertz contact's."""
     default = declared["exponent"].default if "exponent" in declared else None
     exponent = given.get("exponent", 1.5 if default is None else default)
     bore = None if radial is None else radial.parts.elastic

@@ -26,7 +26,7 @@ def check_known(
 
 
 def slides(scenario: Scenario, slot: JointSlot) -> bool:
-    """Return whether a joint slides along its axis, with play or without."""
+    """Return true for a joint that slides along its axis, with play or without."""
     play = scenario.clearance.get(slot.name)
     return slot.kind == "prismatic" or (slot.kind == "floating" and play is not None and play.slides)
 

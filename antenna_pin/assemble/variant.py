@@ -1,4 +1,4 @@
-"""Variants of a scenario's URDF: flexible links, rotors, a shaken base, joints made free or locked."""
+"""Variants of a scenario's URDF: flexible links, rotors, a shaken base, changed joints."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from antenna_pin.scenario import AnchorSpec, ElementSpec, JointsSpec, Scenario
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = [
-    "among_others",
+    "elements_by_family",
     "armature_of",
     "as_written",
     "by_name",
-    "types_as_written",
+    "unchanged_joint_types",
     "urdf_variant",
     "variant_and_parts",
     "with_flexible_links",
@@ -100,7 +100,7 @@ def with_rotors(scenario: Scenario, urdf: Urdf) -> Urdf:
 
 
 def armature_of(scenario: Scenario) -> dict[str, float]:
-    """Return what joints feel of the rotors that are plain armature, by the names of joints [kg m^2]."""
+    """Return the armature of joints by their plain rotors, by name [kg m^2]."""
     found: dict[str, float] = {}
     for spec in scenario.rotors.values():
         if spec.kind == "armature":
@@ -112,7 +112,7 @@ def armature_of(scenario: Scenario) -> dict[str, float]:
 
 
 def with_shaken(scenario: Scenario, urdf: Urdf) -> Urdf:
-    """Return a URDF whose base is carried by the joints of a scenario's motions of it.
+    """Return a URDF whose base moves on joints, by a scenario's base motions.
 
     Raises:
         AntennaPinError: The base floats, or cannot be shaken so.
@@ -138,8 +138,8 @@ def with_shaken(scenario: Scenario, urdf: Urdf) -> Urdf:
         raise MechanismError(f"{where(scenario, 'shake')}: {error}") from None
 
 
-def among_others(scenario: Scenario, found: dict[str, dict[str, Any]]) -> Mapping[str, dict[str, Any]]:
-    """Return elements by the families that a system has them in, whatever table they stand in.
+def elements_by_family(scenario: Scenario, found: dict[str, dict[str, Any]]) -> Mapping[str, dict[str, Any]]:
+    """Return elements by the system's families, from whichever scenario tables.
 
     Raises:
         ScenarioError: Two of one family have one name.
@@ -162,7 +162,7 @@ def among_others(scenario: Scenario, found: dict[str, dict[str, Any]]) -> Mappin
 
 
 def check_not_closures(scenario: Scenario, urdf: WrittenUrdf) -> None:
-    """Refuse play at a closure: a joint with play is one of the tree, and another joint must close its loop.
+    """Refuse play at a closure: joints with play belong to the tree.
 
     Raises:
         ScenarioError: It says which joints of the tree could close the loop instead.
@@ -224,8 +224,8 @@ def _path(urdf: WrittenUrdf, link: str) -> list[str]:
     return found
 
 
-def types_as_written(scenario: Scenario) -> dict[str, str]:
-    """Return the type that each joint has in the URDF as it is written, by name."""
+def unchanged_joint_types(scenario: Scenario) -> dict[str, str]:
+    """Return the joint types of the unchanged URDF, by name."""
     if not any(spec.model == "constraint" for spec in scenario.clearance.values()):
         return {}
     return {name: joint.type for name, joint in as_written(scenario).joints.items()}
@@ -233,7 +233,7 @@ def types_as_written(scenario: Scenario) -> dict[str, str]:
 
 @takes()
 def as_written(scenario: Scenario) -> WrittenUrdf:
-    """Return the URDF of a scenario as its file is, its mechanics not judged: changes can mend it."""
+    """Return a scenario's unchanged URDF, its mechanics not yet checked."""
     return WrittenUrdf(
         text=scenario.urdf_text,
         where=str(scenario.urdf_path),
@@ -245,7 +245,7 @@ def as_written(scenario: Scenario) -> WrittenUrdf:
 
 @takes()
 def urdf_variant(scenario: Scenario) -> Urdf:
-    """Return the URDF of a scenario's case: joints freed, locked or made planar, and all overrides applied.
+    """Return the URDF of a scenario's case, with changed joints and all overrides.
 
     Raises:
         MechanismError: The URDF is not a mechanism, or a change makes no sense.
@@ -326,7 +326,7 @@ def _on_bearings(scenario: Scenario, urdf: WrittenUrdf) -> dict[str, JointVarian
 
 
 def _check_bounds(scenario: Scenario, urdf: WrittenUrdf) -> None:
-    """Refuse bounds of a sliding joint in units of a turning one, and the other way round."""
+    """Refuse bounds of a joint in units of another motion."""
     for name, change in scenario.mechanism.joints.items():
         if change.lower is None and change.upper is None:
             continue

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from antenna_pin.nonlinear import Made
     from antenna_pin.simulation import Progress
-    from antenna_pin.sweep import Standing
+    from antenna_pin.sweep import StudyProgress
 
 
 class _ErrorStream(io.TextIOBase):
@@ -189,7 +189,7 @@ def picture_bar(title: str, shown: bool) -> Iterator[Callable[[int, int], None] 
 
 
 @contextlib.contextmanager
-def study_bar(title: str, shown: bool) -> Iterator[Callable[[Standing], None] | None]:
+def study_bar(title: str, shown: bool) -> Iterator[Callable[[StudyProgress], None] | None]:
     """Yield what a study reports its progress to: runs checked, then runs made, on the error stream."""
     if not shown:
         yield None
@@ -197,7 +197,7 @@ def study_bar(title: str, shown: bool) -> Iterator[Callable[[Standing], None] | 
     bar = _bar("{task.fields[failed]}", counted=True)
     tasks = {stage: bar.add_task("", total=None, failed="", visible=False) for stage in ("check", "run")}
 
-    def report(now: Standing) -> None:
+    def report(now: StudyProgress) -> None:
         words = "checking" if now.stage == "check" else "runs"
         failed = (
             f"{now.failed} {'refused' if now.stage == 'check' else 'not completed'}" if now.failed else "runs"
@@ -270,13 +270,13 @@ def _seconds(value: float) -> str:
 @contextlib.contextmanager
 def diagram_bar(title: str, shown: bool) -> Iterator[Callable[[Made], None]]:
     """Yield what a bifurcation diagram reports its runs to, on the error stream."""
-    from antenna_pin.sweep import Standing
+    from antenna_pin.sweep import StudyProgress
 
     with study_bar(title, shown) as report:
 
         def tell(now: Made) -> None:
             if report is not None:
-                report(Standing("run", now.done, now.count, 0))
+                report(StudyProgress("run", now.done, now.count, 0))
 
         yield tell
 

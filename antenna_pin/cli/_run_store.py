@@ -156,7 +156,7 @@ class AttractorStore:
 
     def attractors(self, figure: AttractorFigure, figures: Sequence[AttractorFigure]) -> dict[str, Attractor]:
         """Return the settled motions that a figure takes, with what other figures take of them."""
-        from antenna_pin.sweep import Standing
+        from antenna_pin.sweep import StudyProgress
 
         alike = (each for each in figures if each.over is figure.over)
         noted = tuple(dict.fromkeys(name for each in alike for name in (each.x, each.y)))
@@ -175,7 +175,7 @@ class AttractorStore:
                 for future in as_completed(futures):
                     found[futures[future]] = future.result()
                     if report is not None:
-                        report(Standing("run", next(done), len(futures), 0))
+                        report(StudyProgress("run", next(done), len(futures), 0))
             except BaseException:
                 ending.set()
                 raise

@@ -47,7 +47,7 @@ from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.simulation.samples import Chunk
 from antenna_pin.sweep import Executor, Here
 from antenna_pin.sweep.executor import Lost
-from antenna_pin.sweep.journal import Journal, begun
+from antenna_pin.sweep.journal import Journal, open_journal
 from antenna_pin.trajectory import library_versions
 
 __all__ = [
@@ -342,7 +342,7 @@ class RunStore:
 
     def open(self, plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> None:
         """Begin a fit's store, or continue it."""
-        entries, self._journal = begun(self.folder, _identity(plan, record_tests), "fit")
+        entries, self._journal = open_journal(self.folder, _identity(plan, record_tests), "fit")
         self._entries = {_key(entry["asked"]): entry for entry in entries.values()}
         self._next = max(entries, default=-1) + 1
 

@@ -1,4 +1,4 @@
-"""Flexible links: a rigid link as a hub with bodies on joints against springs. Numbers in, numbers out.
+"""Flexible links: a rigid link as a hub with bodies on sprung joints.
 
 What stays and what moves are together the link: mass, mass centre and inertia are kept exactly.
 """

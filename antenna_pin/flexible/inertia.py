@@ -45,7 +45,7 @@ class MassProperties:
 
     @property
     def spread(self) -> Array:
-        """Second moments of mass about the mass centre, the integral of r r^T dm, (3, 3) [kg m^2]."""
+        """Second moments of mass about the mass centre, (3, 3) [kg m^2]."""
         return np.asarray(0.5 * np.trace(self.inertia) * np.eye(3) - self.inertia)
 
     @property
@@ -80,12 +80,12 @@ class MassProperties:
 
 
 def inertia_of(spread: Array) -> Array:
-    """Return the inertia (3, 3) of second moments of mass (3, 3) about the same point."""
+    """Return the inertia (3, 3) from second moments of mass about the same point."""
     return np.asarray(np.trace(spread) * np.eye(3) - spread)
 
 
 def share_taken(whole: MassProperties, part: MassProperties) -> float:
-    """Return how much of a body a part takes: at 1 nothing is left of some moment of its mass [-].
+    """Return a part's share of a body: at 1 some moment of mass vanishes [-].
 
     It is the largest eigenvalue of the part's pseudo-inertia in the metric of the whole's: 0.3 of the mass
     at the mass centre is 0.3, further out it is more.
@@ -99,7 +99,7 @@ def shares_taken(whole: MassProperties, moments: Array) -> Array:
 
 
 def least_share(whole: MassProperties, left: Array) -> float:
-    """Return the least share of a body's moments that a pseudo-inertia, (4, 4), still has [-].
+    """Return the least share of a body's moments in a pseudo-inertia, (4, 4) [-].
 
     Args:
         whole: The body.
@@ -109,7 +109,7 @@ def least_share(whole: MassProperties, left: Array) -> float:
 
 
 def _measured(whole: MassProperties, moments: Array) -> Array:
-    """Return pseudo-inertias, (..., 4, 4), in a body's metric, about its mass centre and principal axes."""
+    """Return pseudo-inertias, (..., 4, 4), in the metric of a body's principal axes."""
     values, axes = np.linalg.eigh(whole.spread)
     values = np.maximum(values, _FLAT * values.sum())
     # x = scale^-1 axes^T (r - c) for the first three, in which the whole is the unit matrix times its mass.

@@ -88,7 +88,7 @@ def balanced_rotor(
     omega: float,
     ratio: float,
 ) -> ElasticPart:
-    """Return a flat, balanced disc on a hinge through its centre; its turning moves no mass of the whole.
+    """Return a flat, balanced disc on a hinge through its centre.
 
     Its mass is free. It gets the share of the link's that it has of the link's inertia about its axis.
 
@@ -150,13 +150,13 @@ def realised(
     across = about_centre - (along @ about_centre) * along
     away = float(np.linalg.norm(across))
     if not least:
-        part = _where_it_acts(name, link, translation, rotation, across, pitch, omega, ratio)
+        part = _mode_as_mass(name, link, translation, rotation, across, pitch, omega, ratio)
         if share_taken(link, part.body) <= _MUCH:
             return part
     # No further than the radius of gyration from the link's mass centre, nearer than where it acts.
     high = away + size * reach
     low = min(max(abs(pitch), away - size * reach, _LEAST_LEVER * high), high)
-    here = _where_it_acts(name, link, translation, rotation, across, pitch, omega, ratio)
+    here = _mode_as_mass(name, link, translation, rotation, across, pitch, omega, ratio)
     levers, factors, flats = (
         grid.ravel()
         for grid in np.meshgrid(
@@ -172,7 +172,7 @@ def realised(
     return hinged(name, link, translation, rotation, *chosen, omega, ratio, float(flats[best]))
 
 
-def _where_it_acts(
+def _mode_as_mass(
     name: str,
     link: MassProperties,
     translation: Array,
@@ -182,7 +182,7 @@ def _where_it_acts(
     omega: float,
     ratio: float,
 ) -> ElasticPart:
-    """Return a mode as a mass where its forces act, on a slide, or on a hinge far away if it has a pitch."""
+    """Return a mode as a mass on a slide, or with a pitch on a hinge."""
     size, reach = float(np.linalg.norm(translation)), link.gyration
     along = translation / size
     if abs(pitch) <= _NOTHING * size * reach:
@@ -238,7 +238,7 @@ def hinged(
 def _hinges(
     link: MassProperties, translation: Array, rotation: Array, levers: Array, extras: Array, flats: Array
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """Return for n hinges their axes, (n, 3), and of their bodies centres, masses, sqrt(D), second moments.
+    """Return n hinges' axes, (n, 3), and their bodies' centres, masses and moments.
 
     Args:
         link: The whole link, whose mass centre the bodies are put towards.
@@ -302,7 +302,7 @@ _BALL = 0.08
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModalData(FlexibleKind):
-    r"""An appendage of a link by its modes with the root held, scaled to unit modal mass.
+    r"""An appendage of a link by its fixed-root modes of unit modal mass.
 
     With the root's acceleration a, of its point and of turning, (6,), the force and moment F on the root,
     and M the inertia of the rigid whole, appendage included,
@@ -356,7 +356,7 @@ class ModalData(FlexibleKind):
         return {f"mode{k + 1}": frequency for k, frequency in enumerate(self.frequency)}
 
     def about_link(self) -> Array:
-        """Return the participation factors about the origin of the link's frame, in its axes, (n, 6)."""
+        """Return the participation factors about the link frame's origin, in its axes, (n, 6)."""
         turn = _turn(*self.root_rpy)
         translation, rotation = self.factors[:, :3] @ turn.T, self.factors[:, 3:] @ turn.T
         return np.hstack([translation, rotation + np.cross(np.array(self.root_xyz), translation)])
@@ -364,8 +364,8 @@ class ModalData(FlexibleKind):
     def _place(self, mode: int) -> str:
         return self.places[mode] if mode < len(self.places) else f"mode {mode + 1}"
 
-    def told_of(self, part: int, link: MassProperties) -> str:
-        """Return where a mode stands, and which of its numbers answers with most of the rigid whole.
+    def part_note(self, part: int, link: MassProperties) -> str:
+        """Return a mode's place in the file, and its largest effective mass.
 
         The square of a participation factor is the effective mass, or moment of inertia about the root. All
         modes together cannot have more than the rigid link has.

@@ -131,7 +131,7 @@ class _Printed:
 
 @dataclass(slots=True)
 class _Reader:
-    """Numbers read so far; modes go by their numbers, so that a table may continue over several pages."""
+    """Numbers read so far, by mode number; a table may continue over pages."""
 
     cycles: dict[int, _Printed] = field(default_factory=dict)
     factors: dict[int, list[float | None]] = field(default_factory=dict)
@@ -226,7 +226,7 @@ class _Reader:
         self.lines.setdefault(mode, number)
 
     def compare(self, mode: int, own: _Printed, name: str, place: str) -> None:
-        """Refuse a frequency that is not the one that the mode has elsewhere in the file."""
+        """Refuse a frequency that contradicts the mode's other entries in the file."""
         other = self.cycles.setdefault(mode, own)
         if not own.is_like(other.number, other.step):
             where = (
@@ -286,13 +286,13 @@ def read_printed(text: str, or_else: str) -> ModalTable:
 
 
 def _is_row(words: Sequence[str]) -> bool:
-    """Return whether a line is one of a table: page headings have a number in front too, but words behind."""
+    """Return true for a line of a table; page headings have words after their number."""
     numbers = sum(_value(word) is not None for word in words)
     return len(words) > 1 and whole_in(words[0]) is not None and 2 * numbers > len(words)
 
 
 def _order(headings: Sequence[str], count: int) -> tuple[str, ...]:
-    """Return the columns of eigenvalues by the line that names them in another order, else by their count."""
+    """Return the columns of eigenvalues, by the heading or by their count."""
     for line in headings:
         names = tuple(_OF_HEADINGS[str(word.lastgroup)] for word in _HEADINGS.finditer(line))
         own = [name for name in names if name in _SAME]

@@ -1,4 +1,4 @@
-"""Elastic parts of flexible links, each a body on a joint with spring and damper, and their kinds."""
+"""Elastic parts of flexible links, bodies on sprung and damped joints, and their kinds."""
 
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ class ElasticPart:
 
 
 def frame_with_z(axis: Array, origin: Array) -> Array:
-    """Return a placement (4, 4) whose z is along a unit axis, and whose x is the same for the same axis."""
+    """Return a placement (4, 4) with z along a unit axis, and a definite x."""
     placement = np.eye(4)
     start = np.zeros(3)
     start[int(np.argmin(np.abs(axis)))] = 1.0
@@ -196,12 +196,12 @@ class FlexibleKind(Protocol):
         return ()
 
     @property
-    def hub_drawn(self) -> tuple[Drawn, ...]:
-        """What is drawn of the hub, beside the link's own shapes."""
+    def hub_shapes(self) -> tuple[Drawn, ...]:
+        """Shapes drawn for the hub, beside the link's own."""
         return ()
 
-    def told_of(self, part: int, link: MassProperties) -> str:
-        """Return what a refusal is to say of a part beside its name: where its numbers stand, for instance.
+    def part_note(self, part: int, link: MassProperties) -> str:
+        """Return a refusal's note on a part, such as its place in a file.
 
         Args:
             part: Its place in :meth:`parts`.

@@ -35,7 +35,7 @@ _NODES = 48  # of the Gauss rule along the radius: exact to round-off, as the in
 def petal_body(
     mass: float, focal_length: float, inner: float, outer: float, half_angle: float
 ) -> MassProperties:
-    r"""Return a thin, even shell: a sector of the paraboloid z = r^2 / (4 f), its middle over the x axis.
+    r"""Return a uniform shell: a sector of the paraboloid z = r^2 / (4 f).
 
     .. math:: dm = \sigma \sqrt{1 + r^2 / (4 f^2)}\; r\,dr\,d\varphi
 
@@ -65,7 +65,7 @@ def petal_body(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Petals(FlexibleKind):
-    r"""A dish of petals, hinged at a hub against root springs; at rest they are a paraboloid.
+    r"""A dish of petals on sprung root hinges; at rest a paraboloid.
 
     Each petal is a sector of a thin, even shell and turns about the tangent of the hub's rim at its root; to
     the positive side it closes. Frequency and damping ratio are those of a petal with the hub held.
@@ -159,8 +159,8 @@ class Petals(FlexibleKind):
         return frame_with_z(unit(self.boresight), np.array(self.vertex))
 
     @property
-    def hub_drawn(self) -> tuple[Drawn, ...]:
-        """Shapes of the hub."""
+    def hub_shapes(self) -> tuple[Drawn, ...]:
+        """Shapes drawn for the hub."""
         if self.hub_mesh is not None:
             return (MeshShape(self.hub_mesh, self.placement @ _MESH),)
         disc = np.eye(4)

@@ -26,13 +26,13 @@ class SplitLink:
         hub: What stays, in the link's frame.
         parts: What moves.
         removes: Names of the link's shapes that are not drawn any more.
-        hub_drawn: What is drawn of the hub, beside the link's own shapes.
+        hub_shapes: What is drawn of the hub, beside the link's own shapes.
     """
 
     hub: MassProperties
     parts: tuple[ElasticPart, ...]
     removes: tuple[str, ...] = ()
-    hub_drawn: tuple[Drawn, ...] = ()
+    hub_shapes: tuple[Drawn, ...] = ()
 
 
 def split(kind: FlexibleKind, name: str, link: MassProperties, where: str) -> SplitLink:
@@ -63,14 +63,14 @@ def split(kind: FlexibleKind, name: str, link: MassProperties, where: str) -> Sp
         if part.body.mass >= link.mass:
             raise MechanismError(
                 f"{where}: {part.name} must be lighter than its link, {link.mass:.6g} kg, got "
-                f"{part.body.mass:.6g} kg{kind.told_of(k, link)}"
+                f"{part.body.mass:.6g} kg{kind.part_note(k, link)}"
             )
         before, left = left, left - part.body.moments
         if least_share(link, left) <= _LEAST:
             raise MechanismError(
-                f"{where}: {_too_much(link, parts[: k + 1], before, left)}{kind.told_of(k, link)}"
+                f"{where}: {_too_much(link, parts[: k + 1], before, left)}{kind.part_note(k, link)}"
             )
-    return SplitLink(link.less(part.body for part in parts), tuple(parts), kind.removes, kind.hub_drawn)
+    return SplitLink(link.less(part.body for part in parts), tuple(parts), kind.removes, kind.hub_shapes)
 
 
 def _too_much(

@@ -336,7 +336,7 @@ def add_parts(robot: Any, link_name: str, split: SplitLink, where: str) -> None:
     material = _material(replaced or link.findall("visual"))
     for element in replaced:
         remove(element)
-    for k, drawn in enumerate(split.hub_drawn):
+    for k, drawn in enumerate(split.hub_shapes):
         _draw(link, drawn, f"hub{k + 1}", np.zeros(3), material)
     last = link
     taken: set[str] = set()  # a shape that several parts move is on the first

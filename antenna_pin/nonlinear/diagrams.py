@@ -38,7 +38,7 @@ from antenna_pin.nonlinear.returns import SectionRun, check_counts, settled_poin
 from antenna_pin.nonlinear.sections import Crossing, Section, Stroboscope
 from antenna_pin.scenario import Scenario
 from antenna_pin.simulation import Angle, Force, Gap, Progress, Rate
-from antenna_pin.sweep.journal import Journal, begun
+from antenna_pin.sweep.journal import Journal, open_journal
 from antenna_pin.trajectory import library_versions, open_table, save_table, table_attributes
 
 __all__ = ["Branch", "Made", "bifurcation", "open_diagram", "interrupting"]
@@ -266,7 +266,7 @@ class _EntryStore:
 
     def _open(self, about: dict[str, Any]) -> None:
         assert self.folder is not None
-        self.entries, self._journal = begun(self.folder, about, "diagram")
+        self.entries, self._journal = open_journal(self.folder, about, "diagram")
 
 
 def _identity(asked: _Settings, values: Sequence[Any], branches: Sequence[str]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Parameter studies: many runs of a scenario, on the cores at hand or a cluster, in one store."""
+"""Parameter studies: many runs of a scenario, local or on a cluster, in one store."""
 
 from antenna_pin.base.lazy import exported
 

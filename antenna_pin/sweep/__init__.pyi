@@ -1,7 +1,7 @@
 from antenna_pin.sweep.cluster import Cluster as Cluster
 from antenna_pin.sweep.design import Design as Design
 from antenna_pin.sweep.design import design_of as design_of
-from antenna_pin.sweep.driver import Standing as Standing
+from antenna_pin.sweep.driver import StudyProgress as StudyProgress
 from antenna_pin.sweep.driver import run_study as run_study
 from antenna_pin.sweep.executor import Executor as Executor
 from antenna_pin.sweep.executor import Here as Here

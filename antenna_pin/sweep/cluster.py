@@ -1,4 +1,4 @@
-"""Runs made by Dask: by processes of this machine, or by the workers of any scheduler.
+"""Executors with Dask: processes of this machine, or workers of any scheduler.
 
 Scenarios go to the workers as data and results come back as data: nothing of a file system is shared.
 """
@@ -60,8 +60,8 @@ class _Ends(logging.Handler):
 
 
 @contextlib.contextmanager
-def ends_of_processes() -> Iterator[list[int]]:
-    """Yield a list of exit codes of processes that end meanwhile; of a signal its number, negative."""
+def exit_codes() -> Iterator[list[int]]:
+    """Yield a list of exit codes of ended processes; a signal's number is negative."""
     logger, ends = logging.getLogger("distributed.nanny"), _Ends()
     before = logger.level, logger.propagate
     logger.setLevel(logging.INFO)
@@ -110,7 +110,7 @@ def said_of_start(codes: list[int], error: str) -> str:
     """Return in words why processes did not start, and what to do.
 
     Args:
-        codes: Of those that have ended, by :func:`ends_of_processes`.
+        codes: Of those that have ended, by :func:`exit_codes`.
         error: What Dask says.
     """
     if not codes:
@@ -133,7 +133,7 @@ def said_of_start(codes: list[int], error: str) -> str:
 
 
 def _is_unguarded() -> bool:
-    """Return whether the running script is the same when imported by another process."""
+    """Return true for a main script without a `__main__` guard."""
     script = getattr(sys.modules.get("__main__"), "__file__", None)
     if script is None:
         return False
@@ -218,7 +218,7 @@ class Cluster:
         ended, signals = list[int](), list[int]()
         try:
             # A signal that comes while Dask starts is lost in it, or makes tracebacks.
-            with held_back() as signals, self._starting(), ends_of_processes() as ended:
+            with held_back() as signals, self._starting(), exit_codes() as ended:
                 self._local = self._processes() if self._scheduler is None else None
                 self._client = self._connected()
             if self._scheduler is not None and not self._client.nthreads():
@@ -295,7 +295,7 @@ class Cluster:
     def each(
         self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]
     ) -> Iterator[tuple[list[T], Any]]:
-        """Yield each batch with its answer, as they come; a few are under way at a time.
+        """Yield each batch with its answer, in order of completion.
 
         Raises:
             ClusterLostError: The scheduler, or all its workers, cannot be reached any more.
@@ -346,7 +346,7 @@ class Cluster:
                 self._client.cancel(list(under_way))
 
     def _data(self, shared: Any) -> Any:
-        """Return what all runs share, as the workers have it: to every one, for batches go where it is.
+        """Return the data of all runs, scattered to every worker.
 
         It is kept: given anew under the same name while the old one is let go of, it would be lost.
         """
@@ -404,7 +404,7 @@ class Cluster:
 
 
 def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
-    """Return a client's answer; raise RuntimeError for a connection that was closed meanwhile."""
+    """Return a client's answer; raise its failure for a closed connection."""
     try:
         return call(*arguments, **more)
     except RuntimeError as error:

@@ -1,4 +1,4 @@
-"""The runs of a study: a grid of lists and ranges, times samples of what has a distribution."""
+"""The design of a study: a grid of lists and ranges, times random samples."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def _short(text: str) -> str:
 
 
 def put_value(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
-    """Enter what a key is set to among what is set over a scenario, in place.
+    """Enter a key's value among a scenario's overrides, in place.
 
     Args:
         found: What is set so far, by key.

@@ -1,4 +1,4 @@
-"""Driver of a study: distributes runs, collects results, and alone writes the store."""
+"""The driver of a study: submits runs, and alone writes the store."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from antenna_pin.sweep.preparation import Prepared, prepare, trial
 from antenna_pin.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
 from antenna_pin.sweep.study import Study
 
-__all__ = ["Standing", "run_study"]
+__all__ = ["StudyProgress", "run_study"]
 
 _BATCH_SECONDS = 1.0  # of work in one batch
 _LARGEST_BATCH = 200
@@ -32,7 +32,7 @@ _TABLE_SHARE = 0.02  # of the time, at most, goes into writing the dataset
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class StudyProgress:
     """Progress of a study.
 
     Attributes:
@@ -55,10 +55,10 @@ def run_study(
     *,
     executor: Executor | None = None,
     apart: bool = False,
-    progress: Callable[[Standing], None] | None = None,
+    progress: Callable[[StudyProgress], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
-    """Make the runs of a study that are missing in its store, and return its dataset.
+    """Make a study's missing runs, and return its dataset.
 
     Everything is checked before anything is run: each combination is built. What is interrupted or killed
     goes on with the same call.
@@ -121,7 +121,7 @@ def _store(path: Path, prepared: Prepared, identity: Any, apart: bool) -> Store:
 
 
 def _check(
-    prepared: Prepared, runs: list[int], by: Executor, progress: Callable[[Standing], None] | None
+    prepared: Prepared, runs: list[int], by: Executor, progress: Callable[[StudyProgress], None] | None
 ) -> None:
     """Refuse a study of which a run cannot be built, with the first such run."""
     refused: list[tuple[int, str]] = []
@@ -137,7 +137,7 @@ def _check(
             refused += answer
         done += len(batch)
         if progress is not None:
-            progress(Standing("check", done, len(runs), len(refused)))
+            progress(StudyProgress("check", done, len(runs), len(refused)))
     if refused:
         run, reason = min(refused)
         more = f" ({len(refused)} of {len(runs)} runs are refused)" if len(refused) > 1 else ""
@@ -160,7 +160,7 @@ class _Driver:
         store: Store,
         by: Executor,
         seconds: float,
-        progress: Callable[[Standing], None] | None,
+        progress: Callable[[StudyProgress], None] | None,
     ) -> None:
         self.prepared, self.store, self.by, self.progress = prepared, store, by, progress
         self.seconds = max(seconds, 1e-4)  # of a run, as far as is known
@@ -184,7 +184,7 @@ class _Driver:
                 self._write_now_and_then()
 
     def _batches(self) -> Iterator[list[Job]]:
-        """Yield what is to be done next, in batches that take about a second; fewer towards the end."""
+        """Yield the next runs in batches of about a second; smaller towards the end."""
         while self.waiting or self.again:
             if self.again:
                 yield [self.again.popleft()]
@@ -203,7 +203,7 @@ class _Driver:
         self.seconds += 0.1 * (entry["wall_time"] - self.seconds)
 
     def _lost(self, batch: list[Job], reason: Lost) -> None:
-        """Try the runs of a batch that has not come back one by one; give up one that never does."""
+        """Retry the runs of a lost batch one by one; give up repeated losses."""
         for job in batch:
             tries = self.tries[job.run] = self.tries.get(job.run, 0) + (len(batch) == 1)
             if tries < _TRIES:
@@ -216,7 +216,7 @@ class _Driver:
 
     def _tell(self) -> None:
         if self.progress is not None:
-            self.progress(Standing("run", len(self.store.entries), self.store.design.count, self.failed))
+            self.progress(StudyProgress("run", len(self.store.entries), self.store.design.count, self.failed))
 
     def _write_now_and_then(self) -> None:
         if time.monotonic() - self.written > max(_TABLE_EVERY, self.cost / _TABLE_SHARE):

@@ -12,11 +12,11 @@ T = TypeVar("T")
 
 
 class Lost(Exception):  # noqa: N818 - an answer, not an error
-    """Failure of runs that repeatedly ended their process, or could not be returned."""
+    """A batch whose process died several times, or whose answer was lost."""
 
 
 class Executor(Protocol):
-    """Protocol of executors of runs."""
+    """An executor of runs."""
 
     def start(self) -> None:
         """Get ready; called before anything is given out, and not where nothing will be."""

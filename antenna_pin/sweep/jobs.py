@@ -47,7 +47,7 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Common part of all runs of a study.
+    """Data that all runs of a study share.
 
     Attributes:
         base: The scenario, as JSON with all files that it names.

@@ -1,4 +1,4 @@
-"""The journal of a study: one line for each finished run, written once and never changed.
+"""The journal of a study: one line for each finished run, append-only.
 
 Each line starts with a digest of itself, keyed by the digest of the study: a torn, damaged or foreign line is
 not taken for a result. The journal is what a study is resumed from; all else in its folder follows from it.
@@ -19,14 +19,14 @@ from typing import Any, NamedTuple
 from antenna_pin.base.files import is_there, replacing
 from antenna_pin.errors import OutputError
 
-__all__ = ["Journal", "ReadJournal", "begun", "deleted", "read_journal"]
+__all__ = ["Journal", "ReadJournal", "deleted", "open_journal", "read_journal"]
 
 _DIGEST = 24
 _SYNC_EVERY = 1.0  # [s]
 
 
 class ReadJournal(NamedTuple):
-    """Content of a journal.
+    """Contents of a journal.
 
     Attributes:
         entries: Of the runs, by number.
@@ -126,7 +126,7 @@ class Journal:
         self._synced = time.monotonic()
 
     def check(self) -> None:
-        """Refuse to go on where the journal has been deleted: what is written to it would be lost.
+        """Refuse to continue with a deleted journal: its lines would be lost.
 
         Raises:
             OutputError: It has been.
@@ -170,8 +170,10 @@ class Journal:
             os.close(self._lock)
 
 
-def begun(folder: Path, about: Mapping[str, Any], what: str) -> tuple[dict[int, dict[str, Any]], Journal]:
-    """Begin the journal of something unfinished in a folder of its own, or go on with it.
+def open_journal(
+    folder: Path, about: Mapping[str, Any], what: str
+) -> tuple[dict[int, dict[str, Any]], Journal]:
+    """Begin a journal in its own folder, or continue it.
 
     Args:
         folder: The folder, made if it is not there.

@@ -1,4 +1,4 @@
-"""The numbers that a study can keep of a run, by name: from the result's own sums, and from the analyses."""
+"""Measures of a run, by name: from its summary, and from analyses."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class Asked(Protocol):
-    """What a response asks of its measure; a table of a study file."""
+    """Arguments of a response's measure; a table of a study file."""
 
     measure: str | None
     of: str | None

@@ -1,4 +1,4 @@
-"""Parameters of a study: lists, ranges, distributions and tolerances, over keys of a scenario."""
+"""Parameters of a study: lists, ranges, distributions, tolerances over keys of a scenario."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Value(NamedTuple):
 
 
 class Settings(NamedTuple):
-    """The values of a parameter, and the SI unit that their texts name ("" if none does)."""
+    """The values of a parameter, and the SI unit of their texts, or ""."""
 
     values: tuple[Value, ...]
     unit: str
@@ -127,12 +127,12 @@ class ParameterSpec(Spec):
 
     @property
     def sampled(self) -> bool:
-        """Return whether the values are samples."""
+        """True for a parameter whose values are samples."""
         return self.values is None and self.start is None
 
     @property
     def length(self) -> int:
-        """Number of values; 0 if sampled."""
+        """Number of values; 0 for a sampled parameter."""
         return self.count or 0 if self.values is None else len(self.values)
 
     @model_validator(mode="after")
@@ -263,7 +263,7 @@ def _tolerance(spec: ToleranceSpec) -> tuple[Any, str]:
 def numbers_of(
     table: Mapping[str, Any], *place: str, pure: tuple[str, ...] = ()
 ) -> tuple[dict[str, float], str]:
-    """Return quantities of one kind in SI units, and the unit; one without a unit has the others'.
+    """Return quantities of one kind in SI units, and their common unit.
 
     Args:
         table: The quantities by name.

@@ -65,7 +65,7 @@ class Prepared:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """Result of a short part of the first run.
+    """Findings of a short part of the first run.
 
     Attributes:
         seconds: Estimate of the time that a whole run takes on this machine [s].
@@ -110,7 +110,7 @@ def prepare(study: Study) -> Prepared:
 
 @takes()
 def trial(prepared: Prepared, run: int = 0) -> Trial:
-    """Make a short part of a run, evaluate its responses, and estimate the time of a whole one.
+    """Make a short part of a run; check its responses, and estimate the run time.
 
     Raises:
         AntennaPinError: The run cannot be built, or a response does not exist for it.
@@ -174,7 +174,7 @@ class RunTime(NamedTuple):
 
 @takes()
 def run_seconds(prepared: Prepared) -> RunTime:
-    """Return estimates of the time that a run takes on this machine [s]: the means of three of them.
+    """Return estimates of a run's time on this machine [s], means over three runs.
 
     Of the first, the middle and the last run, longer and longer parts are made, up to the whole or until one
     has taken a second; what is left is taken to go on at a pace of these parts.

@@ -35,7 +35,7 @@ class ClusterLostError(AntennaPinError, RuntimeError):
 
 
 def check_address(address: str, tls: dict[str, str]) -> None:
-    """Refuse an address that is none, or does not go together with the files for TLS.
+    """Refuse a malformed address, or one that contradicts the files for TLS.
 
     Raises:
         ClusterLostError: With the rule in one line.
@@ -95,7 +95,7 @@ def security_of(tls: dict[str, str]) -> Any:
 
 
 def own_security() -> Any:
-    """Return Dask's security for processes of this machine: a certificate for them alone.
+    """Return Dask's security for local processes: a certificate of this run's own.
 
     A port of the loopback is open to every user of the machine, and what is sent to a worker is run by it.
     The certificate is made anew each time, and stands in a file only while it is loaded from there.
@@ -129,7 +129,7 @@ def check_scheduler(address: str, security: Any) -> None:
 
 
 def _problem(address: str, security: Any) -> str:
-    """Return why an address is not that of a scheduler, in words; "" if it is."""
+    """Return the fault of a scheduler's address, in words, or ""."""
     secure = address.startswith("tls://")
     try:
         kind = asyncio.run(_asked(address, security))

@@ -37,7 +37,7 @@ def _problem(names: list[str]) -> dict[str, Any]:
 
 
 def morris_points(names: list[str], count: int, levels: int, seed: int) -> Array:
-    """Return the trajectories of Morris's design in the unit cube, (count (factors + 1), factors) [-]."""
+    """Return Morris's design in the unit cube, (count (factors + 1), factors) [-]."""
     made = _salib("sample.morris").sample(_problem(names), count, num_levels=levels, seed=seed)
     return np.asarray(made, dtype=float)
 

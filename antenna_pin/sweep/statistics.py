@@ -1,4 +1,4 @@
-"""Numbers of a response over the runs of a study: quantiles with intervals that hold for any distribution."""
+"""Statistics of a response over a study: quantiles with distribution-free confidence intervals."""
 
 from __future__ import annotations
 

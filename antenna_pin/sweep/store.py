@@ -1,4 +1,4 @@
-"""A study on disk: one folder with what it is, the journal of its runs, their dataset, and full results.
+"""A study on disk: its identity, the journal of runs, dataset, full results.
 
 ``study.json`` says what the study is, ``journal`` has a line for each finished run, ``runs.nc`` is the
 dataset made of them, ``runs/`` holds full results. The driver alone writes. Every file tells damage by a
@@ -116,7 +116,7 @@ def add_entries(table: xr.Dataset, entries: Iterable[Mapping[str, Any]]) -> None
 def table_of(
     study: Study, design: Design, about: Mapping[str, str], entries: Iterable[Mapping[str, Any]]
 ) -> xr.Dataset:
-    """Return the dataset of a study with the runs that have been made, in whatever order."""
+    """Return the dataset of a study with its finished runs, in any order."""
     table = empty_table(study, design, about)
     add_entries(table, entries)
     return table
@@ -133,7 +133,7 @@ _ABOUT, _JOURNAL, _TABLE, _RESULTS = "study.json", "journal", "runs.nc", "runs"
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Identity:
-    """Identity of a study: its runs, their stored results, and the code that computes them.
+    """Identity of a study: its runs, responses, and the computing code.
 
     Attributes:
         digest: Of all, as hexadecimal text.
@@ -147,12 +147,12 @@ class Identity:
 
     @property
     def key(self) -> bytes:
-        """Signature of the lines of the journal."""
+        """Key that signs the lines of the journal."""
         return bytes.fromhex(self.digest)[:32]
 
 
 def identity_of(study: Study, design: Design, work: Work) -> Identity:
-    """Return the identity of a study, for comparison with a store."""
+    """Return a study's identity, by which its store is recognised."""
     values = [[list(c.keys), c.dim, [v.set for v in c.settings.values]] for c in design.columns]
     responses = {name: response.model_dump() for name, response in study.responses.items()}
     parts = {
@@ -341,7 +341,7 @@ class Store:
 
 
 def has_seal(path: Path) -> bool | None:
-    """Return whether a file is as sealed; False for an unsealed file, None without the file."""
+    """Return true for an intact sealed file, false without a seal, None for no file."""
     try:
         return has_whole_seal(path) is True
     except (FileNotFoundError, ValueError):  # of a name that no file can have
@@ -364,7 +364,7 @@ def _read_about(path: Path) -> dict[str, Any] | None:
 
 @takes()
 def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return the dataset of a study, with all runs that have finished so far; it may be running.
+    """Return the dataset of a study's finished runs; it may still be running.
 
     Args:
         path: Folder of the store.

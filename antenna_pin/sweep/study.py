@@ -1,4 +1,4 @@
-"""Study file: scenario, values of its parameters, and stored results."""
+"""The study file: its scenario, parameters and responses."""
 
 from __future__ import annotations
 
@@ -204,7 +204,7 @@ class Study(RunsFile):
 
 
 def _within(key: str, table: str) -> bool:
-    """Return whether a key is one of a table's, or of an array's numbers."""
+    """Return true for a key of a table, or of an array's numbers."""
     return key.startswith((f"{table}.", f"{table}["))
 
 

@@ -6,7 +6,7 @@ import types
 
 import pytest
 
-from antenna_pin.sweep.cluster import ends_of_processes, said_of_start
+from antenna_pin.sweep.cluster import exit_codes, said_of_start
 
 GUARD = "if __name__ == '__main__': only"
 
@@ -38,7 +38,7 @@ def test_how_a_process_ended_is_told(tmp_path, monkeypatch, logged, script, said
     monkeypatch.setitem(sys.modules, "__main__", types.SimpleNamespace(__file__=str(tmp_path / "script.py")))
     logger = logging.getLogger("distributed.nanny")
     before = logger.level, logger.propagate
-    with ends_of_processes() as ended:
+    with exit_codes() as ended:
         logger.info("Worker process 17 %s", logged)
     assert (logger.level, logger.propagate) == before
     words = said_of_start(ended, "Nanny failed to start.")
