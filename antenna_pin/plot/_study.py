@@ -63,7 +63,7 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
         raise UnknownNameError("study", "parameter or response", name, known)
     found = study[name]
     like = study["outcome"]
-    text = literal(str(found.attrs.get("long_name", name)))
+    text = str(found.attrs.get("long_name", name))
     text = text[:1].upper() + text[1:]
     if found.dtype.kind not in "fi":
         words = [str(value) for value in found.values]
@@ -114,7 +114,7 @@ def left_out(*quantities: Quantity) -> tuple[Any, str]:
 
 def broken(label: str, length: int = 32) -> str:
     """Return a label in lines that an axis has room for; a title may be a sentence."""
-    return "\n".join(textwrap.wrap(label, length))
+    return literal("\n".join(textwrap.wrap(label, length)))
 
 
 def label_axis(axes: Axes, quantity: Quantity, along: str) -> None:

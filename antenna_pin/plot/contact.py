@@ -20,6 +20,7 @@ from antenna_pin.plot._style import (
     COLOURS,
     Array,
     Width,
+    literal,
     new_figure,
     panel_title,
     prefixed,
@@ -105,7 +106,7 @@ def figure_force_curves(
     named = {label for label, *_ in ends}
     within = [entry for entry in axes.lines if entry.get_label() in set(curves) - named]
     if within:  # lines to their names would cross the others
-        names = [str(entry.get_label()).replace("\n", " ") for entry in within]
+        names = [literal(str(entry.get_label()).replace("\n", " ")) for entry in within]
         axes.legend(
             within, names, loc="lower right", fontsize=6.5, title="ends at the dot", title_fontsize=6.5
         )
@@ -156,7 +157,7 @@ def _label_ends(figure: Figure, axes: Axes, ends: Sequence[tuple[str, str, float
                 places[k + 1] += 0.5 * short
     for (label, colour, x, y), place in zip(ordered, places, strict=True):
         axes.annotate(
-            label,
+            literal(label),
             xy=(x, y),
             xytext=(1.12, place),
             textcoords="axes fraction",

@@ -193,7 +193,7 @@ def _profile(axes: Axes, one: xr.Dataset, reach: float) -> None:
     axes.axvline(factor * best, color="#777777", linewidth=0.6, zorder=0.9)
     axes.set_xlim(factor * left, factor * right)
     axes.set_ylim(0.0, 2.0 * reach**2)
-    axes.set_xlabel(f"{one['parameter'].item()} [{unit}]" if unit else str(one["parameter"].item()))
+    axes.set_xlabel(literal(f"{one['parameter'].item()} [{unit}]" if unit else str(one["parameter"].item())))
     if by_log and right > _WIDE * left:
         axes.set_xscale("log")
         axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))

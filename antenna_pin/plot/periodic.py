@@ -22,6 +22,7 @@ from antenna_pin.plot._style import (
     footnote,
     legend_above,
     letters,
+    literal,
     new_figure,
     panel_title,
     parameter_words,
@@ -138,7 +139,7 @@ def _numbers(branch: xr.Dataset, coordinate: str | None) -> Iterator[tuple[str, 
 
 def _labelled(text: str, unit: str) -> str:
     printed = printed_unit(unit)
-    return f"{text} [{printed}]" if printed else text
+    return literal(f"{text} [{printed}]" if printed else text)
 
 
 def _over(branch: xr.Dataset) -> tuple[float, str]:
@@ -146,7 +147,7 @@ def _over(branch: xr.Dataset) -> tuple[float, str]:
     largest = float(np.nanmax(np.abs(branch["value"].values), initial=0.0))
     factor, unit = prefixed(str(branch["value"].attrs.get("units", "")), largest)
     words = parameter_words(str(branch.attrs["parameter"]))
-    return factor, f"{words} [{unit}]" if unit else words
+    return factor, literal(f"{words} [{unit}]" if unit else words)
 
 
 @takes()

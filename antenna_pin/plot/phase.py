@@ -24,6 +24,7 @@ from antenna_pin.plot._style import (
     Width,
     few_ticks,
     footnote,
+    literal,
     new_figure,
     panel_title,
     prefixed,
@@ -86,7 +87,7 @@ def figure_phase(portrait: PhasePortrait, *, shade: PhaseShade = "time", width: 
 def _scaled(one: Quantity, largest: float) -> tuple[Array, str]:
     """Return values up to some size in a readable unit, and the label of their axis."""
     factor, unit = prefixed(one.units, largest)
-    return factor * one.values, f"{one.name} [{unit}]" if unit else one.name
+    return factor * one.values, literal(f"{one.name} [{unit}]" if unit else one.name)
 
 
 def thinned(points: Array) -> npt.NDArray[np.intp]:

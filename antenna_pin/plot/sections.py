@@ -40,7 +40,7 @@ _NEAREST = 0.02
 
 def _axis_label(data: xr.Dataset, name: str) -> str:
     unit = printed_unit(str(data[name].attrs.get("units", "")))
-    return f"{name} [{unit}]" if unit else name
+    return literal(f"{name} [{unit}]" if unit else name)
 
 
 def _range(values: np.ndarray) -> tuple[float, float]:

@@ -51,7 +51,7 @@ def figure_sensitivity(sensitivity: xr.Dataset, *, width: Width = "page") -> Fig
     figure = new_figure(width, height if wide or not curves else height + 62.0)
     count = 2 if curves and rows else 1
     panels = np.atleast_1d(figure.subplots(1, count) if wide else figure.subplots(count, 1))
-    names = [literal(str(one)) for one in sensitivity["parameter"].values]
+    names = [str(one) for one in sensitivity["parameter"].values]
     if rows:
         rest = np.nan_to_num(doubt[rows] / size[rows, None])
         labels = [literal(str(sensitivity["result"].values[k])) for k in rows]

@@ -289,7 +289,7 @@ def study_sensitivities(found: xr.Dataset, title: str = "", *, width: Width = "c
     axes.grid(axis="y", visible=False)
     unit = str(found[bars[0][0]].attrs.get("units", ""))
     what = "Effect" if found.attrs["method"] == "morris" else "Share of the variance [-]"
-    text = f"{what}{f' [{unit}]' if unit not in ('', '1') else ''}{f': {literal(title)}' if title else ''}"
+    text = f"{what}{f' [{unit}]' if unit not in ('', '1') else ''}{f': {title}' if title else ''}"
     axes.set_xlabel(broken(text, 50))
     legend_above(figure, [axes])
     footnote(figure, f"bars of error: {100.0 * found.attrs['confidence']:g} % confidence")
