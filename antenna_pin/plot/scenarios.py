@@ -39,6 +39,7 @@ from antenna_pin.plot._style import (
 _KINDS = ("radial", "axial")
 _COLOURS = ("#9A9A9A", COLOURS[0], COLOURS[1], COLOURS[2])
 _Span = tuple[float, float]
+_FINEST = 10_000  # parts of the width, far below a pixel, that separate many bars
 
 
 @takes()
@@ -117,19 +118,31 @@ def _bars(axes: Axes, spans: xr.Dataset, kind: str, window: _Span) -> Array:
     for value in range(shares.size):
         mine = (seen == value) & (length > 0.0)
         shares[value] = length[mine].sum() / (window[1] - window[0])
+        many = bool(np.count_nonzero(mine) > MANY // 20)
+        bars = start[mine], length[mine]
+        if many:
+            bars = _joined(*bars, (window[1] - window[0]) / _FINEST)
         # An edge as thin as the finest line, so that an impact of a tenth of a millisecond is still seen.
         axes.add_patch(
             PathPatch(
-                _rectangles(start[mine], length[mine], value - 0.38, 0.76),
+                _rectangles(*bars, value - 0.38, 0.76),
                 facecolor=_COLOURS[value],
                 edgecolor=_COLOURS[value],
                 linewidth=0.25,
-                rasterized=bool(np.count_nonzero(mine) > MANY // 20),
+                rasterized=many,
             )
         )
         axes.axhline(value, color="#DDDDDD", linewidth=0.4, zorder=0.4)
     axes.set_xlim(window)
     return shares
+
+
+def _joined(start: Array, length: Array, gap: float) -> tuple[Array, Array]:
+    """Return starts and lengths of ascending bars of which those nearer than a gap are one."""
+    end = start + length
+    first = np.concatenate([[True], start[1:] - end[:-1] > gap])
+    last = np.concatenate([first[1:], [True]])
+    return start[first], end[last] - start[first]
 
 
 def _rectangles(start: Array, length: Array, below: float, height: float) -> Path:
