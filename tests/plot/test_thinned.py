@@ -100,7 +100,7 @@ def test_telling_points_of_a_spectrum():
 
 
 def test_a_hundred_thousand_bars_are_as_many_as_are_seen():
-    """Contacts of a long run: gaps far below a pixel are closed, and nothing else; shares of time are exact."""
+    """Contacts of a long run: gaps far below a pixel are closed, and nothing else; shares are exact."""
     rng = np.random.default_rng(7)
     edges = np.cumsum(rng.uniform(0.0, 1e-3, 200_000))
     spans = xr.Dataset(
