@@ -6,6 +6,7 @@ Python would print a traceback from wherever an import has come. Only the comman
 import _signal as signal  # type: ignore[import-not-found] # which is there at once: the module that Python has above it takes its time
 import gc
 import os
+import sys
 
 __all__ = ["main"]
 
@@ -20,6 +21,7 @@ def main() -> None:
     gc.set_threshold(500_000, 20, 20)
     # pydantic would look through all that is installed for plugins that watch what it checks.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    from antenna_pin.base.interruption import late_signal
     from antenna_pin.base.lazy import go_without
 
     go_without("dask", "pint")  # which xarray loads, for a second, to see whether it is given their arrays
@@ -33,5 +35,8 @@ def main() -> None:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, signal.SIG_DFL)
+        if (late := late_signal()) is not None:  # come too late to interrupt anything
+            sys.stdout.flush()
+            signal.raise_signal(late)
         # On its way down Python looks for garbage three times, a fifth of the time of a short run.
         gc.freeze()

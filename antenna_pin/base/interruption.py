@@ -16,18 +16,20 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from antenna_pin.errors import AntennaPinError
 
 __all__ = [
     "Ended",
     "FunctionInterrupted",
+    "acknowledge",
     "ended_by",
     "ending_by_signals",
     "held_back",
     "interruptible",
     "is_interruption",
+    "late_signal",
     "sheltered_processes",
     "uninterrupted",
 ]
@@ -39,6 +41,7 @@ _ENDING = tuple(
 _Run = TypeVar("_Run", bound=Any)
 
 _SOON = 0.1  # [s] until a signal is sent again
+_MUCH_LATER = 30.0  # [s] until one is sent again that nobody has acknowledged: something has caught it
 _MOST_DEFERRED = 300
 _LATEST = 10.0  # [s] after a signal that an error may be of its making
 
@@ -117,29 +120,68 @@ def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
     if not isinstance(unraisable.exc_value, KeyboardInterrupt):
         _hook[-1](unraisable)
         return
-    _dropped[:] = [ended_by()]
     _send_again(ended_by())
+    _dropped[:] = [ended_by()]
 
 
-def _send_again(number: int) -> None:
-    """Send a signal once more, soon: raised here it would be dropped, or a returned result be lost."""
-    again = threading.Timer(_SOON, os.kill, (os.getpid(), number))
-    again.daemon = True
-    again.start()
+def _send_again(number: int, after: float = _SOON) -> None:
+    """Send a signal once more after a time [s]: raised here it would be dropped, or a returned result lost.
+
+    A handler must start no thread, as it may interrupt the start of another; a script may have its own alarm.
+    """
+    acknowledge()
+    _again[:] = [number]
+    is_main = threading.current_thread() is threading.main_thread()
+    if is_main and signal.getsignal(signal.SIGALRM) in (signal.SIG_DFL, _alarm):
+        signal.signal(signal.SIGALRM, _alarm)
+        signal.setitimer(signal.ITIMER_REAL, after)
+    else:
+        timer = threading.Timer(after, _alarm, (signal.SIGALRM, None))
+        timer.daemon = True
+        timer.start()
+        _timers[:] = [timer]
+
+
+# The signal that is to be sent, and the thread that sends it where the alarm is another's.
+_again: list[int] = []
+_timers: list[threading.Timer] = []
+
+
+def _alarm(number: int, frame: FrameType | None) -> None:
+    if _again:
+        os.kill(os.getpid(), _again.pop())
+
+
+def acknowledge() -> None:
+    """Cancel a signal that is to be sent again: what it has interrupted ends, or goes on knowingly."""
+    _again.clear()
+    _dropped.clear()
+    if signal.getsignal(signal.SIGALRM) is _alarm:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    for timer in _timers:
+        timer.cancel()
+
+
+def late_signal() -> int | None:
+    """Return the signal that is to be sent again; None if there is none."""
+    return _again[-1] if _again else None
 
 
 def _end(number: int, frame: FrameType | None) -> None:
     if not _is_deferred(number, frame):
-        _come(number)
-        _raised[:] = [time.monotonic()]
-        raise Ended
+        _raise(number, Ended)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
     if not _is_deferred(number, frame):
-        _come(number)
-        _raised[:] = [time.monotonic()]
-        raise KeyboardInterrupt
+        _raise(number, KeyboardInterrupt)
+
+
+def _raise(number: int, error: type[KeyboardInterrupt]) -> NoReturn:
+    _come(number)
+    _raised[:] = [time.monotonic()]
+    _send_again(number, _MUCH_LATER)
+    raise error
 
 
 # Signals deferred one after the other.
@@ -162,8 +204,8 @@ def _is_deferred(number: int, frame: FrameType | None) -> bool:
 
 
 def _come(number: int) -> None:
+    acknowledge()
     _last[:] = [number]
-    _dropped.clear()
 
 
 @contextmanager

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
 
 import typer
 
-from antenna_pin.base.interruption import ended_by, held_back, is_interruption
+from antenna_pin.base.interruption import acknowledge, ended_by, held_back, is_interruption
 from antenna_pin.errors import (
     AntennaPinError,
     InvalidParameterError,
@@ -162,6 +162,7 @@ def told_unwritable(error: OSError) -> int:
 
 def told_interruption() -> int:
     """Say that a signal has ended the command, and return its exit code."""
+    acknowledge()
     _let_go_of_closed_streams()
     complain("interrupted")
     return SIGNALLED + ended_by()

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from antenna_pin.base.interruption import acknowledge
 from antenna_pin.cli._common import CaseOption, ScenarioArgument, SetOption, complain, load, say
 from antenna_pin.cli._progress import waiting_for_the_user
 from antenna_pin.cli.view import browser_for_pages, opened_by_file
@@ -73,5 +74,6 @@ def explore(
                     raise MissingToolError(f"explore: {rule}")
                 exploration.wait()
         except KeyboardInterrupt:
+            acknowledge()
             exploration.stop()
             say("ended")

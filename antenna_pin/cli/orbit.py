@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from antenna_pin.base.capacity import check_count
-from antenna_pin.base.interruption import Ended, ended_by
+from antenna_pin.base.interruption import Ended, acknowledge, ended_by
 from antenna_pin.base.numerals import bare
 from antenna_pin.cli._common import (
     CaseOption,
@@ -380,6 +380,7 @@ def _followed(
     try:
         found = amplitudes(branch, family, quantities)
     except KeyboardInterrupt:  # the orbits are the longer work
+        acknowledge()
         cut = True
     return branch_table(branch, flow.system, over, unit, known, found), cut
 

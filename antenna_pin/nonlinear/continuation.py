@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.brief import brief
 from antenna_pin.base.capacity import check_count
+from antenna_pin.base.interruption import acknowledge
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.bifurcation_points import (
@@ -236,6 +237,7 @@ def continued(
     try:
         message = _follow(stepper, nodes, found, (begin, end), arc, most, precision * abs(unit), progress)
     except KeyboardInterrupt:
+        acknowledge()
         interrupted, message = True, f"it was interrupted at {nodes[-1].point.value:g}"
     return Branch(tuple(one.point for one in nodes), tuple(found), message, interrupted)
 

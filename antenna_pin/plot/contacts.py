@@ -321,6 +321,7 @@ def _depths(run: LabelledRun, curve: LabelledRun, joint: str) -> tuple[Array, Ar
 
 _COLOURS = ("#9A9A9A", COLOURS[0], COLOURS[1], COLOURS[2])
 _Span = tuple[float, float]
+_FINEST = 10_000  # parts of the width, far below a pixel, that separate many bars
 
 
 @figure()
@@ -371,14 +372,18 @@ def _time_line(spans: xr.Dataset, kind: str, window: _Span, names: list[str], ti
     def bars(axes: Axes, *_: float) -> None:
         for value in range(spans[kind].attrs["flag_values"].size):
             mine = (spans[kind].values == value) & (length > 0.0)
+            many = bool(np.count_nonzero(mine) > MANY // 20)
+            spread = start[mine], length[mine]
+            if many:
+                spread = _joined(*spread, (window[1] - window[0]) / _FINEST)
             # An edge as thin as the finest line, so that an impact of a tenth of a millisecond is still seen.
             axes.add_patch(
                 PathPatch(
-                    _rectangles(start[mine], length[mine], value - 0.38, 0.76),
+                    _rectangles(*spread, value - 0.38, 0.76),
                     facecolor=_COLOURS[value],
                     edgecolor=_COLOURS[value],
                     linewidth=0.25,
-                    rasterized=bool(np.count_nonzero(mine) > MANY // 20),
+                    rasterized=many,
                 )
             )
             axes.axhline(value, color="#DDDDDD", linewidth=0.4, zorder=0.4)
@@ -413,6 +418,14 @@ def _shares(spans: xr.Dataset, kind: str, window: _Span) -> Array:
     count = spans[kind].attrs["flag_values"].size
     held = [length[(spans[kind].values == value) & (length > 0.0)].sum() for value in range(count)]
     return np.array(held) / (window[1] - window[0])
+
+
+def _joined(start: Array, length: Array, gap: float) -> tuple[Array, Array]:
+    """Return starts and lengths of ascending bars, with those nearer than a gap joined."""
+    end = start + length
+    first = np.concatenate([[True], start[1:] - end[:-1] > gap])
+    last = np.concatenate([first[1:], [True]])
+    return start[first], end[last] - start[first]
 
 
 def _rectangles(start: Array, length: Array, below: float, height: float) -> Path:

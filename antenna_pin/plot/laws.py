@@ -22,7 +22,7 @@ from antenna_pin.law_studies import (
     force_within,
     reproduce_table,
 )
-from antenna_pin.plot._style import COLOURS, SHADE, Array, Width, new_figure, panel_title
+from antenna_pin.plot._style import COLOURS, SHADE, Array, Width, literal, new_figure, panel_title
 from antenna_pin.plot.files import check_formats, folder_for_figures, save_figure
 from antenna_pin.plot.grammar import Axis, Curve, Ground, Mark, Panel, Rule, Sheet, figure
 
@@ -95,7 +95,7 @@ def figure_force_curves(
         lines = list(zip(axes.lines, ended, strict=False))
         within = [line for line, ends in lines if ends]
         if within:  # lines to their names would cross the others
-            names = [str(line.get_label()).replace("\n", " ") for line in within]
+            names = [literal(str(line.get_label()).replace("\n", " ")) for line in within]
             looks: dict[str, Any] = {"fontsize": 6.5, "title": "ends at the dot", "title_fontsize": 6.5}
             axes.legend(within, names, loc="lower right", **looks)
         if not all(ended):
@@ -141,7 +141,7 @@ def _label_ends(axes: Axes, lines: Sequence[Any]) -> None:
         colour = line.get_color()
         arrow = {"arrowstyle": "-", "color": colour, "linewidth": 0.4, "shrinkA": 0.0, "shrinkB": 1.0}
         axes.annotate(
-            line.get_label(),
+            literal(str(line.get_label())),
             xy=(float(line.get_xdata()[-1]), float(line.get_ydata()[-1])),
             xytext=(1.12, place),
             textcoords="axes fraction",

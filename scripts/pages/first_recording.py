@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from antenna_pin import load_scenario, simulate
+from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.record import record
 
 __all__ = ["add_recording"]
@@ -29,7 +30,8 @@ def add_recording(docs: Path) -> None:
         SystemExit: The first page has no picture of the player, or more than one.
     """
     play, ideal = (
-        simulate(load_scenario("bai2020", case=case), duration=_DURATION) for case in ("case3", "case1")
+        uninterrupted(simulate(load_scenario("bai2020", case=case), duration=_DURATION))
+        for case in ("case3", "case1")
     )
     record(play, ideal, curves=_CURVES).save(docs / "extra" / _NAME)
     page = docs / "index.md"

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin.plot import _thinned
+from antenna_pin.plot import _thinned, contacts
 from antenna_pin.plot._runs import labelled
+from antenna_pin.plot._style import new_figure
 from antenna_pin.plot._thinned import between_spikes, closer, telling, thinned, turning
 
 COUNT = 60_000
@@ -95,3 +96,31 @@ def test_telling_points_of_a_spectrum():
     kept = telling(place, value)
     assert kept.size < 4 * 4096
     assert {0, 99_999, int(np.argmax(value)), int(np.argmin(value))} <= set(kept.tolist())
+
+
+def test_a_hundred_thousand_bars_are_as_many_as_are_seen():
+    """Contacts of a long run: gaps far below a pixel are closed, and nothing else; shares are exact."""
+    rng = np.random.default_rng(7)
+    edges = np.cumsum(rng.uniform(0.0, 1e-3, 200_000))
+    spans = xr.Dataset(
+        {
+            "start": ("span", edges[:-1]),
+            "end": ("span", edges[1:]),
+            "radial": ("span", np.arange(edges.size - 1) % 2, {"flag_values": np.arange(2)}),
+        }
+    )
+    axes = new_figure("page", 60.0).add_subplot()
+    window = (0.0, float(edges[-1]))
+    (bars,) = contacts._time_line(spans, "radial", window, ["apart", "pressed"], 4).marks
+    bars.draw(axes, 1.0, 1.0)
+    shares = contacts._shares(spans, "radial", window)
+    assert shares.sum() == pytest.approx(1.0 - edges[0] / edges[-1], rel=1e-12)
+    for k, patch in enumerate(axes.patches):
+        corners = patch.get_path().vertices.reshape(-1, 5, 2)[:, :, 0]
+        start, end = corners[:, 0], corners[:, 2]
+        assert 0 < start.size <= contacts._FINEST
+        mine = spans["radial"].values == k
+        assert np.isin(start, edges[:-1][mine]).all() and np.isin(end, edges[1:][mine]).all()
+        own = np.searchsorted(start, edges[:-1][mine], side="right") - 1
+        assert (edges[1:][mine] <= end[own]).all()
+        assert (start[1:] - end[:-1] > edges[-1] / contacts._FINEST).all()

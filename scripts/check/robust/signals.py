@@ -121,7 +121,8 @@ def check(name: str, number: signal.Signals, to_all: bool, after: float, folder:
 
 def _is_pythons_own(end: Ended, number: int) -> bool:
     """Return whether Python has said that it is interrupted, on its way to the first line of the command."""
-    return end.code == -number and "KeyboardInterrupt" in end.said and not re.search(_BEGUN, end.said)
+    early = end.code in (1, -number) and "KeyboardInterrupt" in end.said
+    return early and not re.search(_BEGUN, end.said)
 
 
 def _left(child: Child) -> list[str]:
