@@ -26,7 +26,6 @@ from antenna_pin.flexible import (
 )
 from antenna_pin.mechanism import urdf_xml
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z, of_roll_pitch_yaw, roll_pitch_yaw
-from antenna_pin.mechanism.reading import WITH_AXIS
 from antenna_pin.mechanism.urdf_xml import MOMENTS, SHAPES, numbers_in
 
 __all__ = [
@@ -495,7 +494,7 @@ def edited(
             raise UnknownNameError(f"{where}: joint {name!r}", "kind", str(kind), JOINT_VARIANTS)
         axis, turn = np.array([1.0, 0.0, 0.0]), np.eye(3)
         joint = named(robot, "joint", name)
-        if kind in ("free", "planar") and joint.get("type") in WITH_AXIS:
+        if kind in ("free", "planar") and joint.get("type") in urdf_xml.WITH_AXIS:
             # Axis and friction are those of a bearing from here on, and the joint has none to be judged by.
             axis = unit(urdf_xml.axis_of(joint, where))
             urdf_xml.check_dynamics(joint, where)

@@ -50,8 +50,6 @@ __all__ = [
 
 _SHAPES = ("visual", "collision")
 
-# Joints that turn or slide about an axis of their own, and those with bounds.
-WITH_AXIS = ("continuous", "prismatic", "revolute")
 _BOUNDED = ("prismatic", "revolute")
 
 # Bounds in place of none, for a reader that takes none for 0.
@@ -377,7 +375,7 @@ def friction_of(robot: Any) -> dict[str, dict[str, float]]:
     found = {
         str(joint.get("name")): _numbers(joint)
         for joint in robot.findall("joint")
-        if joint.get("type") in WITH_AXIS
+        if joint.get("type") in urdf_xml.WITH_AXIS
     }
     return {name: numbers for name, numbers in found.items() if numbers}
 

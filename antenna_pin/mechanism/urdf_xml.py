@@ -335,6 +335,9 @@ def text_in(element: Any) -> str:
 
 JOINT_TYPES = ("continuous", "fixed", "floating", "planar", "prismatic", "revolute")
 
+# Joints that turn or slide about an axis of their own, and those with bounds.
+WITH_AXIS = ("continuous", "prismatic", "revolute")
+
 _RESERVED = ("universe", "root_joint")
 
 # Elements of which there may be one: of a second the readers take the first, the last or both.
