@@ -39,7 +39,6 @@ __all__ = [
     "left_out",
     "Reading",
     "text_of",
-    "WITH_AXIS",
     "written",
 ]
 
