@@ -23,8 +23,7 @@ import numpy as np
 import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike
-from antenna_pin.base.answers import check_takes, number_in
-from antenna_pin.base.arguments import unknown_type
+from antenna_pin.base.arguments import check_takes, number_in, takes, unknown_type
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.trajectory import Trajectory
 
@@ -46,11 +45,13 @@ class OwnNumber(NamedTuple):
         return self.name.replace("_", " ") + (f" [{self.units}]" if self.units != "1" else "")
 
 
+@takes()
 def is_own(name: str) -> bool:
     """Return whether a name is that of a function, ``FILE.py:NAME`` or ``MODULE:NAME``."""
     return _NAME.fullmatch(name) is not None
 
 
+@takes()
 def own_source(name: str, folder: Path, place: str) -> str:
     """Return the text of the file that a function stands in; "" for a module.
 
@@ -77,6 +78,7 @@ def own_source(name: str, folder: Path, place: str) -> str:
     return text
 
 
+@takes()
 def own_number(name: str, source: str, place: str, run: RunLike, seed: int = 0) -> float:
     """Return a function's number of a run.
 
@@ -98,6 +100,7 @@ def own_number(name: str, source: str, place: str, run: RunLike, seed: int = 0) 
     return number
 
 
+@takes()
 def own_series(name: str, run: RunLike, count: int) -> tuple[Array, str]:
     """Return a function's number at each sample of a run, and its unit.
 
@@ -118,6 +121,7 @@ def own_series(name: str, run: RunLike, count: int) -> tuple[Array, str]:
     return values.astype(float), _unit(_function_of(name, source, "quantity"))
 
 
+@takes()
 def own_numbers(run: Trajectory, names: Iterable[str]) -> list[OwnNumber]:
     """Return numbers of a run by functions; files are named from the working folder.
 

@@ -27,7 +27,7 @@ import numpy as np
 
 from antenna_pin.base.arguments import fits, is_number, rule_of, takes, unknown_type
 from antenna_pin.base.directions import A_DIRECTION, direction
-from antenna_pin.base.numerals import decimal_in
+from antenna_pin.base.readable import decimal_in
 from antenna_pin.base.units import QuantityError, matching_unit, quantity
 from antenna_pin.errors import InvalidParameterError
 

@@ -7,12 +7,27 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from decimal import Decimal
+from typing import Any
 
-__all__ = ["GIVEN", "lasting", "number", "prefixed", "printed_unit", "readable"]
+__all__ = [
+    "bare",
+    "brief",
+    "DECIMAL",
+    "decimal_in",
+    "GIVEN",
+    "lasting",
+    "number",
+    "of_size",
+    "prefixed",
+    "printed_unit",
+    "readable",
+    "whole_in",
+]
 
 MISSING = "–"
 
@@ -101,3 +116,89 @@ def lasting(seconds: float) -> str:
         if seconds >= size:
             return f"{number(seconds / size, 2)} {unit}"
     return f"{number(seconds, 2)} s"
+
+
+# --- short representation in a shell ------------------------------------------------------------------------
+
+_LONGEST = 60
+_SEVERAL = 4
+
+
+def brief(self: object) -> str:
+    """Return a dataclass, or what is given of a scenario's table, on one line; what is long by kind and size.
+
+    For use as ``__repr__ = brief`` in the class.
+    """
+    if dataclasses.is_dataclass(self):
+        names = [item.name for item in dataclasses.fields(self) if item.repr]
+    else:
+        given: Any = self
+        names = [n for n, f in type(given).model_fields.items() if f.repr and n in given.model_fields_set]
+    said = ", ".join(f"{name}={of_size(getattr(self, name))}" for name in names)
+    return f"{type(self).__name__}({said})"
+
+
+def of_size(value: Any) -> str:
+    """Return a value as Python shows it, or its kind and size where that is long."""
+    kind = type(value).__name__
+    if hasattr(value, "data_vars"):
+        sizes = ", ".join(f"{size} {name}" for name, size in list(value.sizes.items())[:_SEVERAL])
+        return f"<{kind}: {sizes}{', ...' if len(value.sizes) > _SEVERAL else ''}>"
+    if hasattr(value, "shape") and value.shape != ():
+        return f"<{kind} {' x '.join(map(str, value.shape))}>"
+    if isinstance(value, Mapping):
+        names = ", ".join(map(str, list(value)[:_SEVERAL]))
+        return f"<{len(value)}: {names}{', ...' if len(value) > _SEVERAL else ''}>" if value else "{}"
+    if isinstance(value, list | tuple) and value and not isinstance(value[0], str | int | float):
+        return f"<{len(value)} of {type(value[0]).__name__}>"
+    text = repr(value)
+    if len(text) <= _LONGEST and "\n" not in text:
+        return text
+    if isinstance(value, str):
+        return repr(f"{' '.join(value[: _LONGEST - 3].split())}...")
+    return f"<{len(value)} of {type(value[0]).__name__}>" if isinstance(value, list | tuple) else f"<{kind}>"
+
+
+# --- numbers in text ----------------------------------------------------------------------------------------
+#
+# Python's own ``float`` takes more than a number that somebody has written: ``1_0`` is 10 to it, so are
+# digits of other scripts, and ``infinity`` and ``nan`` are numbers. Pinocchio's parser, TOML and a
+# spreadsheet each read another part of that. Here a number is what all of them take it for.
+
+#: A number in decimal digits, as a regular expression.
+DECIMAL = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+
+_DECIMAL = re.compile(DECIMAL)
+_WHOLE = re.compile(r"[+-]?[0-9]+")
+_INFINITE = re.compile(r"([+-]?)inf(?:inity)?", re.IGNORECASE)
+_BLANKS = " \t\r\n"
+_MOST_LETTERS = 1000  # letters of a number; Python refuses to read whole ones of some thousand
+
+
+def decimal_in(text: str, *, infinite: bool = False) -> float | None:
+    """Return the finite number that a text is, blanks around it left out; None if it is none.
+
+    Args:
+        text: ASCII digits, with sign, point and exponent or without.
+        infinite: Whether ``inf`` and what is too large for a double are numbers too.
+    """
+    word = text.strip(_BLANKS)
+    if len(word) > _MOST_LETTERS:
+        return None
+    if _DECIMAL.fullmatch(word):
+        number = float(word)
+        return number if infinite or math.isfinite(number) else None
+    endless = _INFINITE.fullmatch(word) if infinite else None
+    return None if endless is None else float(f"{endless[1]}inf")
+
+
+def whole_in(text: str) -> int | None:
+    """Return the whole number that a text is, blanks around it left out; None if it is none."""
+    word = text.strip(_BLANKS)
+    return int(word) if len(word) <= _MOST_LETTERS and _WHOLE.fullmatch(word) else None
+
+
+def bare(text: str) -> str | float:
+    """Return the number that a text is, in SI units then; else the text, which may carry a unit."""
+    number = decimal_in(text)
+    return text.strip() if number is None else number

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import is_number
-from antenna_pin.base.brief import brief
+from antenna_pin.base.readable import brief
 from antenna_pin.errors import FileFormatError
 
 __all__ = ["ControllerMemory", "EventMemory", "OpenContact", "State", "StateBreach", "breach_of_state"]

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TextIO
 
-from antenna_pin.base.numerals import decimal_in
+from antenna_pin.base.readable import decimal_in
 from antenna_pin.base.units import QuantityError, any_quantity, scaled, shown, unit_factor
 from antenna_pin.errors import FileFormatError
 

@@ -2,10 +2,9 @@
 
 ``quantity("0.2 mm", "m", place)`` is 0.0002. The dimension is checked, and so are angles: a frequency [Hz]
 and an angular rate [rad/s] have the same dimension but differ by 2 pi, so neither is taken for the other.
-Decimal text is converted exactly and rounded once: "9.8 mm" is the float 0.0098. Units may be spelled as data
-sheets spell them (:mod:`antenna_pin.base.unit_spelling`): mNm, gcm², in-lb. What is a mass elsewhere is a
-weight where a force or a torque is asked for: pounds and ounces; and g is standard gravity in what holds no
-mass.
+Decimal text is converted exactly and rounded once: "9.8 mm" is the float 0.0098. Units may be those of data
+sheets: mNm, gcm², in-lb. Pounds and ounces are weights where a force or a torque is asked for; g is standard
+gravity in what holds no mass.
 """
 
 from __future__ import annotations
@@ -14,26 +13,234 @@ import decimal
 import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
 from typing import Any
 
-from antenna_pin.base.common_units import LARGEST_POWER, Unit, common_unit
 from antenna_pin.base.lazy import take_back
-from antenna_pin.base.numerals import DECIMAL
-from antenna_pin.base.unit_spelling import with_point, with_signs, with_weights, without_weights
+from antenna_pin.base.readable import DECIMAL
 from antenna_pin.errors import ScenarioError
 
 __all__ = [
-    "QuantityError",
     "any_quantity",
+    "common_unit",
     "describe_unit",
+    "LARGEST_POWER",
     "matching_unit",
     "quantity",
+    "QuantityError",
     "shown",
+    "Unit",
     "unit_factor",
+    "with_point",
+    "with_signs",
+    "with_weights",
+    "without_weights",
 ]
+
+# --- common units -------------------------------------------------------------------------------------------
+
+#: Of the powers in a unit, their product.
+LARGEST_POWER = 100.0
+
+# Of SI, whose products are units without a factor: exponents of length, mass, time, radian. A test compares
+# all of them with pint.
+_COHERENT = {
+    "1": (0, 0, 0, 0),
+    "rad": (0, 0, 0, 1),
+    "m": (1, 0, 0, 0),
+    "s": (0, 0, 1, 0),
+    "kg": (0, 1, 0, 0),
+    "N": (1, 1, -2, 0),
+    "J": (2, 1, -2, 0),
+    "W": (2, 1, -3, 0),
+    "Pa": (-1, 1, -2, 0),
+}
+# A unit of SI, and how often it has one that is written.
+_SCALED = {
+    "%": ("1", 0.01),
+    "deg": ("rad", math.pi / 180.0),
+    "mrad": ("rad", 1e-3),
+    "km": ("m", 1e3),
+    "cm": ("m", 1e-2),
+    "mm": ("m", 1e-3),
+    "um": ("m", 1e-6),
+    "µm": ("m", 1e-6),
+    "nm": ("m", 1e-9),
+    "day": ("s", 86400.0),
+    "h": ("s", 3600.0),
+    "min": ("s", 60.0),
+    "ms": ("s", 1e-3),
+    "us": ("s", 1e-6),
+    "g": ("kg", 1e-3),
+    "cm/s": ("m/s", 1e-2),
+    "mm/s": ("m/s", 1e-3),
+    "um/s": ("m/s", 1e-6),
+    "deg/s": ("rad/s", math.pi / 180.0),
+    "rpm": ("rad/s", math.pi / 30.0),
+    "deg/s**2": ("rad/s**2", math.pi / 180.0),
+    "kN": ("N", 1e3),
+    "mN": ("N", 1e-3),
+    "N*mm": ("N*m", 1e-3),
+    "mN*m": ("N*m", 1e-3),
+    "N/mm": ("N/m", 1e3),
+    "kN/m": ("N/m", 1e3),
+    "MN/m": ("N/m", 1e6),
+    "N*m/deg": ("N*m/rad", 180.0 / math.pi),
+    "kW": ("W", 1e3),
+    "kPa": ("Pa", 1e3),
+    "MPa": ("Pa", 1e6),
+    "GPa": ("Pa", 1e9),
+    "kg*mm**2": ("kg*m**2", 1e-6),
+}
+_CYCLES = {"Hz": 1.0, "kHz": 1e3}
+_NAMES = "|".join(sorted(_COHERENT, key=len, reverse=True))
+_FACTOR = re.compile(rf"({_NAMES})(?:\*\*(-?[0-9]+(?:\.[0-9]+)?))?")
+_PRODUCT = re.compile(rf"{_FACTOR.pattern}(?:[*/]{_FACTOR.pattern})*")
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit as SI sees it.
+
+    Attributes:
+        factor: How much of SI's it is [-].
+        dimension: Base quantities and their exponents.
+        radian: Exponent of the radian.
+        cycles: Whether it counts cycles, as Hz.
+    """
+
+    factor: float
+    dimension: frozenset[tuple[str, float]]
+    radian: float
+    cycles: bool
+
+    def fits(self, wanted: Unit) -> bool:
+        """Return whether a unit converts to the wanted SI unit by a factor."""
+        if self.dimension != wanted.dimension:
+            return False
+        if wanted.radian == 2.0 and self.radian == 2.0:  # a density: Hz is what it is over, no angle
+            return True
+        if wanted.radian != 0.0:  # 1/s will do for rad/s, Hz will not: it is short of 2 pi
+            return self.radian in (0.0, wanted.radian) and not self.cycles
+        return self.radian == 0.0
+
+
+def common_unit(name: str) -> Unit | None:
+    """Return one of the units above, or a product of those of SI; None for another."""
+    if name in _CYCLES:
+        return Unit(_CYCLES[name], frozenset({("[time]", -1.0)}), 0.0, True)
+    unit, factor = _SCALED.get(name, (name or "1", 1.0))
+    if not _PRODUCT.fullmatch(unit):
+        return None
+    sums, largest = [0.0, 0.0, 0.0, 0.0], 1.0
+    for found in _FACTOR.finditer(unit):
+        power = float(found[2] or 1.0)
+        largest *= max(1.0, abs(power))
+        sign = -power if unit[: found.start()].endswith("/") else power
+        sums = [total + sign * one for total, one in zip(sums, _COHERENT[found[1]], strict=True)]
+    if largest > LARGEST_POWER:
+        return None
+    named = zip(("[length]", "[mass]", "[time]"), (round(total, 12) for total in sums[:3]), strict=True)
+    return Unit(factor, frozenset((base, power) for base, power in named if power), sums[3], False)
+
+
+# --- spellings on data sheets -------------------------------------------------------------------------------
+
+# Signs of other alphabets and keyboards: products, minus, micro, ohm.
+_SIGNS = str.maketrans({"·": "*", "⋅": "*", "∙": "*", "×": "*", "•": "*", "−": "-", "μ": "µ", "\u2126": "Ω"})
+_RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹"
+_LOWERED = str.maketrans(_RAISED + "⁻⁺", "0123456789-+")
+_SUPERSCRIPT = re.compile(rf"[⁻⁺]?[{_RAISED}]+")
+
+# Words for units that are known by another: kp is a German kilopond, a mil a thousandth of an inch.
+_OTHER_NAMES = {
+    "mil": "thou",
+    "mils": "thou",
+    "lbm": "pound",
+    "kp": "kgf",
+    "Msi": "Mpsi",
+    "rev": "revolution",
+    "revs": "revolution",
+    "RPM": "rpm",
+    "r/min": "rpm",
+    "U/min": "rpm",
+}
+_OTHER = re.compile(rf"(?<![\w.])({'|'.join(sorted(_OTHER_NAMES, key=len, reverse=True))})(?!\w)")
+# Units that are written without a sign between them (mNm, gcm2, ftlb), and with their power behind (cm2).
+_SHORT = "mm|cm|dm|m|in|ft"
+_GLUED = re.compile(
+    rf"(?<![\w.])(?:([kMmcuµ]?N|kgf|k?gf|lbf|ozf)({_SHORT})|(m?g|kg|lb|oz)({_SHORT})|(in|ft)(lbf?|ozf?))"
+    r"(s?)([2-4]?)(?!\w)"
+)
+_GLUED_POWER = re.compile(r"(?<![\w.])((?:[kcdmuµ]?m|in|ft|[mu]?s|[km]?g|rad|deg|Hz))([2-4]|-[1-4])(?![\w.])")
+_BETWEEN = re.compile(r"(?<=[A-Za-zµ°Ω)])\s*[-.]\s*(?=[A-Za-zµ°Ω(])|(?<=[0-9])[-.](?=[A-Za-zµ°Ω(])")
+_BLANKS = re.compile(r"(?<=[\w)°%])\s+(?=[A-Za-zµ°Ω(])")
+_WRITTEN_OUT = re.compile(r"\b(?:per|square|cubic|sq|cu|squared|cubed)\b")
+
+# Units of mass that are weights in a force, a torque or a pressure, and those that are not taken for weights.
+_WEIGHTS = re.compile(r"(?<![\w.])(lb|oz)s?(?!\w)")
+_MASSES = re.compile(r"(?<![\w.])(k?g)(?!\w)")
+_DECIMAL_COMMA = re.compile(r"([+-]?)([0-9]*),([0-9]+)([^0-9.,].*|)", re.DOTALL)
+
+
+def with_signs(name: str) -> str:
+    """Return a unit with the products and powers that its spelling means: ``gcm²`` is ``g*cm**2``.
+
+    Args:
+        name: As data sheets, spreadsheets and drawings spell it; a unit that is spelled out is left as it is.
+    """
+    name = _SUPERSCRIPT.sub(lambda match: f"**{match[0].translate(_LOWERED)}", name).translate(_SIGNS).strip()
+    name = _OTHER.sub(lambda match: _OTHER_NAMES[match[0]], name)
+    name = _GLUED_POWER.sub(r"\1**\2", _GLUED.sub(_apart, name))
+    if not _WRITTEN_OUT.search(name):
+        name = _BLANKS.sub("*", re.sub(r"\s*([*/^])\s*", r"\1", _BETWEEN.sub("*", name)))
+    return _GLUED_POWER.sub(r"\1**\2", _GLUED.sub(_apart, name))
+
+
+def _apart(match: re.Match[str]) -> str:
+    first, second = next((match[k], match[k + 1]) for k in (1, 3, 5) if match[k] is not None)
+    return f"{first}*{second}{'*s' if match[7] else ''}{'**' + match[8] if match[8] else ''}"
+
+
+def with_weights(name: str) -> str:
+    """Return a unit in which pounds and ounces are weights: ``oz*in`` is ``ozf*in``."""
+    return _WEIGHTS.sub(r"\1f", name)
+
+
+def without_weights(name: str) -> str:
+    """Return a unit in which kilograms and grams are weights; whoever means them writes ``kgf``, ``gf``."""
+    return _MASSES.sub(r"\1f", name)
+
+
+def with_point(text: str) -> str | None:
+    """Return a quantity whose number has a decimal comma with a point; None where a comma may be another.
+
+    One comma is a decimal one unless exactly three digits are behind it, which may be thousands; ``0,125``
+    is none of thousands.
+
+    Args:
+        text: A number with its unit, such as ``0,2 mm``.
+    """
+    match = _DECIMAL_COMMA.fullmatch(text)
+    if match is None:
+        return None
+    sign, whole, behind, rest = match.groups()
+    if len(behind) == 3 and whole.lstrip("0"):
+        return None
+    return f"{sign}{whole or '0'}.{behind}{rest}"
+
+
+# --- quantities ---------------------------------------------------------------------------------------------
+#
+# ``quantity("0.2 mm", "m", place)`` is 0.0002. The dimension is checked, and so are angles: a frequency
+# [Hz] and an angular rate [rad/s] have the same dimension but differ by 2 pi, so neither is taken for the
+# other. Decimal text is converted exactly and rounded once: "9.8 mm" is the float 0.0098. Units may be
+# spelled as data sheets spell them (:mod:`antenna_pin.base.units`): mNm, gcm², in-lb. What is a mass
+# elsewhere is a weight where a force or a torque is asked for: pounds and ounces; and g is standard gravity
+# in what holds no mass.
 
 # Unit, and what a quantity of it is called; the first that fits names a quantity seen.
 _KINDS = {

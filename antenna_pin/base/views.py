@@ -8,37 +8,265 @@ protocols say to editors and type checkers what comes of it.
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import importlib
 import inspect
 import os
 import types
 from collections.abc import Iterable
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Literal, Protocol, TypeVar, overload
-
-from antenna_pin.base.run_figures import FigureName, NamedFigures
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
 __all__ = [
-    "VIEWS",
+    "as_html",
+    "as_text",
+    "Drawing",
+    "FigureName",
+    "in_frame",
+    "item_of",
     "ModesRecorder",
+    "NamedFigures",
     "Page",
+    "Plotter",
+    "policy",
     "Recorder",
     "Reporter",
     "ResponsePlotter",
     "RunFigures",
     "RunNumbers",
+    "script",
     "StudyFigures",
     "StudyReporter",
     "View",
-    "Plotter",
-    "as_html",
-    "as_text",
-    "item_of",
+    "VIEWS",
 ]
+
+# --- pages --------------------------------------------------------------------------------------------------
+
+
+def script(text: str) -> str:
+    """Return a text as a script element can hold it; what would end that early is written in another way."""
+    return "\n" + text.replace("</script", r"<\/script").replace("<!--", r"<\!--") + "\n"
+
+
+def policy(*scripts: str) -> str:
+    """Return the element of a page's head by which it reaches no network and runs no scripts but its own.
+
+    Text that got into a page as markup, from a file of a stranger's, could run nothing and send nothing away.
+
+    Args:
+        *scripts: The contents of its script elements, to the letter (:func:`script`).
+    """
+    digests = (hashlib.sha256(text.encode()).digest() for text in scripts)
+    own = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests) or "'none'"
+    rules = (
+        "default-src 'none'",
+        f"script-src {own}",
+        "style-src 'unsafe-inline'",  # colours and places of single elements
+        "img-src data: blob:",
+        "font-src data:",
+        "connect-src data: blob:",  # textures of meshes, which stand in the page
+        "base-uri 'none'",
+        "form-action 'none'",
+    )
+    return f'<meta http-equiv="Content-Security-Policy" content="{"; ".join(rules)}">\n'
+
+
+def in_frame(page: str, height: str) -> str:
+    """Return a whole page as a part of a notebook, in a frame of its own that reaches nothing outside.
+
+    Args:
+        page: Its HTML.
+        height: CSS height of the frame.
+    """
+    source = escape(page, quote=True)
+    return (
+        f'<iframe srcdoc="{source}" sandbox="allow-scripts" style="width:100%;height:{height};border:0" '
+        "allowfullscreen></iframe>"
+    )
+
+
+# --- figures of runs ----------------------------------------------------------------------------------------
+#
+# What stands between the marks is written by ``python scripts/pages/reference.py --write``, of the
+# catalogue of figures (:mod:`antenna_pin.plot.catalogue`).
+
+
+class Drawing(Protocol):
+    """Figure of a run, ready to be drawn."""
+
+    def __call__(
+        self,
+        *,
+        beside: Any = (),
+        joint: str | None = None,
+        width: Literal["column", "page"] = "page",
+        **options: Any,
+    ) -> Figure:
+        """Draw it."""
+        ...
+
+
+# <!-- table: figure_names -->
+FigureName = Literal[
+    "motion_angle",
+    "motion_rate",
+    "motion_acceleration",
+    "slide_position",
+    "slide_rate",
+    "slide_acceleration",
+    "joint_motion",
+    "angle_between_runs",
+    "rate_between_runs",
+    "contact_forces",
+    "journal_orbit",
+    "bore_load",
+    "eccentricity",
+    "contact_scenarios",
+    "joint_load",
+    "steady_force",
+    "closure_forces",
+    "coupling_torques",
+    "drive_efforts",
+    "applied_forces",
+    "control",
+    "stops",
+    "gears",
+    "deflection",
+    "hysteresis",
+    "spectra",
+    "spectrogram",
+    "swept_response",
+    "random_density",
+    "shock_spectrum",
+    "base_position",
+    "base_velocity",
+    "base_acceleration",
+    "base_attitude",
+    "base_angular_velocity",
+    "base_angular_acceleration",
+    "joints_angle",
+    "joints_rate",
+    "joints_acceleration",
+    "body_position",
+    "body_velocity",
+    "body_acceleration",
+    "pointing",
+    "energy",
+    "momentum",
+]
+
+
+class NamedFigures(Protocol):
+    """Figures of runs, each ready to be drawn."""
+
+    motion_angle: Drawing
+    """Angle of a joint."""
+    motion_rate: Drawing
+    """Rate of a joint."""
+    motion_acceleration: Drawing
+    """Acceleration of a joint."""
+    slide_position: Drawing
+    """Position of a joint."""
+    slide_rate: Drawing
+    """Rate of a joint."""
+    slide_acceleration: Drawing
+    """Acceleration of a joint."""
+    joint_motion: Drawing
+    """Motion of a joint."""
+    angle_between_runs: Drawing
+    """Angle of a joint, runs less one another."""
+    rate_between_runs: Drawing
+    """Rate of a joint, runs less one another."""
+    contact_forces: Drawing
+    """Contact forces in a joint."""
+    journal_orbit: Drawing
+    """Orbit of the journal in a joint."""
+    bore_load: Drawing
+    """Load around the bore of a joint."""
+    eccentricity: Drawing
+    """Eccentricity and tilt in a joint."""
+    contact_scenarios: Drawing
+    """Contact scenarios of a joint."""
+    joint_load: Drawing
+    """Force through a joint."""
+    steady_force: Drawing
+    """Force through a joint in the second half of the run."""
+    closure_forces: Drawing
+    """Forces of the closures."""
+    coupling_torques: Drawing
+    """Torques of the couplings."""
+    drive_efforts: Drawing
+    """What the drives exert."""
+    applied_forces: Drawing
+    """Forces on links."""
+    control: Drawing
+    """What controllers measure and command."""
+    stops: Drawing
+    """End stops and latches."""
+    gears: Drawing
+    """Gears, belts and cables."""
+    deflection: Drawing
+    """Deflections of flexible links."""
+    hysteresis: Drawing
+    """Torque of springs over angle."""
+    spectra: Drawing
+    """Spectra, a joint."""
+    spectrogram: Drawing
+    """Spectrogram, a joint."""
+    swept_response: Drawing
+    """Response to the swept base."""
+    random_density: Drawing
+    """Power spectral density on the shaken base."""
+    shock_spectrum: Drawing
+    """Shock response spectrum on the shaken base."""
+    base_position: Drawing
+    """Position of the base."""
+    base_velocity: Drawing
+    """Velocity of the base."""
+    base_acceleration: Drawing
+    """Acceleration of the base."""
+    base_attitude: Drawing
+    """Attitude of the base."""
+    base_angular_velocity: Drawing
+    """Angular velocity of the base."""
+    base_angular_acceleration: Drawing
+    """Angular acceleration of the base."""
+    joints_angle: Drawing
+    """Angle of all joints."""
+    joints_rate: Drawing
+    """Rate of all joints."""
+    joints_acceleration: Drawing
+    """Acceleration of all joints."""
+    body_position: Drawing
+    """Position of the body that a joint moves."""
+    body_velocity: Drawing
+    """Velocity of the body that a joint moves."""
+    body_acceleration: Drawing
+    """Acceleration of the body that a joint moves."""
+    pointing: Drawing
+    """Boresight and pointing error."""
+    energy: Drawing
+    """Energy: work, storage and losses."""
+    momentum: Drawing
+    """Drift of momentum."""
+
+
+# <!-- end -->
+
+
+# --- views --------------------------------------------------------------------------------------------------
+#
+# Readers stand above what they read, and are made of libraries that take a while to load. So a class of
+# results names a reader of the room ``views`` by a :class:`View`, which fetches it when it is used;
+# :data:`VIEWS` is the table of all of them, and the one place where what lies below knows the name of what
+# lies above. The protocols say to editors and type checkers what comes of it.
 
 T = TypeVar("T")
 Path_ = str | os.PathLike[str]

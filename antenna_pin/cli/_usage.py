@@ -16,7 +16,7 @@ import typer
 from typer.core import TyperGroup
 from typer.models import ParameterInfo
 
-from antenna_pin.base.numerals import DECIMAL, bare, decimal_in, whole_in
+from antenna_pin.base.readable import DECIMAL, bare, decimal_in, whole_in
 from antenna_pin.cli._common import REFUSED, complain, told_interruption
 from antenna_pin.cli._tables import length_text
 from antenna_pin.errors import InvalidParameterError

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.base.numerals import bare
-from antenna_pin.base.readable import number
+from antenna_pin.base.readable import bare, number
 from antenna_pin.cli._common import (
     FigureFormatOption,
     FigureOutOption,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.base.numerals import bare
+from antenna_pin.base.readable import bare
 from antenna_pin.cli._common import (
     CaseOption,
     SetOption,

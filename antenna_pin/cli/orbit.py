@@ -11,7 +11,7 @@ import typer
 
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.interruption import Ended, acknowledge, ended_by
-from antenna_pin.base.numerals import bare
+from antenna_pin.base.readable import bare
 from antenna_pin.cli._common import (
     CaseOption,
     SetOption,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from antenna_pin.base.numerals import bare
+from antenna_pin.base.readable import bare
 from antenna_pin.cli._common import FIGURES, Width, WidthOption, load_result, not_interrupted, say
 from antenna_pin.cli._export import PlotOption, save_both, targets_of
 from antenna_pin.errors import InvalidParameterError

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.base.numerals import bare
+from antenna_pin.base.readable import bare
 from antenna_pin.cli._common import FilesArgument, label_of, load_result, refuse, say
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
 from antenna_pin.cli._tables import print_rows

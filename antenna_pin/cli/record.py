@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from antenna_pin.base.interruption import ended_by
-from antenna_pin.base.numerals import bare, decimal_in
+from antenna_pin.base.readable import bare, decimal_in
 from antenna_pin.cli._common import (
     SIGNALLED,
     PackagePathOption,

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from antenna_pin.base.numerals import bare
+from antenna_pin.base.readable import bare
 from antenna_pin.cli._common import writable_file
 
 

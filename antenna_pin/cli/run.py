@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from antenna_pin.base.interruption import ended_by
-from antenna_pin.base.numerals import decimal_in
+from antenna_pin.base.readable import decimal_in
 from antenna_pin.cli._common import (
     ENDED_EARLY,
     SIGNALLED,

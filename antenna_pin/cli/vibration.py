@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.base.numerals import bare, decimal_in
+from antenna_pin.base.readable import bare, decimal_in
 from antenna_pin.cli._common import Width, WidthOption, figure_target, label_of, load_result
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
 from antenna_pin.cli._tables import number_text, print_rows

@@ -15,8 +15,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.answers import check_takes
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_takes, takes
 from antenna_pin.compiled.decorators import record
 from antenna_pin.compiled.given_functions import address_of, callable_of, is_compiled
 from antenna_pin.contact import friction_kernels as kernels

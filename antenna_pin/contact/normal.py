@@ -21,8 +21,7 @@ from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.answers import check_takes
-from antenna_pin.base.arguments import fits, takes, unknown_type
+from antenna_pin.base.arguments import check_takes, fits, takes, unknown_type
 from antenna_pin.base.parameters import parameters_of
 from antenna_pin.compiled.decorators import record
 from antenna_pin.compiled.given_functions import address_of, is_compiled

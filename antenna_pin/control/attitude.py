@@ -11,8 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.answers import check_takes
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_takes, takes
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.control.controller import Controller, Now, limited
 from antenna_pin.control.measurement import Measure

@@ -27,8 +27,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from antenna_pin.base.answers import check_takes
-from antenna_pin.base.arguments import fits
+from antenna_pin.base.arguments import check_takes, fits
 from antenna_pin.base.parameters import holds
 from antenna_pin.errors import InvalidParameterError
 

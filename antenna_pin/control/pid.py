@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
-from antenna_pin.base.answers import check_takes
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_takes, takes
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.control.controller import Controller, Now, limited
 from antenna_pin.control.measurement import Measure, Sensor

@@ -10,9 +10,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.answers import AskedFunction
+from antenna_pin.base.arguments import AskedFunction
+from antenna_pin.base.calculus import root_between
 from antenna_pin.base.records import CIRCLE, FIXED_AXIS, SLIDE
-from antenna_pin.base.roots import root_between
 from antenna_pin.constraints import Anchor, Closure
 from antenna_pin.dynamics import kernels
 from antenna_pin.elements import (

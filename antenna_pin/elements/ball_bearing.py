@@ -9,8 +9,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.calculus import root_between
 from antenna_pin.base.parameters import parameter
-from antenna_pin.base.roots import root_between
 from antenna_pin.elements.bearing import Bearing
 from antenna_pin.errors import InvalidParameterError
 

@@ -25,8 +25,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from antenna_pin.base.answers import AskedFunction, check_takes, told_numbers
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import AskedFunction, check_takes, takes, told_numbers
 from antenna_pin.base.parameters import check, parameters_of
 from antenna_pin.base.readable import GIVEN, readable
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, ClassVar, Protocol
 
-from antenna_pin.base.answers import asked, check_takes
-from antenna_pin.base.arguments import unknown_type
+from antenna_pin.base.arguments import asked, check_takes, unknown_type
 from antenna_pin.elements.desk_kernels import clear
 from antenna_pin.elements.element import ForceElement, Integral
 from antenna_pin.elements.on_links import BOOKED, AtPoint, OnLinks

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.capacity import free_memory
 from antenna_pin.base.files import absence, marked_encoding
-from antenna_pin.base.numerals import decimal_in
+from antenna_pin.base.readable import decimal_in
 from antenna_pin.base.tables import BadTableError, TextLayout, UnknownColumnError, hint, read_cells
 from antenna_pin.base.units import shown, unit_factor
 from antenna_pin.errors import MissingToolError, ScenarioError, UnknownNameError

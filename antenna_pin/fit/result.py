@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
 from antenna_pin.base.files import check_writable, replacing
-from antenna_pin.base.readable import number, prefixed
+from antenna_pin.base.readable import brief, number, prefixed
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.fit.confidence_bands import BEYOND_CHANCE, ParameterBands
 from antenna_pin.fit.plan import FitPlan

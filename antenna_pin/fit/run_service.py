@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.differences import few
+from antenna_pin.base.calculus import few
 from antenna_pin.base.state import State
 from antenna_pin.fit.plan import FitPlan
 from antenna_pin.fit.runs import (

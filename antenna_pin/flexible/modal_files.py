@@ -17,8 +17,8 @@ import re
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 
-from antenna_pin.base.numerals import decimal_in, whole_in
 from antenna_pin.base.parameters import RULES, SWINGS
+from antenna_pin.base.readable import decimal_in, whole_in
 from antenna_pin.base.tables import BadTableError, column_of, headings, read_cells
 from antenna_pin.base.units import shown
 from antenna_pin.errors import FileFormatError

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.answers import refused
+from antenna_pin.base.arguments import refused
 from antenna_pin.base.records import CONTACT
 from antenna_pin.base.units import shown
 from antenna_pin.errors import FunctionError

@@ -9,7 +9,7 @@ the bit nothing changes, and the others need not be looked at.
 Where a kink is much nearer than their step, central differences of all orders agree on the middle of two
 derivatives: they part by as small a part of the jump as that distance is of the step, and by more the finer
 the step is, until it straddles the kink no more. Differences of even order see the whole jump. So the bend
-counts, as in :mod:`antenna_pin.base.differences`, and the second order is kept off by it.
+counts, as in :mod:`antenna_pin.base.calculus`, and the second order is kept off by it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _UNSURE = 16.0 * float(np.finfo(float).eps)
 _NO_BETTER = 2.0
 _LEAST = 1e-300  # what a derivative that is zero counts as
 # Of half the jump of a slope on the spot: of the value there, and of those at 1, 2 and 3 steps on both sides.
-# What a smooth function has of the second and fourth order goes (:mod:`antenna_pin.base.differences`).
+# What a smooth function has of the second and fourth order goes (:mod:`antenna_pin.base.calculus`).
 _BEND = np.array([-20.0, 15.0, -6.0, 1.0]) / 12.0
 
 

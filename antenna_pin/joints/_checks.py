@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from antenna_pin.base.answers import check_takes
+from antenna_pin.base.arguments import check_takes
 from antenna_pin.compiled.decorators import record
 from antenna_pin.contact.friction import check_at_rest
 from antenna_pin.contact.kernels import DISSIPATION_RECORDS, ELASTIC_RECORDS

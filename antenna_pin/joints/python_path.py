@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.answers import AskedFunction, told_numbers
+from antenna_pin.base.arguments import AskedFunction, told_numbers
 from antenna_pin.base.records import POSE
 from antenna_pin.compiled.given_functions import callable_of
 from antenna_pin.contact import FrictionLaw, NormalLaw

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.base.differences import STEPS, gradient
+from antenna_pin.base.calculus import STEPS, gradient
 from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.dynamics import Adjustments, System, Workspace
 from antenna_pin.dynamics import kernels as _program

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
-from antenna_pin.base.differences import gradient
+from antenna_pin.base.calculus import gradient
+from antenna_pin.base.readable import brief
 from antenna_pin.constraints import directions
 from antenna_pin.dynamics import System, Workspace, acting_in
 from antenna_pin.elements import Modal

@@ -11,9 +11,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
-from antenna_pin.base.differences import gradient
-from antenna_pin.base.readable import number
+from antenna_pin.base.calculus import gradient
+from antenna_pin.base.readable import brief, number
 from antenna_pin.base.records import CONTACT, POSE, memory_records
 from antenna_pin.dynamics import BASE, System, Workspace, assemble, joints_held
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.analysis import Antenna, QuantityName
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.differences import slope
+from antenna_pin.base.calculus import slope
 from antenna_pin.dynamics import JointMotion, System, Workspace
 from antenna_pin.elements import ConstantDrive, Motion, Shake
 from antenna_pin.errors import InvalidParameterError, UnknownNameError

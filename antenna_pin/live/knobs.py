@@ -10,9 +10,8 @@ from types import MappingProxyType
 from typing import Any
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.numerals import bare
 from antenna_pin.base.parameters import parameters_of
-from antenna_pin.base.readable import GIVEN, readable
+from antenna_pin.base.readable import GIVEN, bare, readable
 from antenna_pin.base.units import quantity
 from antenna_pin.scenario import LawChange, LawSpec, Scenario, TouchingSpec
 from antenna_pin.scenario.laws import declared_parameters, laws, needs_materials, unit_of

@@ -14,8 +14,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
 from antenna_pin.base.capacity import check_fits
+from antenna_pin.base.readable import brief
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism.edits import plane_names
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z

@@ -15,10 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
 from antenna_pin.base.changes import JointChange, JointVariant, LinkChange
 from antenna_pin.base.directions import unit
 from antenna_pin.base.files import replacing
+from antenna_pin.base.readable import brief
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.flexible import MassProperties, SplitLink
 from antenna_pin.mechanism import edits, meshes, reading, urdf_xml

@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 
 from lxml import etree
 
-from antenna_pin.base.numerals import decimal_in
 from antenna_pin.base.parameters import LARGEST
+from antenna_pin.base.readable import decimal_in
 from antenna_pin.errors import MechanismError, nearest
 
 # --- text ---------------------------------------------------------------------------------------------------

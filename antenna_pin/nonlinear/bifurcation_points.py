@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
-from antenna_pin.base.roots import root_between
+from antenna_pin.base.calculus import root_between
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.nonlinear.orbits import NoOrbitError, Orbit
 from antenna_pin.nonlinear.pseudo_arclength import BranchStepper, Node, Point

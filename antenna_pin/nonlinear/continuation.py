@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.interruption import acknowledge
+from antenna_pin.base.readable import brief
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.nonlinear.bifurcation_points import (

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.capacity import check_count
-from antenna_pin.base.numerals import bare, whole_in
+from antenna_pin.base.readable import bare, whole_in
 from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.diagrams import Branch

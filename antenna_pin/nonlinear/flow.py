@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.differences import Slope, slope
+from antenna_pin.base.calculus import Slope, slope
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.records import memory_records
 from antenna_pin.base.settings import RunSettings

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
 from antenna_pin.base.capacity import MOST, check_count
+from antenna_pin.base.readable import brief
 from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear.chart import Chart, NotAlikeError

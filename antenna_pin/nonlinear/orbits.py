@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
+from antenna_pin.base.readable import brief
 from antenna_pin.base.state import State
 from antenna_pin.base.views import Plotter, Reporter, View, as_html
 from antenna_pin.dynamics import System

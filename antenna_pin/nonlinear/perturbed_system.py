@@ -18,7 +18,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.base.differences import WEIGHTS, few
+from antenna_pin.base.calculus import WEIGHTS, few
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System, Workspace, acting_in
 from antenna_pin.engine import Carrying, CompiledStepper, SystemSlopes, Tangents, moves_rows

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.numerals import bare
+from antenna_pin.base.readable import bare
 from antenna_pin.base.units import quantity
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario

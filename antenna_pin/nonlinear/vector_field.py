@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.differences import WEIGHTS, roughness
+from antenna_pin.base.calculus import WEIGHTS, roughness
 from antenna_pin.base.records import CONTACT
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System, works_in_x

@@ -12,7 +12,7 @@ from importlib.resources import files
 from typing import Any, NamedTuple
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.pages import policy, script
+from antenna_pin.base.views import policy, script
 from antenna_pin.record.scene import viewer_licences, viewer_script
 
 __all__ = ["SharedHead", "embedded", "page", "page_of_several", "shared_head", "viewer_megabytes"]

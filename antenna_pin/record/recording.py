@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis import bearing_up, steady_up
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable, replacing
-from antenna_pin.base.pages import in_frame
+from antenna_pin.base.views import in_frame
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.geometry import LOOKS
 from antenna_pin.record import page

@@ -20,7 +20,7 @@ from markupsafe import Markup
 from antenna_pin.analysis import round_off_scales
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable, replacing
-from antenna_pin.base.pages import in_frame, policy, script
+from antenna_pin.base.views import in_frame, policy, script
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.report import (
     elements,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from antenna_pin.base.brief import brief
+from antenna_pin.base.readable import brief
 from antenna_pin.base.units import shown
 from antenna_pin.base.views import as_html
 from antenna_pin.elements import FAMILIES

@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.side_by_side import side_by_side

@@ -21,7 +21,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.assemble import build_system, initial_angles, initial_state
-from antenna_pin.base.differences import few
+from antenna_pin.base.calculus import few
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System

@@ -14,8 +14,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
-from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.calculus import WEIGHTS
+from antenna_pin.base.readable import brief
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.sensitivity.parameters import Parameter

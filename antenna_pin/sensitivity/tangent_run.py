@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.calculus import root_between
 from antenna_pin.base.records import CONTACT
-from antenna_pin.base.roots import root_between
 from antenna_pin.dynamics import System, Workspace, acting_in, audit, kernels
 from antenna_pin.elements import LOSS, Change, Met
 from antenna_pin.nonlinear.coordinates import ElementMemory

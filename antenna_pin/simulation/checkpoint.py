@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from antenna_pin.base.brief import of_size
+from antenna_pin.base.readable import of_size
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.control import Controller

@@ -11,9 +11,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.calculus import least_between
 from antenna_pin.base.parameters import parameters_of
 from antenna_pin.base.readable import number
-from antenna_pin.base.roots import least_between
 from antenna_pin.constraints import least_row
 from antenna_pin.dynamics import Adjustments, System, Workspace, acting_in, check_restraint, kernels
 from antenna_pin.elements import CallableMotion, Motion, PrescribedMotion

@@ -14,8 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.answers import asked, number_in
-from antenna_pin.base.arguments import unknown_type
+from antenna_pin.base.arguments import asked, number_in, unknown_type
 from antenna_pin.base.directions import direction as unit_of
 from antenna_pin.base.state import ControllerMemory
 from antenna_pin.control import Controller, Instants, check_controller, kept, measures_of, remembered

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.roots import least_between, root_between
+from antenna_pin.base.calculus import least_between, root_between
 from antenna_pin.base.state import EventMemory
 from antenna_pin.dynamics import Workspace, motion_block
 from antenna_pin.elements import ForceElement

@@ -14,8 +14,7 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.answers import AskedFunction, asked, check_takes
-from antenna_pin.base.arguments import fits, takes, unknown_type
+from antenna_pin.base.arguments import AskedFunction, asked, check_takes, fits, takes, unknown_type
 from antenna_pin.base.parameters import holds
 from antenna_pin.base.records import PROGRAM, memory_numbers
 from antenna_pin.dynamics import JointMotion, System, Workspace, acting_in, kernels, reduced_inertia

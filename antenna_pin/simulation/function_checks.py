@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.answers import AskedFunction
+from antenna_pin.base.arguments import AskedFunction
 from antenna_pin.base.interruption import FunctionInterrupted
 from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.compiled.given_functions import address_of, is_compiled

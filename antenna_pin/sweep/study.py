@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.brief import brief
+from antenna_pin.base.readable import brief
 from antenna_pin.base.views import StudyFigures, StudyReporter, View, as_html
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import merge

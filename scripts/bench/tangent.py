@@ -25,7 +25,7 @@ from bench_tools import Report
 from sensitivity import KEYS
 
 from antenna_pin import RunSettings, build_system, load_scenario
-from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.records import memory_records
 from antenna_pin.dynamics import Workspace
 from antenna_pin.engine import Slopes, Tangents

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from antenna_pin import RunSettings, build_system, load_scenario, load_study, simulate
-from antenna_pin.base.brief import of_size
+from antenna_pin.base.readable import of_size
 from antenna_pin.linear import frequency_response, modes
 
 

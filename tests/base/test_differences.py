@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from antenna_pin.base.differences import few, slope
+from antenna_pin.base.calculus import few, slope
 
 STEPS = (1e-1, 2e-2, 4e-3, 8e-4)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from antenna_pin.base.numerals import bare, decimal_in, whole_in
+from antenna_pin.base.readable import bare, decimal_in, whole_in
 from antenna_pin.base.tables import BadTableError
 from antenna_pin.base.units import QuantityError, quantity
 from antenna_pin.cli import app

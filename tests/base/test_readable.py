@@ -72,7 +72,7 @@ def test_a_run_shows_itself_in_a_notebook(run):
     contacts, motion = (
         [[cell.text for cell in row] for row in folds[name].xpath(".//tr")] for name in ("contacts", "motion")
     )
-    forces = [row[contacts[0].index("largest normal force")] for row in contacts[1:]]
+    forces = [row[contacts[0].index("peak force")] for row in contacts[1:]]
     peak = run.data["peak_force"].values.max()
     assert readable(float(peak), "N") in forces
     angle = run.data["motion_angle"].sel(joint="elevation").values[-1]

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from antenna_pin.base.roots import root_between
+from antenna_pin.base.calculus import root_between
 
 
 def test_a_root_is_found_to_the_last_digit():

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from antenna_pin.base import common_units, units
+from antenna_pin.base import units
 from antenna_pin.base.units import QuantityError, any_quantity, describe_unit, matching_unit, quantity, shown
 from antenna_pin.errors import ScenarioError
 
@@ -307,9 +307,9 @@ def test_pint_is_imported_on_first_use_only():
 @pytest.mark.parametrize(
     "name",
     [
-        *common_units._COHERENT,
-        *common_units._SCALED,
-        *common_units._CYCLES,
+        *units._COHERENT,
+        *units._SCALED,
+        *units._CYCLES,
         *units._KINDS,
         "",
         "N/m**1.5",
@@ -322,10 +322,10 @@ def test_pint_is_imported_on_first_use_only():
     ],
 )
 def test_units_that_are_known_without_pint_are_those_of_pint(name):
-    assert common_units.common_unit(name) == units._parsed(name)
+    assert units.common_unit(name) == units._parsed(name)
 
 
 @pytest.mark.parametrize("name", ["Nm", "m/", "mm**2", "m**101", "m**-10*s**11", "m m", "s*", "2", "m**"])
 def test_of_other_units_pint_is_asked(name):
     """And whatever is none is refused there, with all that makes a unit too large."""
-    assert common_units.common_unit(name) is None
+    assert units.common_unit(name) is None

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 from antenna_pin import RunSettings
-from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import System, Workspace, audit, bearing_loads
 from antenna_pin.elements import AxialPreload, BallBearing, JointSpring, StiffnessBearing, moved

@@ -8,7 +8,7 @@ import pytest
 from displacements import TIME, anywhere, press, ways_of, with_numbers
 
 from antenna_pin import RunSettings, build_system, load_scenario
-from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.nonlinear.vector_field import VectorField
 

@@ -8,7 +8,7 @@ from coupled import Coupled
 from displacements import TIME, ways_of, with_numbers
 
 from antenna_pin import RunSettings, build_system, load_scenario
-from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.constraints import CLOSURES
 from antenna_pin.dynamics import JointSpring, Workspace
 from antenna_pin.elements import PrescribedMotion

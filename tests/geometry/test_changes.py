@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.geometry import (
     PlanarClearance,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from antenna_pin.base.differences import WEIGHTS
+from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
 
 FIRST = 1e-3
