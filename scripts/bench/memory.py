@@ -2,9 +2,9 @@
 """Memory and time that a long run and the commands that read its result take.
 
 Case 3 of the antenna by the compiled engine, 40, 160 and 320 s sampled at 10 kHz: results of half a gigabyte
-to four; and two bodies that bounce in a bore without a loss, each time an episode of contact. Each command is
-a process of its own; what counts is the peak resident memory of it, or of a process that it starts if that has
-more: for commands that read all of it, imports included, for the run what is above that of a run of 1 ms,
+to four; and two bodies that bounce in a bore without a loss, each time an episode of contact. Each command
+is a process of its own; what counts is the peak resident memory of it, or of a process that it starts if that
+has more: for commands that read all of it, imports included, for the run what is above that of a run of 1 ms,
 which has loaded the same code::
 
     scripts/bench/memory.py
