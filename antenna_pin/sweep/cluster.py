@@ -156,6 +156,8 @@ _QUIET = {  # what processes of this machine look at between the runs: their cor
     "distributed.admin.system-monitor.interval": "10s",
     "distributed.admin.system-monitor.gil.enabled": False,
     "distributed.scheduler.work-stealing": False,
+    # Told by the clock that may be set, which a machine that was asleep has moved on; a run may be as long.
+    "distributed.scheduler.worker-ttl": None,
     "distributed.scheduler.active-memory-manager.start": False,
     # Pages on their state, for whoever on this machine asks: nobody does.
     "distributed.scheduler.http.routes": [],
