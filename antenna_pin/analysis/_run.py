@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TypeAlias
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import FileFormatError, UnknownNameError
 from antenna_pin.trajectory import Trajectory, series
 
 __all__ = [
     "Array",
-    "RunLike",
+    "beside",
+    "blocks",
     "choose",
     "data_of",
     "label_of",
+    "LONG",
+    "ROWS",
+    "RunLike",
     "sample_times",
     "variable",
 ]
@@ -55,3 +61,60 @@ def choose(place: str, what: str, wanted: str | None, known: list[str]) -> list[
     if wanted not in known:
         raise UnknownNameError(place, what, wanted, known)
     return [wanted]
+
+
+# --- long runs, part by part --------------------------------------------------------------------------------
+
+#: A run of more samples is looked at part by part.
+LONG = 100_000
+#: Samples of a part.
+ROWS = 16_384
+# A spline through all samples is that through the nearest ones to round-off: what a knot does to its n-th
+# neighbour falls as (2 - sqrt 3)^n, to 1e-37 at the 64th.
+_MARGIN = 64
+
+
+@takes()
+def blocks(data: xr.Dataset, rows: int | None = None, overlap: int = 0) -> Iterator[xr.Dataset]:
+    """Yield a run in parts, one after another along time; a run that is not long is one part.
+
+    Args:
+        data: Of the run.
+        rows: Samples of a part; 16,384 of a long run if left out.
+        overlap: Samples that a part has in common with the one before.
+    """
+    count = data.sizes["time"]
+    if rows is None:
+        rows = ROWS if count > LONG else max(count, 1)
+    if count <= rows:
+        yield data
+        return
+    for first in range(0, count - overlap, rows):
+        yield data.isel(time=slice(first, first + rows + overlap))
+
+
+@takes()
+def beside(data: xr.Dataset, times: Array, rows: int | None = None) -> Iterator[tuple[slice, xr.Dataset]]:
+    """Yield which of some times, and the samples of a run that its interpolation there takes.
+
+    Of a run that is not long these are all times, and all samples.
+
+    Args:
+        data: Of the run to be interpolated.
+        times: Not decreasing, (n,) [s].
+        rows: Samples that are enough for a part; 16,384 of a long run if left out.
+    """
+    own = data["time"].values
+    if rows is None:
+        rows = ROWS if own.size > LONG else own.size
+    if own.size <= rows or not times.size:
+        yield slice(0, times.size), data
+        return
+    first = np.maximum(np.searchsorted(own, times, side="left") - _MARGIN, 0)
+    last = np.searchsorted(own, times, side="right") + _MARGIN
+    begin = 0
+    while begin < times.size:
+        end = begin + max(int(np.searchsorted(last[begin:], first[begin] + rows + 2 * _MARGIN, "right")), 1)
+        end = min(end, begin + rows, times.size)
+        yield slice(begin, end), data.isel(time=slice(int(first[begin]), int(last[end - 1])))
+        begin = end

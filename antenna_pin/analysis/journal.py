@@ -17,16 +17,25 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, choose, data_of, label_of, variable
-from antenna_pin.analysis.piecewise import blocks
+from antenna_pin.analysis._run import Array, RunLike, blocks, choose, data_of, label_of, variable
+from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.geometry import LOOKS
-from antenna_pin.trajectory import contact_ends, contacts_of, names_along
+from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
 
-__all__ = ["bore_load", "clearance_shapes", "journal_motion"]
+__all__ = [
+    "bearing_up",
+    "bore_load",
+    "clearance_shapes",
+    "journal_motion",
+    "STEADY",
+    "steady_up",
+]
 
 _AXES = ["x", "y", "z"]
 
@@ -205,3 +214,61 @@ def _taken(part: xr.Dataset, faces: Array | None, width: float) -> tuple[Array, 
     first, second = (np.where(loaded, weight, 1.0) for weight in (force[:-1], force[1:]))
     angle = np.angle(first * direction[:-1] + second * direction[1:])
     return np.floor(np.mod(angle, 2.0 * np.pi) / width).astype(int), np.diff(impulse, axis=0)
+
+
+# --- direction of gravity in a bearing ----------------------------------------------------------------------
+
+#: The mean of unit vectors this long or longer: they keep within some 30 degrees of it [-].
+STEADY = 0.87
+_LOOKED_AT = 200  # samples
+
+
+@takes()
+def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> NDArray[np.float64] | None:
+    """Return the unit vectors against gravity in a bearing's axes, (n, 3) [-], or None without gravity.
+
+    Args:
+        run: A run with a clearance joint, or its data.
+        joint: Name of the clearance joint.
+        times: Indices of samples; all if left out.
+
+    Raises:
+        UnknownNameError: There is no such joint.
+        FileFormatError: The run does not carry what its bodies were.
+    """
+    data = data_of(run)
+    if "mechanism" not in data.attrs:
+        raise FileFormatError("run: it must carry its gravity, got data without the attribute mechanism")
+    gravity = np.asarray(json.loads(data.attrs["mechanism"])["gravity"], dtype=float)
+    shapes = clearance_shapes(data)
+    place = shapes[choose("bearing_up", "clearance joint", joint, list(shapes))[0]]
+    if not gravity.any():
+        return None
+    turn = Rotation.from_quat(np.asarray(place["bearing_placement"], dtype=float)[3:])
+    attitude = body_poses(data, times, [place["bearing_body"]])["attitude"][:, 0]
+    body = Rotation.from_quat(np.asarray(attitude.values, dtype=float))
+    return np.asarray((body * turn).apply(-unit(gravity), inverse=True))
+
+
+@takes()
+def steady_up(run: RunLike, joint: str) -> NDArray[np.float64] | None:
+    """Return the mean direction against gravity in a bearing's axes, (3,) [-], for pictures of the bearing.
+
+    Args:
+        run: A run with a clearance joint, or its data.
+        joint: Name of the clearance joint.
+
+    Returns:
+        A unit vector; None without gravity, where the bearing turns so far that no direction is up for long,
+        or where the data do not carry their mechanism.
+    """
+    data = data_of(run)
+    if not {"mechanism", "urdf"} <= data.attrs.keys() or "q" not in data:
+        return None
+    count = series(data, "up").sizes["time"]
+    up = bearing_up(data, joint, np.unique(np.linspace(0, count - 1, min(_LOOKED_AT, count)).astype(int)))
+    if up is None:
+        return None
+    mean = up.mean(axis=0)
+    size = float(np.linalg.norm(mean))
+    return mean / size if size >= STEADY else None

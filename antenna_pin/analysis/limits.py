@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import RunLike, data_of
-from antenna_pin.analysis.piecewise import blocks
+from antenna_pin.analysis._run import RunLike, blocks, data_of
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
 from antenna_pin.scenario import joint_limits

@@ -8,7 +8,6 @@ from typing import Any
 import xarray as xr
 
 from antenna_pin.analysis._run import sample_times
-from antenna_pin.analysis.blows import blow_statistics
 from antenna_pin.analysis.closures import (
     closure_loads,
     coupling_loads,
@@ -19,7 +18,7 @@ from antenna_pin.analysis.closures import (
 )
 from antenna_pin.analysis.deviation import deviation_measures
 from antenna_pin.analysis.elastic import elastic_motion, elastic_parts_of
-from antenna_pin.analysis.impacts import impact_statistics, impacts
+from antenna_pin.analysis.impacts import blow_statistics, impact_statistics, impacts
 from antenna_pin.analysis.loads import load_statistics
 from antenna_pin.analysis.round_off import is_round_off, round_off_scales
 from antenna_pin.analysis.settling import settling

@@ -27,11 +27,10 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
-from antenna_pin.analysis.attitude import interpolate_attitude, interpolation_error
+from antenna_pin.analysis._run import Array, RunLike, beside, blocks, data_of, label_of
 from antenna_pin.analysis.bodies import body_poses, body_twists, mechanism_of
+from antenna_pin.analysis.body_motion import interpolate_attitude, interpolation_error
 from antenna_pin.analysis.orbit import Orbit
-from antenna_pin.analysis.piecewise import beside, blocks
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
@@ -214,7 +213,7 @@ def pointing_error(
 ) -> xr.Dataset:
     """Return how far an antenna looks from where it should, at the run's samples.
 
-    The ideal run's attitude is interpolated to them (:mod:`antenna_pin.analysis.attitude`).
+    The ideal run's attitude is interpolated to them (:mod:`antenna_pin.analysis.body_motion`).
 
     Args:
         run: A run, or its data.

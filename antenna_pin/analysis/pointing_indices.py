@@ -44,11 +44,11 @@ from antenna_pin.analysis._indices import (
     Index,
     Mean,
     Period,
+    Polygon,
     Relative,
     Reproducibility,
     extremes,
 )
-from antenna_pin.analysis._polygon import Polygon
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 

@@ -5,7 +5,7 @@ scale, is within a tolerance, and over half the series, a multiple of n, too: a 
 least such n counts.
 
 **Not periodic.** Two tests of independent kinds have to agree: the 0-1 test of Gottwald and Melbourne
-(:mod:`antenna_pin.analysis.chaos_test`), and whether the spectrum is one of lines or is continuous. For the
+(:mod:`antenna_pin.analysis.recurrence`), and whether the spectrum is one of lines or is continuous. For the
 latter the points are averaged with :math:`e^{-2 \pi i f k}` under the weight :math:`\exp(-1/(s(1-s)))`, s
 from 0 to 1 along the series. Such averages vanish faster than any power of 1/n at every f that is no line of
 a quasi-periodic motion, and as :math:`n^{-1/2}` in chaos (weighted Birkhoff averages: Das, Saiki, Sander and
@@ -23,18 +23,160 @@ same rules come to the same kind and period. A verdict that less than half of th
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 from numpy.typing import ArrayLike
+from scipy.fft import irfft, next_fast_len, rfft
 
 from antenna_pin.analysis._run import Array
-from antenna_pin.analysis.chaos_test import Chaos, ChaosTest, chaos_test
 from antenna_pin.analysis.transients import scaled, settled
 from antenna_pin.base.arguments import takes
+from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Recurrence", "RecurrenceKind", "recurrence", "section_lines"]
+__all__ = [
+    "Chaos",
+    "chaos_test",
+    "ChaosTest",
+    "diagram_verdicts",
+    "Recurrence",
+    "recurrence",
+    "RecurrenceKind",
+    "said_of_verdicts",
+    "section_lines",
+    "Verdict",
+]
+
+# --- 0-1 test for chaos -------------------------------------------------------------------------------------
+#
+# The series :math:`\varphi(j)`, its mean taken off, drives a walk in the plane for an angle c,
+#
+# .. math:: p_c(n) = \sum_{j \le n} \varphi(j) \cos jc, \qquad q_c(n) = \sum_{j \le n} \varphi(j) \sin jc,
+#
+# which stays bounded if the motion is regular and spreads as Brownian motion does if it is chaotic. The
+# mean square displacement :math:`M_c(n)` grows linearly in the second case, and :math:`K_c` is its
+# correlation with n: 0 or 1. Of many angles the median counts, as single ones are in resonance with the
+# motion.
+#
+# References:
+#     Gottwald and Melbourne (2004), Proc. R. Soc. Lond. A 460, 603-611.
+#     Gottwald and Melbourne (2009), SIAM J. Appl. Dyn. Syst. 8(1), 129-145: the correlation
+#     method, the choice of c, N and n.
+
+_FEWEST = 200  # points; below, K of the logistic map at 4 and of a circle map come too near to each other
+_REGULAR, _CHAOTIC = 0.25, 0.75
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+
+
+class Chaos(Enum):
+    """What the 0-1 test finds."""
+
+    REGULAR = "regular"
+    CHAOTIC = "chaotic"
+    TOO_SHORT = "too short to say"
+
+
+class ChaosTest(NamedTuple):
+    """Outcome of the 0-1 test."""
+
+    verdict: Chaos
+    K: float  # median of K over the angles, in [-1, 1] [-]
+    spread: float  # half the distance of the quartiles of K [-]
+    half: float  # median K of the first half of the series [-]
+    values: Array  # (angles,), K of each angle [-]
+    angles: Array  # (angles,), in (pi/5, 4 pi/5) [rad]
+
+
+@takes()
+def chaos_test(values: ArrayLike, *, angles: int = 100, noise: float = 0.0) -> ChaosTest:
+    """Return what the 0-1 test says of a series.
+
+    The series is of a map: points of a section, not the close samples of a smooth motion, for which the
+    displacement grows at first whatever the motion is. The verdict is regular where the median K is below
+    0.25, chaotic where it is above 0.75, and "too short to say" between, with fewer than 200 points, or where
+    half the series lies on the other side. Noise counts as chaos.
+
+    Args:
+        values: One number per iteration, (n,), of any unit.
+        angles: How many angles c to take; they are a fixed sequence that is even and hits no resonance.
+        noise: Size below which deviations from the mean are no motion, in the unit of the values; a series
+            that stays within it is regular, K = 0.
+
+    Raises:
+        InvalidParameterError: A value is not finite, or the series is not one of numbers.
+    """
+    x = np.asarray(values, dtype=float)
+    if x.ndim != 1 or not np.isfinite(x).all():
+        raise InvalidParameterError(
+            "chaos_test", "values", "finite numbers, one per iteration", said=f"an array {x.shape}"
+        )
+    c = np.pi * (0.2 + 0.6 * np.modf(_GOLDEN * np.arange(1, angles + 1))[0])
+    if x.size < 20:
+        return ChaosTest(Chaos.TOO_SHORT, np.nan, np.nan, np.nan, np.full(angles, np.nan), c)
+    size = float(np.abs(x - x.mean()).max())
+    if size <= max(noise, 1e-13 * float(np.abs(x).max())):
+        verdict = Chaos.REGULAR if x.size >= _FEWEST else Chaos.TOO_SHORT
+        return ChaosTest(verdict, 0.0, 0.0, 0.0, np.zeros(angles), c)
+    k = _correlations(x, c)
+    low, median, high = (float(q) for q in np.quantile(k, [0.25, 0.5, 0.75]))
+    half = float(np.median(_correlations(x[: x.size // 2], c)))
+    verdict = Chaos.TOO_SHORT
+    if x.size >= _FEWEST and median < _REGULAR and half < 0.5:
+        verdict = Chaos.REGULAR
+    elif x.size >= _FEWEST and median > _CHAOTIC and half > 0.5:
+        verdict = Chaos.CHAOTIC
+    return ChaosTest(verdict, median, 0.5 * (high - low), half, k, c)
+
+
+def _correlations(x: Array, angles: Array) -> Array:
+    """Return K of each angle: the correlation of n with the mean square displacement over n steps."""
+    spread = x - x.mean()  # so that the oscillating part of the displacement is zero
+    spread = spread / (spread.std() or 1.0)
+    most = x.size // 10
+    kept = x.size - most
+    length = next_fast_len(x.size + most, real=True)
+    steps = np.arange(1, most + 1)
+    turns = np.outer(angles, np.arange(1, x.size + 1))
+    displacement = np.zeros((angles.size, most))
+    for walk in (np.cumsum(spread * np.cos(turns), axis=1), np.cumsum(spread * np.sin(turns), axis=1)):
+        # sum over j of (w[j + n] - w[j])^2 for j < kept, the product by one transform for all n
+        squares = np.concatenate([np.zeros((angles.size, 1)), np.cumsum(walk**2, axis=1)], axis=1)
+        product = irfft(np.conj(rfft(walk[:, :kept], length)) * rfft(walk, length), length)[:, 1 : most + 1]
+        displacement += squares[:, kept + steps] - squares[:, steps] + squares[:, [kept]] - 2.0 * product
+    displacement /= kept
+    apart = displacement - displacement.mean(axis=1, keepdims=True)
+    count = steps - steps.mean()
+    size = np.sqrt((apart**2).sum(axis=1) * (count**2).sum())
+    return np.where(size > 0.0, apart @ count / np.where(size > 0.0, size, 1.0), 0.0)
+
+
+# --- recurrence ---------------------------------------------------------------------------------------------
+#
+# **Period n.** The points return: the root mean square of :math:`|z_{k+n} - z_k|`, each coordinate by its
+# scale, is within a tolerance, and over half the series, a multiple of n, too: a slow drift is no return. The
+# least such n counts.
+#
+# **Not periodic.** Two tests of independent kinds have to agree: the 0-1 test of Gottwald and Melbourne
+# (:mod:`antenna_pin.analysis.recurrence`), and whether the spectrum is one of lines or is continuous. For
+# the latter the points are averaged with :math:`e^{-2 \pi i f k}` under the weight
+# :math:`\exp(-1/(s(1-s)))`, s from 0 to 1 along the series. Such averages vanish faster than any power of
+# 1/n at every f that is no line of a quasi-periodic motion, and as :math:`n^{-1/2}` in chaos (weighted
+# Birkhoff averages: Das, Saiki, Sander and Yorke 2017, Nonlinearity 30, 4111; Sander and Meiss 2020,
+# Physica D 411, 132569). The **floor** is the median of their sizes over frequencies, 1 for white noise:
+# below 0.1 the motion is quasi-periodic, above 0.2 chaotic. Where the points go round m bands in turn, the
+# means of the bands are taken off first.
+#
+# Where the tests are at odds, the points too few for them, or not settled
+# (:mod:`antenna_pin.analysis.transients`), the answer is "too short to say". Noise cannot be told from
+# chaos by either.
+#
+# **Confidence** is the share of seven windows of half the length, evenly spaced along the series, in which
+# the same rules come to the same kind and period. A verdict that less than half of them share is not given.
 
 _WINDOWS = 7
 _LEAST = 200  # points for the tests of what is not periodic
@@ -246,3 +388,90 @@ def section_lines(points: ArrayLike) -> tuple[Array, Array]:
     frequency, amplitude = (peaks + shift) / len(x), np.exp(top - 0.25 * (low - high) * shift)
     # At half a cycle there is one line instead of a pair.
     return frequency, np.where(frequency > 0.5 - 0.1 / len(x), 0.5 * amplitude, amplitude)
+
+
+# --- diagrams -----------------------------------------------------------------------------------------------
+
+Verdict = str
+"""What a motion is: "period 1", "period 2" and so on, "quasi-periodic", "chaotic", or "too short to say"."""
+
+#: What is not any of these is "too short to say": of few points only periods can be told.
+_UNDECIDED = RecurrenceKind.TOO_SHORT.value
+
+
+# What is smaller than this part of the largest quantity of its unit is zero but for round-off.
+_ZERO = 1e-6
+
+
+@takes()
+def diagram_verdicts(
+    diagram: xr.Dataset,
+    quantities: Sequence[str] | None = None,
+    *,
+    branch: str | None = None,
+    vector: bool = False,
+    tolerance: float = 1e-3,
+) -> list[Verdict | None]:
+    """Return what the motion is at each value of a diagram; None where its points have not settled.
+
+    Points are the same that differ by less than the tolerance, over the largest amount of the quantity in the
+    diagram: less than a dot in a figure of it.
+
+    Args:
+        diagram: As :func:`antenna_pin.nonlinear.bifurcation` returns it.
+        quantities: Which of its quantities are looked at; all if left out.
+        branch: Which of its branches; the first if left out.
+        vector: Whether the quantities are components of one vector, whose largest amount counts for all.
+        tolerance: Above what the accuracy of the runs leaves [-].
+    """
+    names = list(quantities or json.loads(diagram.attrs["quantities"]))
+    whole = [np.asarray(diagram[name].values, dtype=float) for name in names]
+    sizes = np.array([float(np.nanmax(np.abs(one), initial=0.0)) for one in whole])
+    units = np.array([str(diagram[name].attrs.get("units", "1")) for name in names])
+    largest = np.array([sizes[units == unit].max() for unit in units])
+    scale = largest if vector else np.maximum(sizes, _ZERO * largest)
+    scale[scale == 0.0] = 1.0
+    place = 0 if branch is None else [str(one) for one in diagram["branch"].values].index(branch)
+    found: list[Verdict | None] = []
+    for k, is_settled in enumerate(np.asarray(diagram["settled"].values[place], dtype=bool)):
+        points = np.stack([one[place, k] for one in whole], axis=-1)
+        points = points[np.isfinite(points).all(axis=1)]
+        if not is_settled or not len(points):
+            found.append(None)
+            continue
+        recurs = recurrence(points, scale=scale, tolerance=tolerance)
+        found.append(recurs.kind.value if recurs.period is None else f"period {recurs.period}")
+    return found
+
+
+@takes()
+def said_of_verdicts(
+    values: Sequence[float], verdicts: Sequence[Verdict | None], unit: str = ""
+) -> list[str]:
+    """Return lines as "period 1 at 12 values: 0.01 to 0.09, 0.11 mm", the most frequent verdict first.
+
+    Args:
+        values: Of the parameter, in order.
+        verdicts: At each; None where it has not settled.
+        unit: Of the values.
+    """
+    kinds = sorted(set(verdicts), key=lambda one: (one is None, -verdicts.count(one), str(one)))
+    said = []
+    for kind in kinds:
+        words = "not settled" if kind is None else "no period told" if kind == _UNDECIDED else kind
+        there = [k for k, one in enumerate(verdicts) if one == kind]
+        noun = "value" if len(there) == 1 else "values"
+        said.append(f"{words} at {len(there)} {noun}: {_spans(values, there)}" + (f" {unit}" if unit else ""))
+    return said
+
+
+def _spans(values: Sequence[float], there: Sequence[int]) -> str:
+    """Return values as spans of neighbours, such as "0.01 to 0.05, 0.2"."""
+    spans: list[list[int]] = []
+    for k in there:
+        if spans and k == spans[-1][-1] + 1:
+            spans[-1].append(k)
+        else:
+            spans.append([k])
+    ends = [(values[span[0]], values[span[-1]], len(span)) for span in spans]
+    return ", ".join(f"{a:.3g}" if count == 1 else f"{a:.3g} to {b:.3g}" for a, b, count in ends)

@@ -16,8 +16,7 @@ from xml.etree import ElementTree
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import RunLike, data_of
-from antenna_pin.analysis.piecewise import blocks
+from antenna_pin.analysis._run import RunLike, blocks, data_of
 from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import is_lean
 from antenna_pin.trajectory.columns import ROUND_OFF

@@ -14,7 +14,15 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import WORLD, link_motion
 
-__all__ = ["base_loads", "base_wrench", "shaken_link", "shakes_of", "way_of"]
+__all__ = [
+    "base_loads",
+    "base_quantity",
+    "base_wrench",
+    "shaken_link",
+    "shaken_target",
+    "shakes_of",
+    "way_of",
+]
 
 _AXES = ("x", "y", "z")
 
@@ -111,3 +119,40 @@ def base_loads(run: RunLike) -> xr.Dataset:
         coords={"time": sample_times(data, "base_loads"), "axis": list(_AXES)},
         attrs={"base": shaken_link(data)},
     )
+
+
+# --- links that respond -------------------------------------------------------------------------------------
+
+
+@takes()
+def base_quantity(run: RunLike, shake: str | None = None) -> str:
+    """Return the name of the base's absolute acceleration along the world's axis nearest to a motion of it.
+
+    Args:
+        run: A run whose base is shaken, or its data.
+        shake: Name of the motion; the first one along a direction if left out.
+    """
+    data = data_of(run)
+    return f"body_acceleration[{shaken_link(data)}].{_axis(data, shake)}"
+
+
+@takes()
+def shaken_target(run: RunLike, shake: str | None = None) -> str:
+    """Return the name of the acceleration of the URDF's last link, along the same axis.
+
+    Args:
+        run: A run whose base is shaken, or its data.
+        shake: Name of the motion; the first one along a direction if left out.
+    """
+    data = data_of(run)
+    shaken_link(data)
+    last = mechanism_of(data).urdf.robot.links[-1].name
+    return f"body_acceleration[{last}].{_axis(data, shake)}"
+
+
+def _axis(data: RunLike, shake: str | None) -> str:
+    """Return the world's axis nearest to a motion's direction; z where all turn."""
+    if shake is None and not any(one["slides"] for one in shakes_of(data).values()):
+        return "z"
+    _, way = way_of(data, shake)
+    return _AXES[int(np.argmax(np.abs(way)))]

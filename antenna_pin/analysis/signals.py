@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
-from antenna_pin.analysis.base import base_motion
+from antenna_pin.analysis._run import Array, RunLike, blocks, data_of, sample_times
+from antenna_pin.analysis.body_motion import base_motion
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.even import Read
-from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import names_along
 

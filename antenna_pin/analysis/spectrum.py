@@ -21,10 +21,8 @@ import scipy
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import Array
-from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read, UniformSignal, uniform
-from antenna_pin.analysis.long_spectra import long_amplitudes
-from antenna_pin.analysis.piecewise import LONG
+from antenna_pin.analysis._run import LONG, Array
+from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read, UniformSignal, long_amplitudes, uniform
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 

@@ -24,9 +24,8 @@ from antenna_pin.analysis import (
     time_percentiles,
     time_rms,
 )
-from antenna_pin.analysis.even import EvenSignal, uniform
-from antenna_pin.analysis.growth import growths_of
-from antenna_pin.analysis.long_spectra import long_amplitudes, long_spectrum
+from antenna_pin.analysis.deviation import growths_of
+from antenna_pin.analysis.even import EvenSignal, long_amplitudes, long_spectrum, uniform
 from antenna_pin.trajectory import on_disk
 from antenna_pin.trajectory.file import open_hdf5
 

@@ -15,7 +15,7 @@ from antenna_pin.analysis import (
     scenario_of,
     scenario_rows,
 )
-from antenna_pin.analysis.assembled import AssembledJoint
+from antenna_pin.analysis.scenarios import AssembledJoint
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance
 

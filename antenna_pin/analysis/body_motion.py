@@ -1,0 +1,343 @@
+"""Motion of bodies of a run in world axes: attitudes between samples, free-floating base, any link."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
+
+from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times, variable
+from antenna_pin.analysis.bodies import mechanism_of
+from antenna_pin.analysis.sampled import resampled
+from antenna_pin.base.arguments import takes
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.mechanism import link_motion, quaternions
+
+__all__ = [
+    "base_motion",
+    "body_deviation",
+    "body_motion",
+    "interpolate_attitude",
+    "interpolation_error",
+    "moved_body",
+]
+
+# --- attitude between samples -------------------------------------------------------------------------------
+#
+# Within an interval the attitude is :math:`R(t) = R_k \exp([\varphi(t)]_\times)`, with the cubic
+# :math:`\varphi` that has the right values and slopes at both ends:
+#
+# .. math::
+#     \varphi(t_k) = 0, \quad \dot\varphi(t_k) = \omega_k, \quad
+#     \varphi(t_{k+1}) = \log(R_k^T R_{k+1}), \quad
+#     \dot\varphi(t_{k+1}) = J_r^{-1}(\varphi(t_{k+1}))\, \omega_{k+1}
+#
+# :math:`\omega` is the angular velocity in body axes and :math:`J_r^{-1}` the inverse of the right Jacobian
+# of the exponential. The error falls with the fourth power of the spacing; slerp, without the rates, is of
+# second order. The interpolant passes through the samples exactly, and its rate is continuous.
+
+
+@takes()
+def interpolate_attitude(
+    times: ArrayLike, knots: ArrayLike, attitude: Rotation, angular_velocity: ArrayLike
+) -> Rotation:
+    """Return the attitude at given times.
+
+    Args:
+        times: Where it is wanted, (m,) [s]; within the samples' span to a billionth of it.
+        knots: Times of the samples, (n,), not decreasing [s]; of equal ones the first counts.
+        attitude: At the samples, body in world, (n,).
+        angular_velocity: At the samples, in body axes, (n, 3) [rad/s].
+
+    Raises:
+        InvalidParameterError: Times outside the samples' span.
+    """
+    wanted = np.atleast_1d(np.asarray(times, dtype=float))
+    t, first = np.unique(np.asarray(knots, dtype=float), return_index=True)
+    slack = 1e-9 * (t[-1] - t[0])
+    outside = wanted[(wanted < t[0] - slack) | (wanted > t[-1] + slack)]
+    if outside.size:
+        raise InvalidParameterError(
+            "interpolate_attitude", "times", f"from {t[0]:g} s to {t[-1]:g} s", float(outside[0])
+        )
+    at = attitude[first]
+    if t.size == 1:
+        return at[np.zeros(wanted.size, dtype=int)]
+    omega = np.asarray(angular_velocity, dtype=float)[first]
+    turn = (at[:-1].inv() * at[1:]).as_rotvec()
+    h = np.diff(t)[:, None]
+    start, end = h * omega[:-1], h * _chart_rate(turn, omega[1:])
+    k = np.clip(np.searchsorted(t, wanted, side="right") - 1, 0, t.size - 2)
+    s = np.clip((wanted - t[k]) / (t[k + 1] - t[k]), 0.0, 1.0)[:, None]
+    phi = s * (1.0 - s) ** 2 * start[k] + s**2 * (3.0 - 2.0 * s) * turn[k] - s**2 * (1.0 - s) * end[k]
+    return at[k] * Rotation.from_rotvec(phi)
+
+
+@takes()
+def interpolation_error(knots: ArrayLike, attitude: Rotation, angular_velocity: ArrayLike) -> float:
+    """Return an estimate of the largest error of :func:`interpolate_attitude` [rad].
+
+    Every other sample is left out and compared with what the rest gives there; at twice the spacing the error
+    is 16 times as large. NaN for less than three samples.
+    """
+    t, first = np.unique(np.asarray(knots, dtype=float), return_index=True)
+    if t.size < 3:
+        return float("nan")
+    at, omega = attitude[first], np.asarray(angular_velocity, dtype=float)[first]
+    left_out = np.arange(1, t.size - 1, 2)
+    found = interpolate_attitude(t[left_out], t[::2], at[::2], omega[::2])
+    return float((found.inv() * at[left_out]).magnitude().max()) / 16.0
+
+
+def _chart_rate(phi: Array, omega: Array) -> Array:
+    r"""Return :math:`J_r^{-1}(\varphi)\, \omega`, (n, 3): the rotation vector's rate at a body rate."""
+    half = 0.5 * np.linalg.norm(phi, axis=1)
+    small = half < 1e-3
+    safe = np.where(small, 1.0, half)
+    # (1 - x cot x) / (4 x^2) with x half the angle, 1/12 + x^2/180 + ...
+    factor = np.where(small, 1.0 / 12.0 + half**2 / 180.0, (1.0 - safe / np.tan(safe)) / (4.0 * safe**2))
+    cross = np.cross(phi, omega)
+    result: Array = omega + 0.5 * cross + factor[:, None] * np.cross(phi, cross)
+    return result
+
+
+# --- motion of a frame --------------------------------------------------------------------------------------
+
+# Each quantity with its derivative, which makes its interpolation better.
+_DERIVATIVES = {
+    "position": "velocity",
+    "velocity": "acceleration",
+    "acceleration": None,
+    "angular_velocity": "angular_acceleration",
+    "angular_acceleration": None,
+}
+
+
+def motion_dataset(
+    data: xr.Dataset,
+    whose: str,
+    attitude: Array,
+    position: Array,
+    velocity: Array,
+    angular_velocity: Array,
+    acceleration: Array,
+    angular_acceleration: Array,
+) -> xr.Dataset:
+    """Return the motion of a frame, all in world axes.
+
+    Args:
+        data: The run it is of.
+        whose: Whose frame, for the long names: "base".
+        attitude: Quaternions xyzw, (n, 4) [-].
+        position: Of its origin [m], (n, 3) as all that follow.
+        velocity: [m/s].
+        angular_velocity: [rad/s].
+        acceleration: Of its origin as seen from the world [m/s^2].
+        angular_acceleration: [rad/s^2].
+
+    Returns:
+        Over time and axis: ``position`` [m], ``rotation`` since the first sample as a rotation vector [rad]
+        (unwrapped beyond pi), ``velocity`` [m/s], ``angular_velocity`` [rad/s], ``acceleration`` [m/s^2],
+        ``angular_acceleration`` [rad/s^2]; and ``attitude`` (time, quaternion), xyzw.
+    """
+    turn = Rotation.from_quat(attitude)
+    since_start = _unwrapped((turn * turn[0].inv()).as_rotvec())
+    columns = {
+        "position": (position, "m", f"{whose}'s origin"),
+        "rotation": (
+            since_start,
+            "rad",
+            f"{whose}'s rotation since the start",
+        ),
+        "velocity": (velocity, "m/s", f"velocity of the {whose}'s origin"),
+        "angular_velocity": (angular_velocity, "rad/s", f"{whose}'s angular velocity"),
+        "acceleration": (acceleration, "m/s^2", f"acceleration of the {whose}'s origin"),
+        "angular_acceleration": (angular_acceleration, "rad/s^2", f"{whose}'s angular acceleration"),
+    }
+    variables = {
+        name: (("time", "axis"), values, {"units": units, "long_name": f"{meaning}, world axes"})
+        for name, (values, units, meaning) in columns.items()
+    }
+    variables["attitude"] = (
+        ("time", "quaternion"),
+        attitude,
+        {"units": "1", "long_name": f"{whose} in the world, quaternion"},
+    )
+    coords = {name: data.coords[name] for name in ("time", "axis", "quaternion") if name in data.coords}
+    return xr.Dataset(variables, coords=coords, attrs={"case": data.attrs.get("case", "")})
+
+
+def motion_deviation(run: xr.Dataset, ideal: xr.Dataset, whose: str) -> dict[str, xr.Variable]:
+    """Return how far one motion is from another, at its own samples, in world axes.
+
+    Args:
+        run: The motion to judge, of :func:`motion_dataset`.
+        ideal: The motion to judge it by; it is interpolated and must cover the run's time.
+        whose: Whose they are, for the long names.
+
+    Returns:
+        ``position`` [m], ``attitude`` (rotation vector from the ideal to the run's) [rad], and the rates.
+    """
+    at, own = run["time"].values, ideal["time"].values
+    found = {}
+    for name, derivative in _DERIVATIVES.items():
+        slope = None if derivative is None else ideal[derivative].values
+        found[name] = xr.Variable(
+            ("time", "axis"),
+            np.asarray(run[name].values - resampled(own, ideal[name].values, at, slope)),
+            {
+                "units": str(run[name].attrs.get("units", "")),
+                "long_name": f"deviation of the {whose}'s {name.replace('_', ' ')}, world axes",
+            },
+        )
+    turn = Rotation.from_quat(ideal["attitude"].values)
+    body_rate = turn.inv().apply(ideal["angular_velocity"].values)
+    attitude = interpolate_attitude(at, own, turn, body_rate)
+    turned = (Rotation.from_quat(run["attitude"].values) * attitude.inv()).as_rotvec()
+    words = {"units": "rad", "long_name": "rotation from the ideal to the run's attitude, world axes"}
+    return {
+        "position": found.pop("position"),
+        "attitude": xr.Variable(("time", "axis"), np.asarray(turned), words),
+        **found,
+    }
+
+
+def _unwrapped(vectors: Array) -> Array:
+    """Return rotation vectors that go on beyond pi instead of jumping to the other side."""
+    result = vectors.copy()
+    if np.linalg.norm(vectors, axis=1).max(initial=0.0) < 3.0:
+        return result
+    for i in range(1, len(result)):
+        angle = np.linalg.norm(result[i])
+        if angle == 0.0:
+            continue
+        axis = result[i] / angle
+        turns = np.round((axis @ result[i - 1] - angle) / (2.0 * np.pi))
+        result[i] += 2.0 * np.pi * turns * axis
+    return result
+
+
+# --- free-floating base -------------------------------------------------------------------------------------
+
+_RATES = ("vx", "vy", "vz", "wx", "wy", "wz")
+
+
+@takes()
+def base_motion(run: RunLike) -> xr.Dataset:
+    r"""Return position, attitude, velocities and accelerations of the base, all in world axes.
+
+    A run records its base's velocity and acceleration as the generalized ones, along axes that turn with it.
+    Here they are those of the base's origin as seen from the world: :math:`R v` and
+    :math:`R (a + \omega \times v)`.
+
+    Args:
+        run: A run with a free base, or its data.
+
+    Returns:
+        Over time and axis: ``position`` [m], ``rotation`` since the first sample as a rotation vector [rad]
+        (unwrapped beyond pi), ``velocity`` [m/s], ``angular_velocity`` [rad/s], ``acceleration`` [m/s^2],
+        ``angular_acceleration`` [rad/s^2]; and ``attitude`` (time, quaternion), xyzw.
+    """
+    data = data_of(run)
+    if "base_position" not in data:
+        raise InvalidParameterError("base_motion", "run", "one with a free base", label_of(data))
+    attitude = np.asarray(variable(data, "base_attitude", "base_motion").values, dtype=float)
+    turn = Rotation.from_quat(attitude)
+    v, a = (
+        np.asarray(
+            variable(data, name, "base_motion").sel(coordinate=[f"base.{part}" for part in _RATES]).values,
+            dtype=float,
+        )
+        for name in ("v", "a")
+    )
+    linear = a[:, :3] + np.cross(v[:, 3:], v[:, :3])
+    return motion_dataset(
+        data,
+        "base",
+        attitude,
+        position=np.asarray(data["base_position"].values, dtype=float),
+        velocity=turn.apply(v[:, :3]),
+        angular_velocity=turn.apply(v[:, 3:]),
+        acceleration=turn.apply(linear),
+        angular_acceleration=turn.apply(a[:, 3:]),
+    )
+
+
+# --- any link -----------------------------------------------------------------------------------------------
+
+
+@takes()
+def moved_body(run: RunLike, joint: str) -> str:
+    """Return the name of the body that a joint moves.
+
+    Args:
+        run: A run, or its data.
+        joint: Name of a moving joint.
+    """
+    mechanism = mechanism_of(run)
+    return mechanism.bodies[mechanism.joint(joint).joint_id - 1]
+
+
+@takes()
+def body_motion(run: RunLike, body: str) -> xr.Dataset:
+    """Return position, attitude, velocities and accelerations of a link's frame, all in world axes.
+
+    Args:
+        run: A run, or its data.
+        body: Name of the link.
+
+    Returns:
+        Over time and axis: ``position`` [m], ``rotation`` since the first sample as a rotation vector [rad]
+        (unwrapped beyond pi), ``velocity`` [m/s], ``angular_velocity`` [rad/s], ``acceleration`` of the
+        origin [m/s^2], ``angular_acceleration`` [rad/s^2]; and ``attitude`` (time, quaternion), xyzw.
+    """
+    data = data_of(run)
+    q, v, a = (np.asarray(variable(data, name, "body_motion").values, dtype=float) for name in "qva")
+    attitudes, motion = link_motion(mechanism_of(data), body, q, v, a)
+    position, velocity, angular_velocity, acceleration, angular_acceleration = np.moveaxis(motion, 1, 0)
+    return motion_dataset(
+        data,
+        body,
+        quaternions(attitudes),
+        position=position,
+        velocity=velocity,
+        angular_velocity=angular_velocity,
+        acceleration=acceleration,
+        angular_acceleration=angular_acceleration,
+    )
+
+
+@takes()
+def body_deviation(run: RunLike, ideal: RunLike, body: str) -> xr.Dataset:
+    """Return how far a body is from where it would be in the ideal run, at the run's own samples.
+
+    The ideal run is smooth and is interpolated, by derivatives where there are any; the run is not.
+
+    Args:
+        run: The run to judge.
+        ideal: A run of the same mechanism without any contact.
+        body: Name of the link.
+
+    Returns:
+        Over time and axis, in world axes: ``position`` [m], ``attitude`` (rotation vector from the ideal to
+        the run's attitude) [rad], ``velocity`` [m/s], ``angular_velocity`` [rad/s], ``acceleration`` [m/s^2],
+        ``angular_acceleration`` [rad/s^2], while both runs last.
+
+    Raises:
+        InvalidParameterError: The ideal run has contacts, or the runs share less than two samples' time.
+    """
+    data, reference = data_of(run), data_of(ideal)
+    if reference.sizes.get("contact", 0):
+        rule = "a run without contacts (a case whose joints are all ideal)"
+        raise InvalidParameterError("body_deviation", "ideal", rule, label_of(reference))
+    time, own = sample_times(data, "body_deviation"), sample_times(reference, "body_deviation")
+    common = (time >= own[0]) & (time <= own[-1])
+    if own.size < 2 or np.count_nonzero(common) < 2:
+        rule = "of two samples or more while the ideal lasts"
+        raise InvalidParameterError("body_deviation", "run", rule, label_of(data))
+    motion = body_motion(data.isel(time=common), body)
+    apart = motion_deviation(motion, body_motion(reference, body), body)
+    coords = {name: motion.coords[name] for name in ("time", "axis") if name in motion.coords}
+    about = {"case": str(data.attrs.get("case", "")), "ideal": str(reference.attrs.get("case", ""))}
+    return xr.Dataset(apart, coords=coords, attrs=about)
