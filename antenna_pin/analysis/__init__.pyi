@@ -19,6 +19,10 @@ from antenna_pin.analysis.branch import StabilitySpan as StabilitySpan
 from antenna_pin.analysis.branch import said_of_multiplier as said_of_multiplier
 from antenna_pin.analysis.branch import stability_spans as stability_spans
 from antenna_pin.analysis.branch import unexplained_changes as unexplained_changes
+from antenna_pin.analysis.closure_words import said_of_constraints as said_of_constraints
+from antenna_pin.analysis.closure_words import said_of_coupling as said_of_coupling
+from antenna_pin.analysis.closure_words import said_of_moving as said_of_moving
+from antenna_pin.analysis.closure_words import said_of_singular as said_of_singular
 from antenna_pin.analysis.closures import closure_loads as closure_loads
 from antenna_pin.analysis.closures import closures_of as closures_of
 from antenna_pin.analysis.closures import coupling_loads as coupling_loads
@@ -27,10 +31,6 @@ from antenna_pin.analysis.closures import drive_loads as drive_loads
 from antenna_pin.analysis.closures import drive_power as drive_power
 from antenna_pin.analysis.closures import drives_of as drives_of
 from antenna_pin.analysis.closures import effort_unit as effort_unit
-from antenna_pin.analysis.closures import said_of_constraints as said_of_constraints
-from antenna_pin.analysis.closures import said_of_coupling as said_of_coupling
-from antenna_pin.analysis.closures import said_of_moving as said_of_moving
-from antenna_pin.analysis.closures import said_of_singular as said_of_singular
 from antenna_pin.analysis.deviation import Deviation as Deviation
 from antenna_pin.analysis.deviation import DeviationMeasures as DeviationMeasures
 from antenna_pin.analysis.deviation import Growth as Growth
