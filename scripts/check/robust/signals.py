@@ -101,16 +101,21 @@ def check(name: str, number: signal.Signals, to_all: bool, after: float, folder:
     inputs = set(folder.rglob("*"))
     program = (sys.executable, str(ROOT / "scripts" / "pages" / "build_site.py")) if name == "docs" else ANEW
     child = Child(shlex.split(COMMANDS[name]), folder, program=program)
+    sent = []
+
+    def send(process: int) -> None:
+        if os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:  # it has not ended
+            (os.killpg if to_all else os.kill)(process, number)
+            sent.append(number)
+
     try:
-        end = child.ended(
-            after, lambda pid: (os.killpg if to_all else os.kill)(pid, number), after + _PATIENCE
-        )
+        end = child.ended(after, send, after + _PATIENCE)
     except TrialError as error:
         raise TrialError(f"{error}; processes then: {_left(child)}") from None
     left = _left(child)
-    if not end.acted:
+    if not sent:
         must(end.code == 0, f"ended by itself with {end.code}: {end.said[-300:]}")
-    if not end.acted or _is_pythons_own(end, number):
+    if not sent or _is_pythons_own(end, number):
         return False
     codes = {128 + number, -number} | ({0} if name == "explore" else set())
     noise = re.compile("Traceback") if number == signal.SIGKILL else _NOISE  # Python tells of what it cleans
