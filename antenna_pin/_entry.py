@@ -3,7 +3,7 @@
 Python would print a traceback from wherever an import has come. Only the command imports this module.
 """
 
-import _signal as signal  # type: ignore[import-not-found] # which is there at once: the module that Python has above it takes its time
+import _signal as signal  # type: ignore[import-not-found]  # built in; `signal` itself takes long to import
 import gc
 import os
 import sys

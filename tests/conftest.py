@@ -22,6 +22,7 @@ import pytest
 from hypothesis import settings
 
 from antenna_pin import System, Urdf, build_mechanism, simulate
+from antenna_pin.base.interruption import acknowledge, late_signal
 from antenna_pin.cli import _progress, app
 from antenna_pin.contact import Hertz
 from antenna_pin.geometry import PrismaticClearance
@@ -131,6 +132,14 @@ class Said:
     code: int
     out: str
     err: str
+
+
+@pytest.fixture(autouse=True)
+def no_late_signal() -> Iterator[None]:
+    """Cancel a signal that a command run in this process would send to itself again, in another test."""
+    yield
+    if late_signal() is not None:
+        acknowledge()
 
 
 @pytest.fixture

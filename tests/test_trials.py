@@ -17,6 +17,7 @@ CHECKS = str(Path(__file__).parents[1] / "scripts" / "check")
 sys.path.insert(0, CHECKS)
 trials = importlib.import_module("robust.trials")
 children = importlib.import_module("robust.children")
+made = importlib.import_module("fuzzing.made")
 sys.path.remove(CHECKS)
 
 # A check with a command that never ends: a shell and a process of the shell's.
@@ -84,3 +85,14 @@ def test_a_worker_of_trials_ends_with_its_check(tmp_path):
         check.kill()
     _, alive = psutil.wait_procs(workers, timeout=10.0)
     assert not alive
+
+
+@pytest.mark.slow
+def test_every_command_copes_with_a_full_disk():
+    """A result is whole, or the older one stands, and one line says why; with room again it is made."""
+    count = len(made.COMMANDS)
+    words = ["faults", "--fault", "full disk", "--count", str(count), "--bits", "0"]
+    check = [sys.executable, str(Path(CHECKS, "robustness.py")), *words]
+    ended = subprocess.run(check, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stdout
+    assert f"{count} tried, 0 failed" in ended.stdout

@@ -60,7 +60,9 @@ COMMANDS = {
     "lyapunov": "lyapunov chen2021 --out exponents.nc --no-progress",
     "sensitivity": "sensitivity bai2020 clearance.elevation.radial_clearance --out slopes.nc",
     "modes": "modes bai2020 --case flexible-ideal --record modes.html",
+    "plot": "plot run.nc --out figures",
     "report": "report run.nc --out report.html",
+    "study": "study report few.study --out study.html",
     "record": "record run.nc --out page.html",
     "film": "record run.nc --speed 1/10 --out film.mp4 --no-progress",
     "frames": "record run.nc --speed 1/10 --out frames --no-progress",
@@ -88,33 +90,41 @@ def prepare(folder: Path) -> None:
     (folder / "s.study.toml").write_text(_STUDY)
     for name in ("hinge.fit.toml", "hinge.csv"):
         shutil.copy(ROOT / "scripts" / "examples" / name, folder)
-    end = Child(shlex.split(f"{_RUN} --duration 1 --out run.nc"), folder, program=ANEW).ended()
-    assert end.code == 0, end.said
+    (folder / "few.study.toml").write_text(_STUDY.replace("4000", "10"))
+    for words in (f"{_RUN} --duration 1 --out run.nc", "sweep few.study.toml --out few.study --workers 0"):
+        end = Child(shlex.split(words), folder, program=ANEW).ended()
+        assert end.code == 0, end.said
 
 
 def check(name: str, number: signal.Signals, to_all: bool, after: float, folder: Path) -> bool:
     """Send a signal to a command after a time [s]; return whether it was sent, raise what went wrong."""
-    inputs = set(folder.iterdir())
+    inputs = set(folder.rglob("*"))
     program = (sys.executable, str(ROOT / "scripts" / "pages" / "build_site.py")) if name == "docs" else ANEW
     child = Child(shlex.split(COMMANDS[name]), folder, program=program)
+    sent = []
+
+    def send(process: int) -> None:
+        if os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:  # it has not ended
+            (os.killpg if to_all else os.kill)(process, number)
+            sent.append(number)
+
     try:
-        end = child.ended(
-            after, lambda pid: (os.killpg if to_all else os.kill)(pid, number), after + _PATIENCE
-        )
+        end = child.ended(after, send, after + _PATIENCE)
     except TrialError as error:
         raise TrialError(f"{error}; processes then: {_left(child)}") from None
     left = _left(child)
-    if not end.acted:
+    if not sent:
         must(end.code == 0, f"ended by itself with {end.code}: {end.said[-300:]}")
-    if not end.acted or _is_pythons_own(end, number):
+    if not sent or _is_pythons_own(end, number):
         return False
     codes = {128 + number, -number} | ({0} if name == "explore" else set())
     noise = re.compile("Traceback") if number == signal.SIGKILL else _NOISE  # Python tells of what it cleans
     judge(end, codes, in_one_line=(128 + number,), noise=noise)
     must(not left, f"left processes behind: {left}")
-    for path in set(folder.iterdir()) - inputs:
-        must(not path.is_file() or is_whole(path), f"left {path.name}, which is not whole")
     left_files = temporary_files(folder)
+    for path in set(folder.rglob("*")) - inputs:
+        is_begun = str(path.relative_to(folder)) in left_files
+        must(is_begun or not path.is_file() or is_whole(path), f"left {path.name}, which is not whole")
     must(not left_files or number == signal.SIGKILL, f"left {left_files}")
     return True
 
