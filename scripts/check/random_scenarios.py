@@ -69,7 +69,7 @@ AGREE, PART = 1e-6, 0.1  # how near engines come, after which part of a run
 
 _REPORT_INTERVAL = 0.5  # [s]
 # Of a contact that still touches; of a change of what is no latch; of what a controller does not have yet.
-_MAY_BE_NAN = ("release_time", "change_energy", "tick_signal")
+_MAY_BE_NAN = ("release_time", "change_energy", "change_peak_effort", "change_peak_time", "tick_signal")
 
 
 @dataclass(slots=True)

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import signal
 
 import numpy as np
 import pytest
@@ -146,7 +145,7 @@ def test_what_is_interrupted_is_kept(cli, monkeypatch):
 
     def interrupting(value):
         known.append(value)
-        signal.raise_signal(signal.SIGINT)
+        raise KeyboardInterrupt
 
     @contextlib.contextmanager
     def bar(title, ends, shown):
