@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
@@ -254,7 +255,7 @@ def _breaches(state: Any) -> Iterator[StateBreach]:
 
 _HOLDS: Mapping[str, Callable[[float], bool]] = {
     "a finite number": math.isfinite,
-    "positive": lambda value: 0.0 < value < math.inf,
+    "positive": lambda value: 0.0 < value <= sys.float_info.max,  # no integer beyond floats
     "a number": lambda value: not math.isnan(value),
 }
 _SHOWN = 60  # letters of a value in a message

@@ -14,11 +14,11 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from antenna_pin.base.readable import of_size
 from antenna_pin.base.settings import RunSettings
@@ -119,7 +119,7 @@ class _About(BaseModel):
     outcome: str
     message: str
     gap_difference: float
-    paced: tuple[int, float]
+    paced: tuple[Annotated[int, Field(ge=0, le=2**53)], float]
     happened: list[tuple[str, float, float]]
     changed: list[_Changed]
     singular: _Singular | None
@@ -191,7 +191,8 @@ class Checkpoint:
         run.contacts.take_up_all(
             {name.removeprefix("book_"): array for name, array in self.numbers.items() if "book_" in name}
         )
-        run.actions.modes.peaks.numbers[:] = self.numbers["touches"]
+        for name in ("effort", "time"):  # where the blocks are is the run's own
+            run.actions.modes.peaks.numbers[name] = self.numbers["touches"][name]
         run.controllers.take_up_record(self.numbers)
         samples = run.samples
         samples.take_up(chunk_of(self.numbers, base))

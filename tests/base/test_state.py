@@ -85,6 +85,7 @@ def test_what_no_run_leaves_is_refused_with_its_place(end, path, value):
     [
         (("reached",), -1.0),
         (("step",), 0.0),
+        (("step",), 10**400),
         (("contacts", 0, "contact"), 7),
         (("q",), [[1.0]]),
         (("x", 0), 10**400),

@@ -343,6 +343,7 @@ FORGED = {
     "no counts": lambda old: with_about(old, counts={}),
     "a scenario of another kind": lambda old: with_about(old, scenario="[]"),
     "a pace in words": lambda old: with_about(old, paced=[0, "x"]),
+    "a pace beyond": lambda old: with_about(old, paced=[10**400, 0.0]),
     "a word more": lambda old: with_about(old, more=1),
     "what happened in words": lambda old: with_about(old, happened=[["x"]]),
 }
