@@ -29,7 +29,7 @@ from antenna_pin.analysis.even import EvenSignal, long_amplitudes, long_spectrum
 from antenna_pin.trajectory import on_disk
 from antenna_pin.trajectory.file import open_hdf5
 
-MODULES = ("piecewise", "even", "sampled", "spectrum")
+MODULES = ("_run", "even", "sampled", "spectrum")
 
 
 @pytest.fixture
