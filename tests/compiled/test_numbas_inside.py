@@ -19,7 +19,7 @@ DOCUMENTED = {"numba", "numba.types", "numba.extending", "llvmlite.ir"}
 def imported():
     """Return the modules of Numba and llvmlite that each file imports from, by module."""
     found = {}
-    for path in (*(PACKAGE / "compiled").glob("*.py"), PACKAGE / "elements" / "compiled_on_links.py"):
+    for path in (*(PACKAGE / "compiled").glob("*.py"), PACKAGE / "elements" / "given_links.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] in (
                 "numba",
