@@ -29,7 +29,7 @@ from antenna_pin.cli._common import one_line_errors
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.linear import modes
 from antenna_pin.nonlinear import poincare
-from antenna_pin.nonlinear.surfaces import section_of
+from antenna_pin.nonlinear.sections import section_of
 from antenna_pin.sweep import Cluster
 from antenna_pin.sweep.cluster import ClusterLostError
 
