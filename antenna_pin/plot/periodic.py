@@ -187,7 +187,7 @@ def _track_curves(found: Track, black: bool = False) -> list[Curve]:
     return curves
 
 
-@figure(found="Of :func:`antenna_pin.nonlinear.orbit_tables` or :func:`~antenna_pin.nonlinear.branch_table`.")
+@figure(found="Of :func:`antenna_pin.nonlinear.orbit_table` or :func:`~antenna_pin.nonlinear.branch_table`.")
 def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Sheet:
     """Return Floquet multipliers in the complex plane, with the unit circle.
 
