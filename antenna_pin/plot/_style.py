@@ -223,9 +223,10 @@ def footnote(figure: Figure, *parts: str) -> None:
 
 
 def panel_title(axes: Axes, letter: str, text: str) -> None:
-    """Head a panel with its letter and what it shows."""
+    """Head a panel with its letter and what it shows; without both, leave its title as it is."""
     plain = literal(text)
-    axes.set_title(rf"$\bf{{({letter})}}$ {plain}" if letter else plain)
+    if letter or plain:
+        axes.set_title(rf"$\bf{{({letter})}}$ {plain}" if letter else plain)
 
 
 # --- units and names ---
