@@ -313,4 +313,4 @@ def test_the_report_tells_of_gears() -> None:
     (table,) = section.items
     told = {row.name: row.cells for row in table.rows}
     assert told["touches"][0].value == gear_impacts(runs[0]).sizes["touch"]
-    assert {"fastest touch", "largest impulse", "time without contact", "largest torque"} < told.keys()
+    assert {"fastest touch", "largest impulse", "time without contact", "peak torque"} < told.keys()
