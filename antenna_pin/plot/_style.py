@@ -223,7 +223,7 @@ def footnote(figure: Figure, *parts: str) -> None:
 
 
 def panel_title(axes: Axes, letter: str, text: str) -> None:
-    """Head a panel with its letter and what it shows; without both, leave its title as it is."""
+    """Head a panel with letter and text; without both, leave its title as it is."""
     plain = literal(text)
     if letter or plain:
         axes.set_title(rf"$\bf{{({letter})}}$ {plain}" if letter else plain)
