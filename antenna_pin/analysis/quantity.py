@@ -42,12 +42,13 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.journal import clearance_shapes
 from antenna_pin.analysis.own import is_own, own_series
+from antenna_pin.analysis.piecewise import blocks
 from antenna_pin.analysis.shaken import base_wrench, shaken_link, shakes_of
 from antenna_pin.analysis.signals import signals
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.mechanism import link_motion
+from antenna_pin.mechanism import Mechanism, link_motion
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import slides_along
 from antenna_pin.trajectory.schema import VARIABLES
@@ -87,9 +88,13 @@ class Derived(NamedTuple):
         """Return the vector of one owner at the samples, (n, 3)."""
         if self.dim == "shaken_base":
             return base_wrench(data)[:, 3 * self.row : 3 * self.row + 3]
+        mechanism = mechanism_of(data)
         if self.dim == "body":
-            return _motion(data, owner)[1][:, self.row]
-        return _in_bearing(data, clearance_shapes(data)[owner])
+            parts = [_motion(mechanism, part, owner)[1][:, self.row].copy() for part in blocks(data)]
+        else:
+            shape = clearance_shapes(data)[owner]
+            parts = [_in_bearing(mechanism, part, shape) for part in blocks(data)]
+        return np.concatenate(parts)
 
 
 #: What can be asked for beside what a result holds, by name.
@@ -121,18 +126,18 @@ def owners_of(data: xr.Dataset) -> dict[str, list[str]]:
     }
 
 
-def _motion(data: xr.Dataset, link: str) -> tuple[Array, Array]:
+def _motion(mechanism: Mechanism, data: xr.Dataset, link: str) -> tuple[Array, Array]:
     """Return attitudes and motion of a link, as :func:`antenna_pin.mechanism.link_motion`."""
     q, v, a = (np.asarray(variable(data, name, "quantity").values, dtype=float) for name in "qva")
-    return link_motion(mechanism_of(data), link, q, v, a)
+    return link_motion(mechanism, link, q, v, a)
 
 
-def _in_bearing(data: xr.Dataset, shape: dict[str, Any]) -> Array:
+def _in_bearing(mechanism: Mechanism, data: xr.Dataset, shape: dict[str, Any]) -> Array:
     """Return the velocity of a journal's centre in its bearing, in bearing axes, (n, 3) [m/s]."""
     places, rates, turns = [], [], []
     for side in ("bearing", "journal"):
         placement = np.asarray(shape[f"{side}_placement"], dtype=float).ravel()
-        attitudes, motion = _motion(data, str(shape[f"{side}_body"]))
+        attitudes, motion = _motion(mechanism, data, str(shape[f"{side}_body"]))
         arm = attitudes @ placement[:3]
         places.append(motion[:, 0] + arm)
         rates.append(motion[:, 1] + np.cross(motion[:, 2], arm))

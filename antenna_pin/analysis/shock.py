@@ -17,6 +17,7 @@ import math
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from numpy.typing import ArrayLike
 
@@ -130,10 +131,14 @@ def _between(t: Array, a: Array, frequency: float) -> tuple[Array, Array]:
     looks = np.maximum(np.ceil(steps * frequency * _LOOKS).astype(int), (steps > 0.0).astype(int))
     own = np.repeat(np.arange(looks.size), looks)
     part = np.arange(own.size) - np.repeat(np.cumsum(looks) - looks, looks)
-    first, last = part / looks[own], (part + 1) / looks[own]
-    rise = np.diff(a)[own]
-    times = np.concatenate([t[:1], t[own] + last * steps[own]])
-    return times, np.stack([a[own] + first * rise, a[own] + last * rise])
+    times, ends = np.empty(own.size + 1), np.empty((2, own.size))
+    times[0], share = t[0], part / looks[own]
+    rise, start = np.diff(a)[own], a[own]
+    ends[0] = start + share * rise
+    share = (part + 1) / looks[own]
+    ends[1] = start + share * rise
+    times[1:] = t[own] + share * steps[own]
+    return times, ends
 
 
 def _swing(
@@ -147,19 +152,13 @@ def _swing(
     omega, zeta = 2.0 * math.pi * frequency, 0.5 / quality
     damped = omega * math.sqrt(1.0 - zeta**2)
     root = complex(-zeta * omega, damped)
-    steps = np.diff(t)
-    x = root * steps
-    once = np.expm1(x) / root
-    series = 0.5 + x * (1 / 6 + x * (1 / 24 + x * (1 / 120 + x * (1 / 720 + x / 5040))))
-    small = np.abs(x) < _SERIES
-    twice = np.where(small, steps**2 * series, (np.expm1(x) - x) / root**2)
-    pushed = -(ends[0] * once + (ends[1] - ends[0]) / steps * twice)
     u, high, low, far = 0j, 0.0, 0.0, 0.0
-    block = ((t[1:] - t[0]) * zeta * omega // _GROWTH).astype(int)
-    edges = np.concatenate([[0], np.flatnonzero(np.diff(block)) + 1, [steps.size]])
+    block = (t[1:] - t[0]) * zeta * omega // _GROWTH
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(block)) + 1, [block.size]])
     for first, last in pairwise(edges.tolist()):
         since = t[first + 1 : last + 1] - t[first]
-        state = np.exp(root * since) * (u + np.cumsum(np.exp(-root * since) * pushed[first:last]))
+        pushed = _pushed(np.diff(t[first : last + 1]), ends[:, first:last], root)
+        state = np.exp(root * since) * (u + np.cumsum(np.exp(-root * since) * pushed))
         u = complex(state[-1])
         z = state.imag / damped
         felt = -(2.0 * zeta * omega * (state.real - zeta * omega * z) + omega**2 * z)
@@ -167,6 +166,17 @@ def _swing(
         far = max(far, float(np.abs(z).max()))
     z_last = u.imag / damped
     return high, low, far, z_last, u.real - zeta * omega * z_last
+
+
+def _pushed(steps: Array, ends: Array, root: complex) -> npt.NDArray[np.complex128]:
+    """Return what pieces of the polygon add to u, from their lengths and the accelerations at their ends."""
+    x = root * steps
+    once = np.expm1(x) / root
+    series = 0.5 + x * (1 / 6 + x * (1 / 24 + x * (1 / 120 + x * (1 / 720 + x / 5040))))
+    small = np.abs(x) < _SERIES
+    twice = np.where(small, steps**2 * series, (np.expm1(x) - x) / root**2)
+    added: npt.NDArray[np.complex128] = -(ends[0] * once + (ends[1] - ends[0]) / steps * twice)
+    return added
 
 
 def _after(state: Array, f: Array, quality: float) -> tuple[Array, Array, Array]:

@@ -76,28 +76,31 @@ def curves_of(
         UnknownNameError: The run has no such quantity.
         InvalidParameterError: A name leaves open which quantity it is.
     """
-    asked = None if wanted is None else [quantity(run, name) for name in wanted]
+    asked = None if wanted is None else [quantity(run, name).name for name in wanted]
     if asked is not None and not asked:
         return {"series": [], "first": 0}
-    found = list(asked or ())
-    known = {one.name for one in found}
+    # Values are read again where they are drawn: those of a long run are not all held at once.
+    found, peaks = list(asked or ()), dict[int, float]()
     room = 1e6 * megabytes / _BYTES / _SAMPLES[0]  # series, with the fewest samples each
     room = min(max(room, _FEWEST), _MOST)
     for name in _offered(run, joint):
         if len(found) >= room:
             break
-        one = quantity(run, name)
-        if name not in known and _moves(one.values):
-            found.append(one)
-    beside = [None if ideal is None else _same(ideal, one) for one in found]
-    lines = len(found) + sum(one is not None for one in beside)
-    most = int(np.clip(1e6 * megabytes / _BYTES / max(lines, 1), *_SAMPLES))
-    series = [_packed(run, one, start, end, most) for one in found]
-    for packed, other in zip(series, beside, strict=True):
+        values = quantity(run, name).values
+        if name not in found and _moves(values):
+            if name.startswith("|contact_force"):
+                peaks[len(found)] = float(np.nanmax(values))
+            found.append(name)
+    beside = [ideal is not None and _same(ideal, name) is not None for name in found]
+    most = int(np.clip(1e6 * megabytes / _BYTES / max(len(found) + sum(beside), 1), *_SAMPLES))
+    series = [_packed(run, quantity(run, name), start, end, most) for name in found]
+    for packed, name, is_beside in zip(series, found, beside, strict=True):
+        other = _same(ideal, name) if is_beside and ideal is not None else None
         drawn = {} if other is None else _drawn(other, start, end, most)
         if drawn.get("samples", 0) > 1:
             packed["ideal"] = drawn
-    return {"series": series, "first": 0 if asked else _strongest(found)}
+    first = 0 if asked else max(peaks, key=lambda k: peaks[k], default=0)
+    return {"series": series, "first": first}
 
 
 def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], float]:
@@ -216,16 +219,10 @@ def _moves(values: Array) -> bool:
     return bool(some.size) and bool(np.ptp(some) > 0.0)
 
 
-def _strongest(found: list[Quantity]) -> int:
-    """Return the first series to show: the greatest force of a contact, else the first of all."""
-    forces = [k for k, one in enumerate(found) if one.name.startswith("|contact_force")]
-    return max(forces, key=lambda k: float(np.nanmax(found[k].values)), default=0)
-
-
-def _same(ideal: Trajectory, one: Quantity) -> Quantity | None:
+def _same(ideal: Trajectory, name: str) -> Quantity | None:
     """Return what another run has of a quantity; None if it has none, as of a contact without play."""
     try:
-        return quantity(ideal, one.name)
+        return quantity(ideal, name)
     except (UnknownNameError, InvalidParameterError):
         return None
 
