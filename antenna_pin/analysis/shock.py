@@ -129,8 +129,8 @@ def _between(t: Array, a: Array, frequency: float) -> tuple[Array, Array]:
     """
     steps = np.diff(t)
     looks = np.maximum(np.ceil(steps * frequency * _LOOKS).astype(int), (steps > 0.0).astype(int))
-    own = np.repeat(np.arange(looks.size), looks)
-    part = np.arange(own.size) - np.repeat(np.cumsum(looks) - looks, looks)
+    own = np.repeat(np.arange(looks.size, dtype=np.int32), looks)
+    part = np.arange(own.size, dtype=np.int32) - np.repeat((np.cumsum(looks) - looks).astype(np.int32), looks)
     times, ends = np.empty(own.size + 1), np.empty((2, own.size))
     times[0], share = t[0], part / looks[own]
     rise, start = np.diff(a)[own], a[own]
@@ -153,7 +153,7 @@ def _swing(
     damped = omega * math.sqrt(1.0 - zeta**2)
     root = complex(-zeta * omega, damped)
     u, high, low, far = 0j, 0.0, 0.0, 0.0
-    block = (t[1:] - t[0]) * zeta * omega // _GROWTH
+    block = ((t[1:] - t[0]) * zeta * omega // _GROWTH).astype(np.int32)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(block)) + 1, [block.size]])
     for first, last in pairwise(edges.tolist()):
         since = t[first + 1 : last + 1] - t[first]
